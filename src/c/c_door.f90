@@ -176,7 +176,7 @@ contains
       if (associated(result)) then
          status = failed
          if (result%empty) then
-            message = 'nothing was found that a file could hold'
+            message = 'nothing was found that could be written to a file'
          else if (.not. has_rows(result)) then
             message = 'a column of the file has no values'
          else

@@ -49,7 +49,7 @@ module vi_case
       meaning='frequency ratio Omega/omega, unless the study has its own frequency ratios'), &
       key_type('mass', low=0.0_wp, above=.true., may_miss=.true., only='stiffness', &
       unit=of_names, &
-      meaning='primary mass M, by which a result is known in physical units, too'), &
+      meaning='primary mass M, for results in physical units'), &
       key_type('stiffness', low=0.0_wp, above=.true., may_miss=.true., only='mass', &
       unit=of_names, &
       meaning='stiffness K, for physical units'), &
@@ -74,7 +74,7 @@ module vi_case
    type(key_type), parameter, public :: output_keys(*) = [ &
       key_type('name', a_word, may_miss=.true., &
       takes='at most 100 letters, digits, _, - or . (100 bytes in UTF-8), the first one no .', &
-      meaning='name of the result; else that of the file, numbered if it holds several cases'), &
+      meaning='name of the result; else that of the file, numbered if it contains several cases'), &
       key_type('format', a_word, default='''csv''', words='csv table both', &
       meaning='a table for programs, a printout like Table 1 of the 1983 paper, or both')]
 

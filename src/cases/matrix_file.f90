@@ -157,7 +157,7 @@ contains
          if (good .and. width > 0) good = size(values) == width
          if (.not. good) then
             if (empty > 0 .and. rows > 0) line = empty
-            message = 'line '//whole(line)//': must hold '
+            message = 'line '//whole(line)//': must contain '
             if (width > 0) message = message//counted(width, 'finite number')// &
                ', as the lines before'
             if (width == 0) message = message//'finite numbers, at most '//whole(most_columns)
@@ -174,13 +174,13 @@ contains
          n = n + width
       end do
       if (rows == 0) then
-         message = 'it holds no numbers'
+         message = 'it contains no numbers'
          return
       end if
       columns = width
       if (timed) columns = width - 1
       if (timed) times = table(1:n:width)
-      if (columns == 0) message = 'it has a column of times alone'
+      if (columns == 0) message = 'it has only a column of times'
       deallocate (numbers)
       allocate (numbers(columns*rows))
       do at = 1, rows
@@ -285,7 +285,7 @@ contains
       good = good .and. size(values) == merge(3, 2, coordinates)
       if (good) good = all(abs(values - anint(values)) <= 0 .and. values >= 0)
       if (.not. good) then
-         message = 'line '//whole(line)//': must hold the numbers of rows'// &
+         message = 'line '//whole(line)//': must contain the numbers of rows'// &
             trim(merge(', columns and entries', ' and columns         ', coordinates))
          return
       end if
@@ -311,7 +311,7 @@ contains
          call next_numbers(text, at, line, merge(3, 1, coordinates), values, good)
          good = good .and. size(values) == merge(3, 1, coordinates)
          if (.not. good) then
-            message = 'line '//whole(line)//': must hold '//trim(merge('row, column and value', &
+            message = 'line '//whole(line)//': must contain '//trim(merge('row, column and value', &
                'one number           ', coordinates))//' of entry '//whole(k)//' of '// &
                whole(entries)
             return
@@ -341,7 +341,7 @@ contains
          if (symmetric) given(j, i) = .true.
       end do
       call next_numbers(text, at, line, 1, values, good, ended)
-      if (.not. ended) message = 'line '//whole(line)//': stands after the last entry'
+      if (.not. ended) message = 'line '//whole(line)//': follows the last entry'
       numbers = [transpose(matrix)]
    end subroutine read_market
 
@@ -512,9 +512,9 @@ contains
       end do
       i = findloc(abs(numbers) <= huge(1.0_wp), .false., 1)
       if (i == 0) return
-      message = 'it holds a number that is not finite, in row '//whole(1 + (i - 1)/columns)// &
+      message = 'it contains a number that is not finite, in row '//whole(1 + (i - 1)/columns)// &
          ', column '//whole(1 + modulo(i - 1, columns))
-      if (length == rows) message = 'it holds a number that is not finite, number '//whole(i)
+      if (length == rows) message = 'it contains a number that is not finite, number '//whole(i)
    end subroutine read_numpy
 
    !> The same bytes in the opposite order.

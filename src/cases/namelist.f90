@@ -65,7 +65,7 @@ contains
          line = begin%line
          if (text(at:at) /= '&') then
             message = trim(text(at:line_end(text, at)))// &
-               ': stands outside a group; a group starts with & and ends with /'
+               ': is outside a group; a group starts with & and ends with /'
             return
          end if
          last = verify(text(at + 1:), name_characters)
@@ -84,7 +84,7 @@ contains
       end do
       line = 0
       groups = groups(:n)
-      if (n == 0) message = 'holds no namelist group; a case starts with &system'
+      if (n == 0) message = 'contains no namelist group; a case starts with &system'
    end subroutine scan_namelist
 
    !> Replaces tabs by blanks. If the text starts with #, keeps only the lines that do, without the

@@ -111,7 +111,7 @@ contains
          if (place == 0) then
             call list_keys(values%keys, text)
             if (values%name == 'system' .and. index(item%key, 'law') == 1) text = text// &
-               '; a law of restitution stands in a &gap of a &structure'
+               '; a law of restitution belongs in a &gap of a &structure'
             call blame(values, item, 'is not a key of &'//values%name//'; must be one of '//text)
             return
          end if
@@ -370,7 +370,7 @@ contains
          missing = .not. (value%there .or. key%may_miss) .and. len_trim(key%is) == 0
          if (len_trim(key%or) > 0) then
             if (values%given(trim(key%or)) .and. value%given) then
-               call values%forbid(trim(key%name), ' beside '//trim(key%or))
+               call values%forbid(trim(key%name), ' if '//trim(key%or)//' is given')
             else if (missing .and. .not. values%given(trim(key%or))) then
                call values%refuse(trim(key%name), 'or give '//trim(key%or))
             end if
@@ -400,8 +400,10 @@ contains
          first = last + 1
          last = first + index(key%never(first:)//' ', ' ') - 2
          associate (other => key%never(first:last))
-            if (holds(values, other)) why = trim(merge(': it is not for', ' beside        ', &
-               index(other, '=') > 0))//' '//condition(other)
+            if (holds(values, other)) then
+               why = ': it is not for '//condition(other)
+               if (index(other, '=') == 0) why = ' if '//condition(other)//' is given'
+            end if
          end associate
          last = last + 1
       end do
@@ -526,7 +528,7 @@ contains
       class(values_type), intent(inout) :: values
       !> The key.
       character(*), intent(in) :: name
-      !> The text after 'must be left out', such as ' beside states' or ': it is an axis'.
+      !> The text after 'must be left out', such as ' if states is given' or ': it is an axis'.
       character(*), intent(in) :: why
       integer :: i
 

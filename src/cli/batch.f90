@@ -166,7 +166,7 @@ contains
 
       if (len(only) == 0) return
       n = count([(cases(i)%study%name == only, i=1, size(cases))])
-      if (n == 0) message = path//': must hold a group &'//only//'; there is none'
+      if (n == 0) message = path//': must contain a group &'//only//'; there is none'
       allocate (kept(n))
       n = 0
       do i = 1, size(cases)

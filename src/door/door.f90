@@ -141,7 +141,7 @@ contains
       type(case_type), intent(in) :: cases(:)
 
       if (len(holder%message) == 0 .and. size(cases) /= 1) holder%message = &
-         'the text holds '//whole(size(cases))//' cases; must hold one'
+         'the text contains '//whole(size(cases))//' cases; must contain one'
    end subroutine take_one
 
    !> A case without the leading `#` of its lines, and without text that is not part of the
@@ -226,7 +226,7 @@ contains
       call study%columns_of(model, columns)
       first = first_line
       if (model == of_structure) first = first_line_of_structure
-      call start_result([line_type(first//'no namelist tells how it began')], columns, &
+      call start_result([line_type(first//'no namelist describes how it began')], columns, &
          study%row(model), holder%result)
    end subroutine new_bare_result
 

@@ -64,7 +64,7 @@ contains
          if (size(owners) /= rows) then
             fault = 'has '//whole(rows)//' rows and '//whole(size(owners))//' owners'
          else if (any(owners < 1 .or. owners > rows_of(result%tables(place)))) then
-            fault = 'has an owner that is no row of '//parent
+            fault = 'has an owner that is not a row of '//parent
          end if
       end if
       good = len(fault) == 0
@@ -181,7 +181,7 @@ contains
             if (are_reals .neqv. (column%kind == reals .or. column%kind == complexes)) then
                fault = 'is of another kind'
             else if (modulo(n, each) > 0 .or. (rows == 0 .and. n > 0)) then
-               fault = whole(n)//' values are no whole number of rows'
+               fault = whole(n)//' values are not a whole number of rows'
             else if (rows > 0) then
                if (n == 0 .or. modulo(n, each*max(1, rows)) > 0 .or. &
                   (len_trim(column%each) == 0 .and. n /= each*rows)) fault = &

@@ -140,19 +140,19 @@ contains
                   merge(1, 0, groups(n_before)%name == 'sweep')
                if (.not. ends_in_case(studies, groups(:n_before))) then
                   call join_groups(studies%name, names)
-                  message = '&'//groups(i)%name//': no '//names//' stands before it'
+                  message = '&'//groups(i)%name//': no '//names//' precedes it'
                   if (n_before > 0 .and. groups(i)%name == 'sweep') then
                      if (any(groups(n_before)%name == [character(6) :: 'sweep', 'output'])) then
-                        message = '&sweep: stands after &'//groups(n_before)%name// &
-                           '; must stand once, directly after the group of a study'
+                        message = '&sweep: follows &'//groups(n_before)%name// &
+                           '; must occur once, directly after the group of a study'
                      end if
                   end if
                end if
             case default
                if (.not. allocated(system%values%name)) then
-                  message = '&'//groups(i)%name//': no &system stands before it'
+                  message = '&'//groups(i)%name//': no &system precedes it'
                   if (place_of_study(studies, groups(i)%name, of_structure) > 0) message = &
-                     '&'//groups(i)%name//': no &system or &structure stands before it'
+                     '&'//groups(i)%name//': no &system or &structure precedes it'
                else if (place_of_study(studies, groups(i)%name, system%model) == 0) then
                   call join_groups(pack(studies%name, is_for(studies%models, system%model)), names)
                   message = '&'//groups(i)%name//': is not a study of a &'// &
@@ -307,7 +307,7 @@ contains
          end select
       end do
       message = '&'//groups(size(groups))%name// &
-         ': must stand after a &structure, before its studies'
+         ': must follow a &structure and precede its studies'
    end subroutine check_place
 
    !> Whether a case of this system uses the frequency ratio of &system.
@@ -426,7 +426,7 @@ contains
             end do
             if (groups(j)%name == 'system' .or. groups(j)%name == 'structure') then
                message = '&'//trim(study%name)//': no &'//trim(study%starts_from(model))// &
-                  ' of this &'//groups(j)%name//' stands before it'
+                  ' of this &'//groups(j)%name//' precedes it'
                return
             end if
             associate (start => studies(place_of_study(studies, study%starts_from(model), model)))

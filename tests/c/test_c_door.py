@@ -147,7 +147,7 @@ def test_wrong_text(run, name):
     status, line, message = report.split(" ", 2)
     assert status == "2"
     if name == "two_cases":  # which the program accepts
-        assert message == "the text holds 2 cases; must hold one"
+        assert message == "the text contains 2 cases; must contain one"
         return
     output = run.batch(WRONG[name])
     assert output.returncode == 2

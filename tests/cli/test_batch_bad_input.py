@@ -75,9 +75,9 @@ KEYS = [
 
 #: Complete files: id, text, line, beginning of the message after the place, a part of the rest.
 FORMS = [
-    ("empty", "", 0, "holds no namelist group", "&system"),
-    ("blank", " \n\t\n! nothing\n", 0, "holds no namelist group", "&system"),
-    ("byte order mark only", b"\xef\xbb\xbf", 0, "holds no namelist group", "&system"),
+    ("empty", "", 0, "contains no namelist group", "&system"),
+    ("blank", " \n\t\n! nothing\n", 0, "contains no namelist group", "&system"),
+    ("byte order mark only", b"\xef\xbb\xbf", 0, "contains no namelist group", "&system"),
     ("unknown key", changed(3, "weight = 1"), 3, "&system weight = 1", "xi, mu, restitution, r"),
     ("a law", changed(3, "law = 'power'"), 3, "&system law = 'power'", "a &gap of a &structure"),
     ("component", changed(3, "mu%x = 1"), 3, "&system mu%x = 1", "xi, mu, restitution, r"),

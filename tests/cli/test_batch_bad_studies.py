@@ -83,13 +83,13 @@ def test_bad_atlas(old, new, wanted, line, batch):
 
 @pytest.mark.parametrize(("text", "message"), [
     (WALLS + "&branch parameter = 'r' /\n", "&system r: is missing"),
-    (SYSTEM + ALONG, "&branch: no &motion of this &system stands before it"),
+    (SYSTEM + ALONG, "&branch: no &motion of this &system precedes it"),
     (PAIR + "&output name = 'm' /\n" + SYSTEM + ALONG, "&branch: no &motion of this &system"),
-    (ALONG, "&branch: no &system or &structure stands before it"),
-    (ZONE.replace(WALLS, ""), "&zone: no &system or &structure stands before it"),
+    (ALONG, "&branch: no &system or &structure precedes it"),
+    (ZONE.replace(WALLS, ""), "&zone: no &system or &structure precedes it"),
     (SYSTEM + ZONE.replace(WALLS, ""),
      "&system r = 0.94: must be left out: it is not for a &chart, &zone, &atlas or &response"),
-    (ATLAS.replace(WALLS, ""), "&atlas: no &system or &structure stands before it"),
+    (ATLAS.replace(WALLS, ""), "&atlas: no &system or &structure precedes it"),
     (SYSTEM + ATLAS.replace(WALLS, ""), "&system r = 0.94: must be left out: it is not for a &chart, &zone"),
     (ATLAS.replace("xi = 0.0114", "xi = 0"), "&atlas r_min = 1.0: must be a number with 1e-6"),
     (ZONE.replace("xi = 0.0114", "xi = 0"), "&zone r_min = 0.8: must be a number with 1e-6"),

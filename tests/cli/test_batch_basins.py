@@ -163,7 +163,7 @@ def test_another_seed_has_other_states(batch):
     assert abs(pair[0] - pair[1]) < 4 * math.sqrt(pair[0] * (1 - pair[0]) * (1 / 600 + 1 / 150))
 
 
-BESIDE = "must be left out beside states"
+BESIDE = "must be left out if states is given"
 
 
 @pytest.mark.parametrize(("old", "new", "wanted", "line"), [

@@ -125,7 +125,7 @@ def test_r_is_where_it_belongs(batch):
     )
     both = along_r.replace(" /", ", r = .9, 1 /")
     assert_refused(
-        FREE + both, "lyapunov", "r = .9, 1: must be left out beside parameter", 2, batch
+        FREE + both, "lyapunov", "r = .9, 1: must be left out if parameter is given", 2, batch
     )
     undamped = FREE.replace("0.0114", "0")
     assert_refused(undamped + along_r, "lyapunov", "r = 1 with xi = 0", 2, batch)

@@ -14,21 +14,21 @@ MODES = """&structure frequencies = 1, 2, damping_ratios = 0.1, 0, shapes = 1, 1
 """
 
 FAULTS = [
-    (GAP + CASE, "gap", "must stand after a &structure", 1),
+    (GAP + CASE, "gap", "must follow a &structure", 1),
     (STRUCTURE + RUN, "structure", "no &gap, &stop or &friction follows", 1),
     (STRUCTURE + GAP, "structure", "no &motion, &simulate", 1),
     (STRUCTURE + GAP + LOAD * 2 + RUN, "load", "is the second of this &structure", 4),
-    (CASE + GAP, "gap", "must stand after a &structure, before its studies", 5),
-    (CASE + LOAD, "load", "must stand after a &structure, before its studies", 5),
+    (CASE + GAP, "gap", "must follow a &structure and precede its studies", 5),
+    (CASE + LOAD, "load", "must follow a &structure and precede its studies", 5),
     (STRUCTURE + GAP + "&decay cycles = 2 /\n", "decay", "is not a study of a &structure; must be", 3),
-    (RUN, "simulate", "no &system or &structure stands before it", 1),
+    (RUN, "simulate", "no &system or &structure precedes it", 1),
     (STRUCTURE + GAP * 501 + RUN, "gap", "must be at most 500", 502),
     *[(CASE.replace("mass = 1, 0.1", f"mass = {v}"), "structure", wanted, 1) for v, wanted in (
         ("1, -1", "must be positive definite, and its least eigenvalue is -1"), ("1, 0", "least eigenvalue is 0"),
         ("1, 2, 2, 1", "least eigenvalue is -1"), ("", "must be n numbers"), ("1, nan", "must be n numbers"),
         ("1, inf", "must be n numbers"), ("1, x", "must be n numbers"), ("3*1", "does not fit the 3 of mass"),
         ("501*1", "it has 501 numbers"), ("250001*1", "must be n numbers"), ("1, 1, mass = 2", "was given before"),
-        ("1, 1, mass_file = 'm.npy'", "must be left out beside mass_file"),
+        ("1, 1, mass_file = 'm.npy'", "must be left out if mass_file is given"),
     )],
     *[(CASE.replace("stiffness = 1, 0", v), "structure", wanted, 1) for v, wanted in (
         ("stiffness = 1, 2, 3, 1", "row 1, column 2 holds 2, and row 2, column 1 3"),
@@ -36,17 +36,17 @@ FAULTS = [
         ("damping = -1, 0", "no negative eigenvalue, and the least one is -1"),
         ("stiffness = 1, 2, 3", "it has 3 numbers, which does not fit the 2 of mass"),
         ("stif = 1, 0", "is not a key of &structure; must be one of mass, damping"),
-        ("frequencies = 1", "must be left out beside frequencies"), ("shapes = 1", "goes with frequencies"),
+        ("frequencies = 1", "must be left out if frequencies is given"), ("shapes = 1", "goes with frequencies"),
     )],
     *[(CASE.replace("stiffness = 1, 0", f"stiffness_file = '{v}'"), "structure", wanted, 1) for v, wanted in (
         ("none.npy", "none.npy: No such file"), (".", "Is a directory"), ("", "must be a Matrix Market file"),
         ("text.mtx", "starts neither as a Matrix Market file"), ("empty.mtx", "starts neither as"),
-        ("short.mtx", "line 5: must hold row, column and value of entry 3 of 3"),
+        ("short.mtx", "line 5: must contain row, column and value of entry 3 of 3"),
         ("complex.mtx", "line 1: must be matrix, coordinate or array"),
         ("outside.mtx", "line 4: must be another entry of the 2 rows and 2 columns"),
         ("twice.mtx", "line 4: must be another entry of the 2 rows and 2 columns"),
-        ("long.mtx", "line 7: stands after the last entry"), ("large.mtx", "99999999 rows"),
-        ("nan.mtx", "line 4: must hold one number of entry 2 of 4"),
+        ("long.mtx", "line 7: follows the last entry"), ("large.mtx", "99999999 rows"),
+        ("nan.mtx", "line 4: must contain one number of entry 2 of 4"),
         ("whole.npy", "it holds '<i8'; must be float64"), ("nan.npy", "not finite"),
         ("three.npy", "which does not fit the 2 of mass"), ("wide.npy", "2 rows and 3 columns; must be square"),
         ("none_0.npy", "0 rows"), ("large.npy", "501 rows"), ("cube.npy", "the shape (2,2,2)"),
@@ -66,15 +66,15 @@ FAULTS = [
     )],
     *[(CASE.replace(LOAD, f"&load {v}, step = 0.1 /\n"), "load", wanted, 3) for v, wanted in (
         ("record_file = 'none.csv', acts_on = 1", "none.csv: No such file"),
-        ("record_file = 'words.csv', acts_on = 1", "line 2: must hold finite numbers"),
-        ("record_file = 'nan.csv', acts_on = 1", "nan.csv: line 3: must hold 1 finite number, as the"),
-        ("record_file = 'inf.csv', acts_on = 1", "inf.csv: line 2: must hold 1 finite number"),
-        ("record_file = 'blank.csv', acts_on = 1", "blank.csv: line 2: must hold 1 finite number"),
-        ("record_file = 'ragged.csv'", "ragged.csv: line 2: must hold 2 finite numbers, as the lines before"),
-        ("record_file = 'cell.csv'", "cell.csv: line 2: must hold 2 finite numbers"),
+        ("record_file = 'words.csv', acts_on = 1", "line 2: must contain finite numbers"),
+        ("record_file = 'nan.csv', acts_on = 1", "nan.csv: line 3: must contain 1 finite number, as the"),
+        ("record_file = 'inf.csv', acts_on = 1", "inf.csv: line 2: must contain 1 finite number"),
+        ("record_file = 'blank.csv', acts_on = 1", "blank.csv: line 2: must contain 1 finite number"),
+        ("record_file = 'ragged.csv'", "ragged.csv: line 2: must contain 2 finite numbers, as the lines before"),
+        ("record_file = 'cell.csv'", "cell.csv: line 2: must contain 2 finite numbers"),
         ("record_file = 'one.csv', acts_on = 1", "it has one sample"),
-        ("record_file = 'empty.mtx', acts_on = 1", "it holds no numbers"),
-        ("record_file = 'times.csv'", "it has a column of times alone"),
+        ("record_file = 'empty.mtx', acts_on = 1", "it contains no numbers"),
+        ("record_file = 'times.csv'", "it has only a column of times"),
         ("record_file = 'late.csv', acts_on = 1", "sample 1 is at time 1; must be 0"),
         ("record_file = 'jump.csv', acts_on = 1", "sample 3 is at time 0.3; must be 0.2"),
         ("record_file = 'nan.npy'", "that is not finite, in row 1, column 1"),
@@ -91,13 +91,13 @@ FAULTS = [
         ("record = 3*1, acts_on = 2", "must be the number of a coordinate, from 0"),
         ("record = 4*1, acts_on = 0, 0", "no number twice"),
         ("record = 3*1, weights = 1, 2, 3", "it has 3 numbers for 2 coordinates"),
-        ("record = 3*1, weights = 1, 2, acts_on = 1", "acts_on = 1: must be left out beside weights"),
-        ("record = 3*1, weights = 1, 2, base = 'motion'", "weights = 1, 2: must be left out beside base"),
+        ("record = 3*1, weights = 1, 2, acts_on = 1", "acts_on = 1: must be left out if weights is given"),
+        ("record = 3*1, weights = 1, 2, base = 'motion'", "weights = 1, 2: must be left out if base is given"),
         ("record = 3*1, base = 'yes'", "must be 'acceleration' (one column)"),
         ("record = 3*1, base_direction = 1, 1", "it goes with base"),
         ("record = 3*1, base = 'acceleration', base_direction = 1", "it has 1 number for 2 coordinates"),
-        ("record = 4*1, frequency = 1", "must be left out beside frequency"),
-        ("record = 4*1, record_file = 'm.csv'", "must be left out beside record"),
+        ("record = 4*1, frequency = 1", "must be left out if frequency is given"),
+        ("record = 4*1, record_file = 'm.csv'", "must be left out if record"),
         ("constant = 1, 0", "step = 0.1: must be left out: it goes with record or record_file"),
     )],
     (CASE.replace(LOAD, "&load record = 4*1 /\n"), "load", "step: is missing; must be a number with 0 < step", 3),
@@ -109,7 +109,7 @@ FAULTS = [
     (CASE.replace(LOAD, "&load record = 4*1, step = 1 /\n").replace(RUN, "&motion kind = 'settled' /\n"), "motion",
      "a &load that has a frequency", 4),
     *[(CASE.replace(RUN, f"&simulate {v} /\n"), "simulate", wanted, 4) for v, wanted in (
-        ("", "duration: is missing"), ("duration = 1, cycles = 1", "must be left out beside cycles"),
+        ("", "duration: is missing"), ("duration = 1, cycles = 1", "must be left out if cycles is given"),
         ("duration = -1", "0 <= duration <= 1e12"), ("duration = 1, q = 1", "1 number for 2 coordinates"),
         ("duration = 1, q_dot = 1, 2, 3", "3 numbers for 2 coordinates"), ("cycles = 1e9, start = -1", "start"),
         ("duration = 1, max_events = 0", "max_events"), ("duration = 1, clearance = 1", "is not a key of"),
@@ -172,7 +172,7 @@ def test_file_faults_name_the_file(batch, broken):
     """A path is relative to the folder of the namelist."""
     (batch.cwd / "m.mtx").write_text(FILES["long.mtx"], encoding="utf-8")
     text = CASE.replace("stiffness = 1, 0", "stiffness_file = 'm.mtx'")
-    assert_refused_with_file(batch, text, "m.mtx: line 7: stands after the last entry")
+    assert_refused_with_file(batch, text, "m.mtx: line 7: follows the last entry")
 
 
 def assert_refused_with_file(batch, text, wanted):

@@ -154,7 +154,7 @@ def test_simulate_says_what_is_missing(tool):
     write(tool.cwd / "case.nml", SIMULATION)
     done = tool("simulate", "pair.nml", "case.nml")
     assert done.status == 2
-    assert done.faults == ["pair.nml: must hold a group &simulate; there is none"]
+    assert done.faults == ["pair.nml: must contain a group &simulate; there is none"]
     assert list(contents(tool.cwd / "results")) == ["case.csv"]
 
 

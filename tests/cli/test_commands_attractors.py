@@ -145,7 +145,7 @@ def test_random_states(tool):
     (["response", *SYSTEM, "--r", "1", "2", "3"],
      "--clearance: must be given, or a namelist file instead of the options; it must be a number with"),
     (["response", "--r", "1", "2", "3"], "--xi: must be given, or a namelist file"),
-    (["response", "case.nml", "--states", "3"], "--states: must be left out beside a namelist file"),
+    (["response", "case.nml", "--states", "3"], "--states: must be left out if a namelist file is given"),
 ])  # fmt: skip
 def test_bad_input_is_named(tool, words, fault):
     """Invalid input is named as it was typed; nothing is written."""
@@ -164,7 +164,7 @@ def test_a_wrong_file_does_not_stop_the_others(name, tool):
     write(tool.cwd / "bad.nml", kinds()[name].replace("xi = ", "xi = -"))
     done = tool(name, "other.nml", "bad.nml", "nope.nml", "case.nml", "case.nml", "--quiet")
     assert (done.status, done.out, len(done.faults)) == (2, b"", 4)
-    starts = (f"other.nml: must hold a group &{name}", "bad.nml:", "nope.nml: cannot be read",
+    starts = (f"other.nml: must contain a group &{name}", "bad.nml:", "nope.nml: cannot be read",
               "case.nml: &output name = 'case': is already the name of another case")  # fmt: skip
     for line, start in zip(done.faults, starts, strict=True):
         assert line.startswith(start)

@@ -196,7 +196,7 @@ def test_the_document_of_a_search(tool, found):
      ["-o", "a.json"], "-o a.json: names a file, and there are 2 points; must be a folder"),
     (PAIR, ["-o", "a.txt"], "-o a.txt: must be a folder, or a file whose name ends with one of .csv"),
     (PAIR, ["--max-impacts", "99"], "--max-impacts 99: must be "),
-    (PAIR, ["--r", "1"], "--r: must be left out beside a namelist file"),
+    (PAIR, ["--r", "1"], "--r: must be left out if a namelist file is given"),
     ("&system xi = .1, mu = .1, restitution = .5 /\n"
      "&response r_min = 1, r_max = 2, r_points = 3, clearance = 1 /\n",
      [], "case.nml: case: must be at one point of r and clearance; this &response is not"),
@@ -229,9 +229,9 @@ def test_names_of_several_points(tool):
 
 
 @pytest.mark.parametrize(("words", "output"), [
-    (["--r", "1e400"], "--r 1e400: must be a number that double precision holds"),
-    (["--r", "-1e999"], "--r -1e999: must be a number that double precision holds"),
-    (["--r", "0.9", "--clearance", "1e-400"], "--clearance 1e-400: must be a number that double precision holds"),
+    (["--r", "1e400"], "--r 1e400: must be a number representable in double precision"),
+    (["--r", "-1e999"], "--r -1e999: must be a number representable in double precision"),
+    (["--r", "0.9", "--clearance", "1e-400"], "1e-400: must be a number representable in double precision"),
     (["--r", "1_0"], "--r 1_0: must be a number"),
     (["--r", "0.9", "--guesses", "1_0"], "--guesses 1_0: must be a whole number")])  # fmt: skip
 def test_numbers_are_repeated_as_typed(words, output, tool):

@@ -175,7 +175,7 @@ def test_control_characters_are_not_echoed(batch):
     done = batch.case(held)
     (fault,) = done.faults
     assert fault.startswith("case.nml:1: é??µ??€????????")
-    assert "?[2J\udce2?: stands outside a group" in fault
+    assert "?[2J\udce2?: is outside a group" in fault
     assert all(letter.isprintable() or letter >= "\udca0" for letter in fault)
 
 

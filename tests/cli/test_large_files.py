@@ -102,7 +102,7 @@ def test_line_feed_in_a_path(batch, command):
     output = [program("a\nb.nml", "-o", "out") for program in (batch, command)]
     assert output[0] == output[1]
     assert output[0].faults == [
-        "a?b.nml:1: x: stands outside a group; a group starts with & and ends with /"
+        "a?b.nml:1: x: is outside a group; a group starts with & and ends with /"
     ]
 
 

@@ -68,7 +68,7 @@ def test_threads_of_an_atlas(threads):
 @pytest.mark.parametrize(("words", "output"), [
     ("basins --r 1.04 --clearance 9", "--plane: must be given, or a namelist file instead of the options"),
     ("basins --r 1.04 --clearance 9 --states 9 --plane x 0 1 2 y 0 1 2",
-     "--plane x 0 1 2 y 0 1 2: must be left out beside --states: it is for a plane"),
+     "--plane x 0 1 2 y 0 1 2: must be left out if --states is given: it is for a plane"),
     ("basins --r 1.04 --clearance 9 --states 9 --plot", "--plot png: must go with --plane"),
     ("lyapunov --r 1 1.05 3 --clearance 9 12 5", "--r, --clearance: one of them must be a number"),
     ("response --r 1.05 1 3 --clearance 9",

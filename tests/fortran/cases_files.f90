@@ -311,12 +311,12 @@ contains
       integer :: i
 
       call refuse_matrix('array real general|2 2|1|x|y|4|', &
-         'line 4: must hold one number of entry 2 of 4')
+         'line 4: must contain one number of entry 2 of 4')
       call refuse_matrix('array real general|2 2|1|2|3|', &
-         'line 6: must hold one number of entry 4 of 4')
-      call refuse_matrix('array real general|1 1|1|%|2|', 'line 5: stands after the last entry')
+         'line 6: must contain one number of entry 4 of 4')
+      call refuse_matrix('array real general|1 1|1|%|2|', 'line 5: follows the last entry')
       call refuse_matrix('array real general|1.5 1|1|', &
-         'line 2: must hold the numbers of rows and columns')
+         'line 2: must contain the numbers of rows and columns')
       call refuse_matrix('array real symmetric|1 2|1|2|', &
          'line 2: must be square as it is symmetric')
       call refuse_matrix('array real general|1 2|1|2|', &
@@ -334,17 +334,17 @@ contains
       call refuse_matrix('coordinate real general|2 2 5|1 1 3|', &
          'line 2: it has more than 4 entries')
       call refuse_matrix('coordinate real general|2 2|1 1 3|', &
-         'line 2: must hold the numbers of rows, columns and entries')
+         'line 2: must contain the numbers of rows, columns and entries')
       call refuse_matrix('array complex general|1 1|1|', &
          'line 1: must be matrix, coordinate or array, real, general or symmetric')
       call refuse_matrix('array complex general|x|', &
          'line 1: must be matrix, coordinate or array, real, general or symmetric')
       call refuse_matrix('array real general|2 2|1|2|3,|4|', &
-         'line 5: must hold one number of entry 3 of 4')
+         'line 5: must contain one number of entry 3 of 4')
       call refuse_matrix('array real general|2*2|1|2|3|4|', &
-         'line 2: must hold the numbers of rows and columns')
+         'line 2: must contain the numbers of rows and columns')
       call refuse_matrix('array real general|-1 1|1|', &
-         'line 2: must hold the numbers of rows and columns')
+         'line 2: must contain the numbers of rows and columns')
       call refuse_matrix('array real general|0 0|', 'it has 0 rows and 0 columns; must be 1 to 5')
       call refuse_matrix('array real general|1e99 1|', &
          'it has 1000000000 rows and 1 columns; must be 1 to 5')
@@ -395,13 +395,13 @@ contains
                repeat(bytes_of(1.0_wp, .true.), 4 - at)
             call write_numpy('<', trim(merge('True ', 'False', order == 1)), '(2, 2)', bytes, order)
             ! the files hold the numbers column by column, or row by row
-            expected = 'it holds a number that is not finite, in row '//whole(merge(1 &
+            expected = 'it contains a number that is not finite, in row '//whole(merge(1 &
                + mod(at - 1, 2), 1 + (at - 1)/2, order == 1))//', column '//whole(merge(1 &
                + (at - 1)/2, 1 + mod(at - 1, 2), order == 1))
             call check_refused(expected)
             call write_numpy('<', 'False', trim(merge('(4,)  ', '(4, 1)', order == 1)), bytes, 1)
             call read_samples(path, 2, 6, numbers, columns, times, message)
-            call check(message == 'it holds a number that is not finite, number '//whole(at), &
+            call check(message == 'it contains a number that is not finite, number '//whole(at), &
                'a list with a number that is not finite: '//message)
          end do
       end do
@@ -436,25 +436,25 @@ contains
 
    !> The first fault of a table of samples is named: at most 2 columns and 6 numbers.
    subroutine test_wrong_samples()
-      call refuse_samples('1 2|3|4 5|', 'line 2: must hold 2 finite numbers, as the lines before')
-      call refuse_samples('#|1 2 3 4|1 2|', 'line 2: must hold finite numbers, at most 2')
-      call refuse_samples('1||2|', 'line 2: must hold 1 finite number, as the lines before')
+      call refuse_samples('1 2|3|4 5|', 'line 2: must contain 2 finite numbers, as the lines before')
+      call refuse_samples('#|1 2 3 4|1 2|', 'line 2: must contain finite numbers, at most 2')
+      call refuse_samples('1||2|', 'line 2: must contain 1 finite number, as the lines before')
       call refuse_samples('1 2|3 4|5 6|7 8|x|', 'it has more than 6 numbers')
-      call refuse_samples('1 2|3 nan|', 'line 2: must hold 2 finite numbers, as the lines before')
-      call refuse_samples('2*1|', 'line 1: must hold finite numbers, at most 2')
+      call refuse_samples('1 2|3 nan|', 'line 2: must contain 2 finite numbers, as the lines before')
+      call refuse_samples('2*1|', 'line 1: must contain finite numbers, at most 2')
       ! a first line of names is passed over, but these words are meant as numbers
-      call refuse_samples('NaN 1|2 3|', 'line 1: must hold finite numbers, at most 2')
-      call refuse_samples('Infinity 1|2 3|', 'line 1: must hold finite numbers, at most 2')
-      call refuse_samples('"|1 2|', 'line 1: must hold finite numbers, at most 2')
-      call refuse_samples('x y|', 'it holds no numbers')
-      call refuse_samples('time|1|2|', 'it has a column of times alone')
-      call refuse_samples('# 1|', 'it holds no numbers')
-      call refuse_samples('# 1', 'it holds no numbers')
-      call refuse_samples('', 'it holds no numbers')
+      call refuse_samples('NaN 1|2 3|', 'line 1: must contain finite numbers, at most 2')
+      call refuse_samples('Infinity 1|2 3|', 'line 1: must contain finite numbers, at most 2')
+      call refuse_samples('"|1 2|', 'line 1: must contain finite numbers, at most 2')
+      call refuse_samples('x y|', 'it contains no numbers')
+      call refuse_samples('time|1|2|', 'it has only a column of times')
+      call refuse_samples('# 1|', 'it contains no numbers')
+      call refuse_samples('# 1', 'it contains no numbers')
+      call refuse_samples('', 'it contains no numbers')
       call refuse_samples('1|2|3|4|5|6|7|', 'it has more than 6 numbers')
       call refuse_samples('1 2|# 3 4|% 5 6|3 4|5|', &
-         'line 5: must hold 2 finite numbers, as the lines before')
-      call refuse_samples('1 2 |3*4|', 'line 2: must hold 2 finite numbers, as the lines before')
+         'line 5: must contain 2 finite numbers, as the lines before')
+      call refuse_samples('1 2 |3*4|', 'line 2: must contain 2 finite numbers, as the lines before')
       call refuse_samples(market//'array real general|4 2|1|2|3|4|5|6|7|8|', &
          'it has more than 6 numbers')
       call refuse_samples(market//'array real general|1 3|1|2|3|', &

@@ -177,5 +177,5 @@ def test_rests_beside_friction_are_refused():
     slot = [vi.Gap([-1, 1], 1.2, 0.0), vi.Gap([1, -1], 1.2, 0.0)]
     s = vi.Structure([1, 0.2], [0.05, 0], [1, 0], slot, [vi.Friction([-1, 1], 0.01)])
     motion = settled(s, vi.Load(0.85, sine=[1, 0]), 300)
-    with pytest.raises(vi.SingularError, match="a gap rests beside stops or friction"):
+    with pytest.raises(vi.SingularError, match="a gap rests in a structure with stops or friction"):
         vi.branch(motion, "frequency", bounds=(0.8, 0.9))

@@ -259,7 +259,7 @@ def test_another_campaign_is_refused(tmp_path):
     """A store holds one campaign of one build; a folder with other files is left alone."""
     vi.campaign(small_sweep(), tmp_path / "store")
     other = vi.Sweep(equispaced_case(), {"r": [0.9, 1.0]})
-    with pytest.raises(vi.ParameterError, match="holds another campaign"):
+    with pytest.raises(vi.ParameterError, match="contains another campaign"):
         vi.campaign(other, tmp_path / "store")
     plan = tmp_path / "store" / "campaign.json"
     plan.write_text(json.dumps(json.loads(plan.read_text()) | {"core": "another"}))
@@ -289,7 +289,7 @@ def test_what_is_no_store(tmp_path):
     for path in (None, "", 3):
         with pytest.raises(vi.ParameterTypeError, match="must be the path of a folder"):
             vi.campaign(sweep, path)
-    with pytest.raises(vi.ParameterError, match="must not hold a null byte"):
+    with pytest.raises(vi.ParameterError, match="must not contain a null byte"):
         vi.campaign(sweep, "a\0b")
     store = tmp_path / "größe, 日本 \" '"
     found = vi.campaign(sweep, store)

@@ -103,8 +103,8 @@ def test_a_huge_grid(tmp_path):
     [
         ({"xii": [1.0]}, {}, "'xii' is not a key of the case; must be one of system.xi, "),
         ({}, {}, "must be a mapping with at least one key"),
-        ({"xi": []}, {}, "is empty; must hold at least one value"),
-        ({"xi": [0.1, 0.1]}, {}, "must hold each value once"),
+        ({"xi": []}, {}, "is empty; must have at least one value"),
+        ({"xi": [0.1, 0.1]}, {}, "each value must occur once"),
         ({"xi": [0.1], "system.xi": [0.2]}, {}, "system.xi is given twice"),
         ({"xi": (0.1, 0.2, 0.3)}, {"samples": 4}, "must be two numbers"),
         ({"xi": (0.2, 0.1)}, {"samples": 4}, "must be two numbers with low < high"),
@@ -169,7 +169,7 @@ def test_a_template_that_is_no_case(case):
         ("keys = 'xi', high = 4", "high"),
         (
             "keys = 'xi', values = 1\n/\n&sweep\n  keys = 'mu', values = 1",
-            "&sweep: stands after &sweep; must",
+            "&sweep: follows &sweep; must",
         ),
         ("keys = 'xi', values = nan", "nan"),
         ("keys = 'xi', 'system.xi', values = 1, 2, counts = 1, 1", "system.xi is given twice"),
@@ -191,7 +191,7 @@ def test_a_sweep_after_the_output(tmp_path):
     """The place of the group is named."""
     path = tmp_path / "bad.nml"
     path.write_text(SWEEP.replace("&sweep", "&output name = 'a' /\n&sweep"))
-    with pytest.raises(vi.ParameterError, match="stands after &output; must stand once"):
+    with pytest.raises(vi.ParameterError, match="follows &output; must occur once"):
         vi.read_namelist(path)
 
 

@@ -193,7 +193,7 @@ def test_files_and_namelist_give_it_again(form, tmp_path):
 @pytest.mark.parametrize(("keys", "wanted"), [
     ({"clearance": -1.0}, "clearance = -1.0: must be a number with 1e-12 <= clearance <= 1e12"),
     ({}, "clearance: is missing; must be a number with 1e-12 <= clearance <= 1e12"),
-    ({"clearance": 1.0, "inverse_clearance": 1.0}, "must be left out beside"),
+    ({"clearance": 1.0, "inverse_clearance": 1.0}, "must be left out if"),
     ({"clearance": 1.0, "cycles": 0}, "cycles = 0: must be a whole number with 1 <= cycles"),
     ({"clearance": 1.0, "amplitude": 0.0}, "; amplitude must not be 0 where both masses start at rest"),
     ({"clearance": [1.0, 0.4], "y": 0.3},

@@ -32,7 +32,7 @@ FREE = {"load": 1.0, "settling": 400, "keep": 32}
         ({"free": 3}, "free = 3: must be a dict"),
         (
             {"free": {"restitution": (0.5, 0.6), "R1": (0.5, 0.6)}, "clearance": 20.0},
-            "must be left out beside",
+            "must be left out if",
         ),
         (
             {"tolerance": {"clearance": (-30, 0)}},
@@ -48,7 +48,7 @@ FREE = {"load": 1.0, "settling": 400, "keep": 32}
                 "tolerance": {"restitution": (0.5, 0.7)},
                 "clearance": 20.0,
             },
-            r"free\['R1'\] = 0.3, 0.9: must be left out beside tolerance_restitution",
+            r"free\['R1'\] = 0.3, 0.9: must be left out if tolerance_restitution is given",
         ),
         (
             {
@@ -56,16 +56,16 @@ FREE = {"load": 1.0, "settling": 400, "keep": 32}
                 "tolerance": {"R2": (0.5, 0.7)},
                 "clearance": 20.0,
             },
-            r"tolerance\['R2'\] = 0.5, 0.7: must be left out beside free_restitution",
+            r"tolerance\['R2'\] = 0.5, 0.7: must be left out if free_restitution is given",
         ),
         (
             {"target": "damping", "r": None, "amplitude": 1.0, "limits": {"speed": 1.0}, **FREE},
-            r"limits\['speed'\] = 1.0: must be left out beside amplitude",
+            r"limits\['speed'\] = 1.0: must be left out if amplitude is given",
         ),
         *(
             (
                 {"target": "damping", "r": None, "amplitude": 1.0, **FREE, name: value},
-                rf"{name} = .*: must be left out beside amplitude",
+                rf"{name} = .*: must be left out if amplitude is given",
             )
             for name, value in (("load", (0.5, 2.0)), ("settling", 300), ("keep", 5))
         ),
@@ -87,9 +87,9 @@ FREE = {"load": 1.0, "settling": 400, "keep": 32}
         ({"progress": 3}, "progress = 3: must be None or callable"),
         ({"tolerance": {"xi": (0.02, 0.01)}}, "low <= high"),
         ({"tolerance": {"xi": stats.norm(0.01, 0.01)}}, "6 standard deviations"),
-        ({"clearance": 20.0}, "clearance = 20.0: must be left out beside free"),
+        ({"clearance": 20.0}, "clearance = 20.0: must be left out if free_clearance is given"),
         ({"free": {"mu": (0.02, 0.1)}}, "clearance: is missing"),
-        ({"amplitude": 1.0}, "must be left out beside"),
+        ({"amplitude": 1.0}, "must be left out if"),
         ({"target": "damping"}, "needs an amplitude"),
         ({"load": 0}, "load = 0"),
         ({"target": "noise"}, "target = 'noise'"),

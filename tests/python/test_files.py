@@ -124,7 +124,7 @@ def test_csv_without_a_namelist(results, tmp_path):
     """The CSV of a result without a namelist says so in its header, and cannot be loaded."""
     results["rest"].save(tmp_path / "rest.csv")
     lines = (tmp_path / "rest.csv").read_text().splitlines()
-    assert lines[0].endswith("no namelist tells how it began")
+    assert lines[0].endswith("no namelist describes how it began")
     assert len(lines) == 2 + len(results["rest"].pattern)
     with pytest.raises(
         vi.errors.ParameterError, match=r"rest\.csv': must end with .json, .nc or .mat"

@@ -204,7 +204,7 @@ def test_other_records_have_a_status(clearance, status):
         ({"known": {"M": -1.0}}, "known M = -1.0: must be"),
         ({"known": {"M": 2.7, "K": 42e3, "omega": 3.0}}, "known M, K, omega: must be"),
         ({"frequency": 0.0}, "frequency = 0.0: must be"),
-        ({"bandwidth": 300.0}, "bandwidth: must be left out beside a record"),
+        ({"bandwidth": 300.0}, "bandwidth: must be left out if a record is given"),
         ({"impact_times": [0, 1]}, "impact_times: must be given without a record"),
         ({"law": "cubic"}, "law = 'cubic': must be"),
         ({"law_speed": 0.3}, "law_speed = 0.3: must come with another law than 'constant'"),

@@ -193,7 +193,7 @@ def test_stores_are_not_unpickled(mark, written, form):
     """A chunk that a stranger wrote, with pickle as what decodes its arrays, is refused."""
     store, name = foreign(written, mark, form)
     assert store.state(name) == "done"
-    with pytest.raises(vi.ParameterError, match="is no chunk that a campaign wrote"):
+    with pytest.raises(vi.ParameterError, match="is not a chunk written by a campaign"):
         store.read(name)
 
 

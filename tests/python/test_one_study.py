@@ -23,6 +23,6 @@ def test_only_one_study_of_a_file_is_run(tmp_path):
         tmp_path / "every/both_2.csv"
     ).read_bytes()
     log = vi.run_namelists([path], tmp_path / "none", only="zone")
-    assert log.lines == [(True, f"{path}: must hold a group &zone; there is none")]
+    assert log.lines == [(True, f"{path}: must contain a group &zone; there is none")]
     assert (log.status, log.results) == (2, [])
     assert not (tmp_path / "none").exists()

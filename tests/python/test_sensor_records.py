@@ -119,7 +119,7 @@ def test_signals_in_memory_and_sound_are_read(tmp_path):
          "5 samples are missing"),
         ("a.csv", "load (stone)\n" + "1\n" * 20, "unit of load = 'stone': must be one of"),
         ("a.json", "{", "must be a record in the format of .json"),
-        ("a.mat", "no", "it is no MATLAB file"),
+        ("a.mat", "no", "it is not a MATLAB file"),
     ],
 )  # fmt: skip
 def test_faults_of_files_are_named(name, text, message, tmp_path):

@@ -80,14 +80,14 @@ def read_number(text: str) -> float:
     (0.001, -inf)
     >>> read_number("1e400")
     Traceback (most recent call last):
-    ValueError: 1e400: must be a number that double precision holds
+    ValueError: 1e400: must be a number representable in double precision
     """
     value = float(text)
     digits = text.strip().lower().lstrip("+-")
     too_large = math.isinf(value) and not digits.startswith("inf")
     too_small = value == 0 and any(digit in "123456789" for digit in digits.partition("e")[0])
     if too_large or too_small:
-        raise ValueError(f"{text.strip()}: must be a number that double precision holds")
+        raise ValueError(f"{text.strip()}: must be a number representable in double precision")
     if "_" in text or not text.isascii():
         raise ValueError(f"{text.strip()}: must be a number")
     return value
@@ -186,7 +186,7 @@ def path(value: Any, name: str = "path") -> Path:
         ) from None
     try:
         if b"\0" in os.fsencode(text):
-            raise ParameterError(f"{name} = {text!r}: must not hold a null byte")
+            raise ParameterError(f"{name} = {text!r}: must not contain a null byte")
     except UnicodeEncodeError:
         raise ParameterError(f"{name} = {text!r}: must be text that a path can have") from None
     return Path(text)

@@ -64,7 +64,7 @@ def read_variables(path: Path) -> dict[str, Any]:
         found = scipy_io().loadmat(path)
         return {name: value for name, value in found.items() if not name.startswith("__")}
     if order is None:
-        raise ParameterError("it is no MATLAB file")
+        raise ParameterError("it is not a MATLAB file")
     if struct.unpack(f"{order}H", data[124:126])[0] >> 8 != 1:
         raise ParameterError("it is not of version 5: save it in MATLAB with the option '-v7'")
     variables: dict[str, Any] = {}

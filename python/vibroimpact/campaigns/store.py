@@ -123,8 +123,8 @@ class Store:
                 )
             if held.get(key) != value:
                 raise ParameterError(
-                    f"store = {str(self.folder)!r}: holds another campaign (its {key} differs); must be another "
-                    "folder"
+                    f"store = {str(self.folder)!r}: contains another campaign (its {key} differs); must be "
+                    "another folder"
                 )
 
     def names(self) -> list[str]:
@@ -259,7 +259,7 @@ class Contents(NamedTuple):
         file = Path(os.path.realpath(os.path.join(self.real, path)))
         if not str(file).startswith(self.real + os.sep):
             raise ParameterError(
-                f"{self.place}: is no chunk that a campaign wrote; {path!r} leads out of it"
+                f"{self.place}: is not a chunk written by a campaign; {path!r} leads out of it"
             )
         try:
             check_file(file, NUMBERS, str(file))
@@ -332,7 +332,7 @@ def foreign(place: Path) -> Iterator[None]:
     except ParameterError:
         raise
     except (AttributeError, LookupError, RuntimeError, TypeError, ValueError) as error:
-        raise ParameterError(f"{place}: is no chunk that a campaign wrote; {error}") from None
+        raise ParameterError(f"{place}: is not a chunk written by a campaign; {error}") from None
 
 
 def codec() -> Any:

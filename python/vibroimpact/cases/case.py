@@ -203,7 +203,7 @@ def path_bytes(path: str | os.PathLike[str], name: str = "path") -> bytes:
         raise ParameterError(f"{name} = {path!r}: must be text that a path can have") from None
     if not found or b"\0" in found:
         raise ParameterError(
-            f"{name} = {os.fsdecode(found)!r}: must not be empty or hold a null byte"
+            f"{name} = {os.fsdecode(found)!r}: must not be empty or contain a null byte"
         )
     return found
 

@@ -54,7 +54,7 @@ def request(options: argparse.Namespace) -> Request:
     cases = [*filter(is_case, options.files)]
     records = [file for file in options.files if file not in cases]
     if cases and records:
-        raise ParameterError(f"{records[0]}: must be left out beside the case {cases[0]}")
+        raise ParameterError(f"{records[0]}: must be left out if a case is given: {cases[0]}")
     if cases:
         return request_of(options, "identify", known)
     options.files = []

@@ -68,7 +68,7 @@ def beside_files(name: str, files: Sequence[str]) -> str:
                     f"{file} is one value too many for the option before it: options take the number of "
                     "values that --help shows, and anything else is the name of a namelist file"
                 )
-    return f"--{name}: must be left out beside a namelist file"
+    return f"--{name}: must be left out if a namelist file is given"
 
 
 def read_cases(options: argparse.Namespace, request: Request) -> tuple[list[Case], list[str]]:
@@ -95,7 +95,7 @@ def _cases_of(file: str, kind: str | None, others: Mapping[str, Case]) -> list[C
     """The cases of one kind (or all) of a file; their names must differ from those of all other cases."""
     found = [case for case in read_namelist(file) if kind in (None, case.kind)]
     if not found:
-        raise ParameterError(f"{file}: must hold a group &{kind}; there is none")
+        raise ParameterError(f"{file}: must contain a group &{kind}; there is none")
     taken = set(others)
     for case in found:
         if case.name.lower() in taken:
@@ -142,5 +142,5 @@ def in_options(line: str, made: str, request: Request, options: argparse.Namespa
         word = (found[3] or "").replace("'", "")
         return f"{found[1]} --{other.name}{word}" if other else found[0]
 
-    text = re.sub(r"(beside|goes with|is for|or give) (\w+)(?: =( \S+))?", flag, text)
+    text = re.sub(r"(left out if|goes with|is for|or give) (\w+)(?: =( \S+))?", flag, text)
     return f"--{option.name}{f' {value}' if value else ''}: {text}"

@@ -93,7 +93,7 @@ class Definition:
         if kind not in KINDS or len(numbers) != (KINDS[kind] or len(pattern)):
             raise ParameterError(f"motion = {shown(text)}: must be {wanted}")
         if not all(math.isfinite(number) for number in numbers):
-            raise ParameterError(f"motion = {shown(text)}: must hold finite numbers")
+            raise ParameterError(f"motion = {shown(text)}: must contain finite numbers")
         if kind == "equispaced" and (
             numbers[0] not in (0, 1) or pattern.sides != "RL" or pattern.cycles % 2 == 0
         ):

@@ -328,7 +328,7 @@ def _value(name: str, text: str) -> Any:
         return tuple(_finite(word, name) for word in words)
     known = ", ".join(item.name for item in fields(State))
     raise ParameterError(
-        f"{name} = {shown(text)}: is no part of the explorer's state; must be {known}"
+        f"{name} = {shown(text)}: is not part of the explorer's state; must be {known}"
     )
 
 

@@ -68,4 +68,4 @@ def read_netcdf(path: Path) -> str:
     except ParameterError:
         raise
     except Exception:  # any exception that h5py raises on a broken file
-        raise ParameterError("it is no netCDF file") from None
+        raise ParameterError("it is not a netCDF file") from None

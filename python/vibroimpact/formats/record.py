@@ -168,7 +168,7 @@ def check_sizes(tables: dict[str, Table]) -> None:
     sizes: dict[str, int] = {}
     for name, table in tables.items():
         if not table.columns and table.owners is None:
-            raise ParameterError(f"{name}.columns: must hold at least one column")
+            raise ParameterError(f"{name}.columns: must have at least one column")
         own = [
             (column.each, column.values.shape[-1])
             for column in table.columns.values()
@@ -266,7 +266,7 @@ def table_of(name: str, data: dict[str, Any], declared: dict[str, Any], system: 
             raise ParameterError(f"{name}.{key}: must be {wanted}; the case is that of {system}")
         if declared[key]["label"] == "=" and not dims:
             raise ParameterError(
-                f"{name}.dims: must hold the dimension along which {key} names rows"
+                f"{name}.dims: must contain the dimension along which {key} names rows"
             )
         columns[key] = column_of(f"{name}.{key}", declared[key], values, shape)
     return Table(dims, str(data.get("parent", "")), owners, Found(columns, name))

@@ -603,7 +603,9 @@ def records_of(
         *given,
         *(name for name, x in {"rate": rate, **sensors}.items() if x is not None),
     ]:
-        raise ParameterError(f"{extra[0]}: must be left out beside a record, which has its own")
+        raise ParameterError(
+            f"{extra[0]}: must be left out if a record is given, which has its own"
+        )
     several = record if isinstance(record, (list, tuple)) else [record]
     if not several:
         raise ParameterError("record = []: must be at least one record")

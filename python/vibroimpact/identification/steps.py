@@ -421,7 +421,7 @@ def of_times(
     """The steps before the fit, of impact times alone."""
     if frequency is None:
         raise ParameterError(
-            "frequency = None: must be the load frequency in Hz beside impact_times"
+            "frequency = None: must be the load frequency in Hz if impact_times are given"
         )
     wanted = "increasing finite numbers, at least two"
     times = checks.real_array(impact_times, "impact_times", wanted)
@@ -434,7 +434,7 @@ def of_times(
         raise ParameterError(f"impact_times of shape {times.shape}: must be {wanted}")
     if "omega" not in shared:
         raise ParameterError(
-            "known: must have omega, or M and K, beside impact_times, which do not tell it"
+            "known: must contain omega, or M and K, if impact_times are given, which do not determine it"
         )
     letters = "".join(impact_sides).upper() if impact_sides is not None else "RL" * times.size
     letters = letters[: times.size] if impact_sides is None else letters

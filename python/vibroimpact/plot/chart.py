@@ -121,7 +121,7 @@ def draw_chart(
             shown = np.where(kind == 3, _best(data, COLORS[color][0]), np.nan)
             if np.isnan(shown[kind == 3]).any():
                 raise ParameterError(
-                    f"color = {color!r}: must be one for which the chart holds numbers; it was made without "
+                    f"color = {color!r}: must be a quantity that the chart contains; it was computed without "
                     "them (multipliers=False)"
                 )
             image = ax.pcolormesh(*mesh, shown, cmap="cividis", rasterized=True)

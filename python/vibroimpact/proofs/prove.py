@@ -236,7 +236,9 @@ def prove_box(
     checks.instance(osc, "osc", Oscillator)
     pattern = pattern_of(pattern)
     if restitution is not None and (R1 is not None or R2 is not None):
-        raise ParameterError(f"restitution = {restitution!r}: must be left out beside R1 or R2")
+        raise ParameterError(
+            f"restitution = {restitution!r}: must be left out if R1 or R2 is given"
+        )
     given = {
         "xi": xi,
         "mu": mu,

@@ -131,7 +131,7 @@ def keys_of_parameter(
     ends = {f"{prefix}low": low, f"{prefix}high": high}
     if isinstance(parameter, str):
         if at is not None:
-            raise ParameterError(f"{prefix}at = {at!r}: goes with a function as parameter")
+            raise ParameterError(f"{prefix}at = {at!r}: is only for a function as parameter")
         return {word: parameter, **ends}
     if not callable(parameter):
         raise ParameterTypeError(
@@ -180,7 +180,7 @@ def series_of(
             )
         if laws_of(pair[0]) != laws_of(structure):
             raise ParameterError(
-                f"the parameter gives another law of restitution at {p!r}: it may change R and R0 alone"
+                f"the parameter gives another law of restitution at {p!r}: it may change only R and R0"
             )
         return numbers
 
@@ -202,7 +202,7 @@ def series_of(
             break
     else:
         raise ParameterError(
-            f"the parameter is no smooth function between {low!r} and {high!r}: a polynomial of degree "
+            f"the parameter is not a smooth function between {low!r} and {high!r}: a polynomial of degree "
             f"{DEGREES[-1]} does not describe it; choose bounds without a corner between them"
         )
     changes = (np.abs(series[1:]) > 1e-15 * np.maximum(largest, 1e-300)).any(axis=0)

@@ -400,7 +400,7 @@ def _along_parameter(given: dict[str, Any]) -> None:
     for fixed, value in point.items():
         if np.ndim(value):
             raise ParameterError(
-                f"{fixed} = {value!r}: must be a number where the oscillator is treated as a structure"
+                f"{fixed} = {value!r}: must be a number if the oscillator is treated as a structure"
             )
     walls = {"R1": (0,), "R2": (1,), "restitution": (0, 1)}.get(name, ())
     beside = given.get("point")

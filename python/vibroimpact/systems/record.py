@@ -274,7 +274,8 @@ def base_record(
     names = [name for name, values in given.items() if values is not None]
     if names not in (["acceleration"], ["displacement", "velocity"]):
         raise ParameterError(
-            f"acceleration, displacement, velocity: must be the first alone or the other two; given: {names}"
+            "acceleration, displacement, velocity: must be acceleration alone, or displacement and velocity; "
+            f"given: {names}"
         )
     arrays = [_numbers(given[name], name, "samples (samples,)", (-1,)) for name in names]
     if len(arrays[0]) < 2:

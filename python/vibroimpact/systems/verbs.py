@@ -155,7 +155,7 @@ def every_system(
                     del given[key]
                     continue
                 raise ParameterTypeError(
-                    f"{key} = {value!r}: must be left out where the oscillator is treated as a structure; further "
+                    f"{key} = {value!r}: must be left out if the oscillator is treated as a structure; further "
                     f"arguments are {', '.join(known)}"
                 )
             return of_structure(point.structure, point.load, **given)

@@ -469,7 +469,7 @@ contains
       do i = 1, size(cut)
          if (cut(i) == 1) call result%remark(runs(i)%text//': '//labels(i)%text// &
             ' at least from '//exact(values(all_first(i)))//' to '// &
-            exact(values(all_last(i)))//', beside what was not reached')
+            exact(values(all_last(i)))//', next to values that were not reached')
       end do
       windows = count(cut == 0)
       call result%open('windows', 'window', [size(cut)])

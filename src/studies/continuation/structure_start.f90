@@ -303,8 +303,8 @@ contains
 
       message = ''
       associate (events => start%events, structure => s%path%structure)
-         if (size(start%resting) > 0) message = 'a gap rests beside stops or friction; such &
-            &motions cannot be followed'
+         if (size(start%resting) > 0) message = 'a gap rests in a structure with &
+            &stops or friction; such motions cannot be followed'
          ! what changes at one instant together is told one by one
          order = pack([(i, i=1, size(events))], [.not. is_repeated(1, size(events)), &
             (.not. is_repeated(i, i - 1), i=2, size(events))])

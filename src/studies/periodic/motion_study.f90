@@ -305,7 +305,7 @@ contains
          given = size(values%numbers('positions'))
          if (given /= n) call values%refuse('positions', counted(n, 'impact')//' are in sides')
          if (any(abs(values%numbers('positions')) > 1.0e12_wp)) call values%refuse('positions')
-         if (.not. values%has('tau')) call values%refuse('positions', 'and needs tau beside it')
+         if (.not. values%has('tau')) call values%refuse('positions', 'and needs tau')
       end if
       if (.not. values%has('impact_restitution')) return
       given = size(values%numbers('impact_restitution'))

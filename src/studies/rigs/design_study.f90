@@ -60,9 +60,9 @@ module vi_design_study
       takes=of_walls, never='free_r1 free_r2', &
       meaning='range from which the restitution of both walls is chosen'), &
       key_type('free_r1', least=2, most=2, low=0.0_wp, high=1.0_wp, may_miss=.true., &
-      takes=of_walls, meaning='range for the right wall alone'), &
+      takes=of_walls, meaning='range for the right wall only'), &
       key_type('free_r2', least=2, most=2, low=0.0_wp, high=1.0_wp, may_miss=.true., &
-      takes=of_walls, meaning='range for the left wall alone'), &
+      takes=of_walls, meaning='range for the left wall only'), &
       key_type('tolerance_clearance', least=2, most=1001, may_miss=.true., unit='F0/K', &
       takes=spread, meaning=of_free), &
       key_type('tolerance_mu', least=2, most=1001, may_miss=.true., takes=spread, &
@@ -230,9 +230,9 @@ contains
          ! what is said of both walls would replace what is said of one
          do i = 1, 2
             if (study%has('free_restitution') .and. study%has('tolerance_'//wall(i))) call &
-               study%forbid('tolerance_'//wall(i), ' beside free_restitution')
+               study%forbid('tolerance_'//wall(i), ' if free_restitution is given')
             if (study%has('tolerance_restitution') .and. study%has('free_'//wall(i))) call &
-               study%forbid('free_'//wall(i), ' beside tolerance_restitution')
+               study%forbid('free_'//wall(i), ' if tolerance_restitution is given')
          end do
          if (.not. any([(study%has('free_'//lower(trim(names(i)))), i=1, size(names))])) call &
             study%refuse('free_clearance', 'at least one parameter must be free')
@@ -240,7 +240,7 @@ contains
             study%has('tolerance_clearance'))) call study%refuse('clearance', &
             'it must be given, be free, or have a tolerance')
          if (study%has('tolerance_clearance') .and. study%has('clearance')) then
-            call study%forbid('clearance', ' beside tolerance_clearance, unless that is free')
+            call study%forbid('clearance', ' if tolerance_clearance is given, unless it is free')
          end if
          if (study%whole_number('samples') > 0 .and. study%whole_number('samples') < 10) then
             call study%refuse('samples')

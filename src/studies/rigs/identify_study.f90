@@ -44,7 +44,7 @@ module vi_identify_study
       &sensor; by default none'), &
       key_type('delay', low=-1.0_wp, high=1.0_wp, most=64, never=with_times, may_miss=.true., &
       unit='s', takes='one number for the motion, or one for each channel', &
-      meaning='by how much a channel is late beside its low-pass; by default 0'), &
+      meaning='delay of a channel in addition to that of its low-pass; by default 0'), &
       key_type('range', low=0.0_wp, high=huge_value, most=64, never=with_times, &
       may_miss=.true., takes='one number for the motion, or one for each channel, 0 if it is not &
       &known', meaning='largest magnitude that a sensor can show, in the unit of its channel'), &
@@ -181,7 +181,7 @@ contains
             if (any(times(2:) <= times(:size(times) - 1))) call study%refuse(with_times)
          end associate
          if (.not. study%has('frequency')) call study%refuse('frequency', &
-            'given beside impact_times')
+            'given with impact_times')
       end associate
    end subroutine check_identify
 

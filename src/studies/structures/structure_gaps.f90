@@ -63,7 +63,7 @@ module vi_structure_gaps
       key_type('slip', low=0.0_wp, high=most_stop, meaning='force while it slips'), &
       key_type('stick', low=0.0_wp, high=most_stop, may_miss=.true., &
       takes='a number from slip to 1e100', &
-      meaning='largest force that holds while it sticks; slip if it is left out'), &
+      meaning='largest force while it sticks; slip if it is left out'), &
       key_type('speed', low=-most_stop, high=most_stop, default='0', meaning='speed of a belt')]
 
 contains

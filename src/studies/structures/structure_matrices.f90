@@ -60,7 +60,7 @@ module vi_structure_matrices
       only='frequencies', takes='one number from -1e40 to 1e40 for each mode, point by point', &
       meaning='mass-normalised shapes of the modes at the points to which gaps refer'), &
       key_type('outputs', a_word, most=most_outputs, may_miss=.true., takes=output_takes, &
-      meaning='names of outputs, which results then show beside the coordinates'), &
+      meaning='names of outputs, which results then show in addition to the coordinates'), &
       key_type('output_rows', most=most_outputs*most_coordinates, low=-largest_modal, &
       high=largest_modal, only='outputs', &
       takes='one number from -1e40 to 1e40 for each coordinate, output by output', &
@@ -92,7 +92,7 @@ contains
          call beside(path, file, full)
          call read_matrix(full, most_coordinates, numbers, message)
          if (len(message) == 0 .and. any(abs(numbers) > largest)) message = &
-            'it holds the number '//trim(number_text(numbers(maxloc(abs(numbers), 1)), .false.))
+            'it contains the number '//trim(number_text(numbers(maxloc(abs(numbers), 1)), .false.))
          if (len(message) > 0) then
             call structure%refuse(name//'_file', full//': '//brief(message))
             return
