@@ -111,7 +111,7 @@ def response(guess: Motion) -> Callable[..., dict[str, Any]]:
     Returns
     -------
     callable
-        As of `motion`; its dict has the `amplitude` max|X|, and the `attenuation` max|X|/A.
+        As in `motion`; its dict has the `amplitude` max|X|, and the `attenuation` max|X|/A.
 
     Raises
     ------

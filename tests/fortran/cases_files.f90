@@ -436,11 +436,13 @@ contains
 
    !> The first fault of a table of samples is named: at most 2 columns and 6 numbers.
    subroutine test_wrong_samples()
-      call refuse_samples('1 2|3|4 5|', 'line 2: must contain 2 finite numbers, as the lines before')
+      call refuse_samples('1 2|3|4 5|', &
+         'line 2: must contain 2 finite numbers, as the lines before')
       call refuse_samples('#|1 2 3 4|1 2|', 'line 2: must contain finite numbers, at most 2')
       call refuse_samples('1||2|', 'line 2: must contain 1 finite number, as the lines before')
       call refuse_samples('1 2|3 4|5 6|7 8|x|', 'it has more than 6 numbers')
-      call refuse_samples('1 2|3 nan|', 'line 2: must contain 2 finite numbers, as the lines before')
+      call refuse_samples('1 2|3 nan|', &
+         'line 2: must contain 2 finite numbers, as the lines before')
       call refuse_samples('2*1|', 'line 1: must contain finite numbers, at most 2')
       ! a first line of names is passed over, but these words are meant as numbers
       call refuse_samples('NaN 1|2 3|', 'line 1: must contain finite numbers, at most 2')

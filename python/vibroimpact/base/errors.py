@@ -48,7 +48,7 @@ class OpenBoundaryWarning(UserWarning):
 
 class PoorFitWarning(UserWarning):
     """A fit does not describe the records to their noise, or these contradict what is known: its errors are not
-    valid. `Identification.doubts` says what tells against it."""
+    valid. `Identification.doubts` lists the reasons."""
 
 
 class MissingExtraError(VibroimpactError, ImportError):

@@ -121,7 +121,7 @@ def elements(data: memoryview, order: str, align: int = 8) -> Iterator[tuple[int
 
 
 def matrix_of(kind: int, body: memoryview, order: str, depth: int = 0) -> tuple[str, Any]:
-    """The name and the content of a matrix, as of `read_variables`."""
+    """The name and the content of a matrix, as in `read_variables`."""
     if kind != MATRIX:
         raise ParameterError(f"a part is damaged: it is of type {kind} and must be a matrix")
     if not len(body):

@@ -100,7 +100,7 @@ def range_values(values: Any, name: str, points: Any, label: str = "points") -> 
 
 
 def range_axes(r: Any, clearance: Any, points: Any) -> tuple[Any, Any]:
-    """Frequency ratios and clearances, each as of `range_values`; `points` is one number for both, or two."""
+    """Frequency ratios and clearances, each as in `range_values`; `points` is one number for both, or two."""
     both = isinstance(points, (list, tuple)) and len(points) == 2
     n, m = points if both else (points, points)
     first, second = ("points[0]", "points[1]") if both else ("points", "points")

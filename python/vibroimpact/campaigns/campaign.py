@@ -159,7 +159,7 @@ class Campaign:
             A column of the results, as in `to_xarray` of one of them; its values must be real numbers, whole
             numbers, verdicts or logical values.
         reduce : str
-            What is done with several rows of a case: "first", "min", "max", "sum", "mean", or "count" for their
+            How several rows of a case are reduced: "first", "min", "max", "sum", "mean", or "count" for their
             number. NaN is left out.
         where : mapping, optional
             Columns of the same table with the value that rows must have: {"stable": True}.

@@ -79,8 +79,8 @@ def campaign(
 ) -> Campaign:  # fmt: skip
     """Compute many cases of one study, and keep their results in a store.
 
-    What the store has is not computed again: the same call continues a campaign that was interrupted or killed.
-    The store is the same to the last bit, whatever computed it.
+    Cases that are already in the store are not computed again: the same call resumes a campaign that was
+    interrupted or killed. The store is the same to the last bit, whatever computed it.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def campaign(
     Raises
     ------
     ParameterError, ParameterTypeError
-        For a store that holds something else, or to which another process writes, or for bad cases.
+        For a store that contains something else, or to which another process writes, or for bad cases.
     MissingExtraError
         If zarr, or with a client distributed, is not installed.
     StudyInterrupted

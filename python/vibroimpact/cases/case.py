@@ -97,7 +97,7 @@ class Case(NamedTuple):
     def run(self, progress: Callable[[float, str], None] | None = None) -> list[Any]:
         """The results of the case: its motions, branches, or one trajectory, zone, atlas, chart or other result.
 
-        `progress` is as of `atlas`.
+        `progress` is as in `atlas`.
         """
         found = self.compute(progress)
         found.require()
@@ -108,8 +108,10 @@ class Case(NamedTuple):
         return self.text
 
     def motions(self) -> list[Motion]:
-        """The motions that its &motion asks for, also those that a branch starts from; none if there is no such
-        motion."""
+        """The motions that its &motion defines, including those from which a branch starts.
+
+        Empty if there is no such motion.
+        """
         system, motion, *_, output = re.findall(r"(?ms)^&.*?^/$\n?", self.text)
         found = door.run_text(MotionSet, system + motion + output)
         found.require()

@@ -53,7 +53,8 @@ class Design(Noun, study="design", example=EXAMPLE):
     ranges : dict
         The ranges (low, high) from which they were chosen.
     target, limit, quantile : str, float or None, float
-        What was minimised (the damping: maximised), and what had to be reached by which share of the units.
+        The quantity that was minimised (the damping: maximised), the limit, and the share of the units that must
+        meet it.
     level : float
         The quantile of the target over the units of the search, at the worst frequency.
     excess : float
@@ -71,7 +72,7 @@ class Design(Noun, study="design", example=EXAMPLE):
         hold for all parts at once with 95 %. Shares of parts without samples are NaN.
     feasible : bool or None
         True if the lower ends of `interval` and of the intervals of all parts of the band are at least `quantile`,
-        False if one of the upper ends is below it, None if the samples do not tell.
+        False if one of the upper ends is below it, None if the samples do not decide.
     spread : dict
         Least, middle and greatest clearance, xi, mu, R1 and R2 of the units; an error for a host that is a
         function.
@@ -323,7 +324,7 @@ class Design(Noun, study="design", example=EXAMPLE):
 
         Returns the four Axes; with `ax` only the share of good samples is drawn, and its Axes is returned.
 
-        The units of an oscillator, `units`, are as of `Trajectory.plot`.
+        For the argument `units`, see `Trajectory.plot`.
         """
         return self._draw(ax, units=units)
 

@@ -65,7 +65,7 @@ class Identification(Noun, study="identify"):
     Attributes
     ----------
     status : str
-        What the impacts do: "periodic", "not periodic", "accumulation", "rest" or "no impacts". Only periodic
+        How the impacts behave: "periodic", "not periodic", "accumulation", "rest" or "no impacts". Only periodic
         records have motions and patterns; of others the flights between impacts give parameters, as far as they
         can.
     values, errors : dict
@@ -98,12 +98,12 @@ class Identification(Noun, study="identify"):
         Sum of squares of the weighted residuals over the degrees of freedom; about 1 where the model holds. Errors
         are multiplied by its root where it is larger.
     doubts : tuple of str
-        What tells against the fit, the likeliest causes first; empty if nothing does.
+        Doubts about the fit, the likeliest causes first; empty if there are none.
     assumptions : tuple of str
-        What the stated errors do not contain: how much parameters would change with a known value or with the
+        What the stated errors do not include: how much parameters would change with a known value or with the
         load phase, where that is more than two of their errors.
     good : bool
-        Whether parameters were fitted and nothing tells against them. If not, the errors are not valid, and
+        Whether parameters were fitted and there is no doubt about them. If not, the errors are not valid, and
         `identify` warns with a `PoorFitWarning`.
     """
 
@@ -128,7 +128,7 @@ class Identification(Noun, study="identify"):
 
     @property
     def status(self) -> str:
-        """What the impacts do."""
+        """How the impacts behave."""
         status: str = self._one("status")
         return status
 
@@ -224,7 +224,7 @@ class Identification(Noun, study="identify"):
 
     @property
     def doubts(self) -> tuple[str, ...]:
-        """What tells against the fit, the likeliest causes first."""
+        """Doubts about the fit, the likeliest causes first."""
         return tuple(text for _, text in self._result.notes if "doubtful: " in text)
 
     @property
@@ -234,7 +234,7 @@ class Identification(Noun, study="identify"):
 
     @property
     def good(self) -> bool:
-        """Whether parameters were fitted and nothing tells against them."""
+        """Whether parameters were fitted and there is no doubt about them."""
         return math.isfinite(self.misfit) and not self.doubts
 
     @property
@@ -477,10 +477,10 @@ def identify(
     that its scatter from period to period does not reject. An impact is what the past of this motion does not
     predict. Between impacts the primary mass is a damped oscillator under the load: such flights, with jumps of
     the velocity at instants that are fitted, and modes that ring after the impacts, are fitted outside of the
-    pulses, whose lengths the data tell. So the shape of a contact does not matter, nor a delay of the sensor of
-    the motion. Exact motions are then fitted to the same data, weighted by the scatter of the samples. Where
-    nothing repeats, each flight has its own state, and momentum and restitution where flights meet give the
-    parameters.
+    pulses, whose lengths are determined from the data. So the shape of a contact does not matter, nor a delay of
+    the sensor of the motion. Exact motions are then fitted to the same data, weighted by the scatter of the
+    samples. Where nothing repeats, each flight has its own state, and momentum and restitution where flights meet
+    give the parameters.
 
     Parameters
     ----------
@@ -491,9 +491,9 @@ def identify(
     load, acceleration, velocity, displacement : array_like (n,)
         The load, and one quantity of the motion of the primary mass.
     units : mapping, optional
-        Unit by channel, as of `SensorRecord`.
+        Unit by channel, as in `SensorRecord`.
     bandwidth, delay, range, noise : float or mapping, optional
-        As of `SensorRecord`: a number for the channels of the motion, or one by channel.
+        As in `SensorRecord`: a number for the channels of the motion, or one by channel.
     impact_times : array_like (impacts,)
         Times of impacts (s), instead of records of the motion; with `frequency`, `load_phase` if it is known, and
         known M and K, or omega.
@@ -504,7 +504,7 @@ def identify(
     load_phase : float, optional
         Phase of the load at time 0 of the impact times (radians).
     known : mapping, optional
-        What is known, in SI units: M, K, C, m, d (the whole travel of the free mass), F0, omega, xi, mu, R1, R2,
+        Known values, in SI units: M, K, C, m, d (the whole travel of the free mass), F0, omega, xi, mu, R1, R2,
         and of a law exponent and knee (m/s), or exponent1, exponent2, knee1 and knee2.
     start : Oscillator, optional
         Where the fit starts, for what the records do not give; xi = 0.01, mu = 0.05 and R = 0.7 by default.
@@ -532,7 +532,7 @@ def identify(
     Raises
     ------
     ParameterError, ParameterTypeError
-        If an argument is not allowed, or a record is of no use: clipped, samples missing, too short, channels
+        If an argument is not allowed, or a record is unusable: clipped, samples missing, too short, channels
         in the wrong order, units that do not agree.
     SingularError
         If there is no motion near the picked impacts.
@@ -632,7 +632,7 @@ def identified(
     start: Oscillator | None = None, law: str = "constant", law_speed: float | None = None,
     law_knots: int | None = None, calibration: float = CALIBRATION, case: str = "",
 ) -> Identification:  # fmt: skip
-    """All steps; arguments as of `identify`."""
+    """All steps; arguments as in `identify`."""
     if frequency is not None:
         frequency = positive(frequency, "frequency")
     scale, shared = known_values(known or {})

@@ -68,7 +68,7 @@ def factor_of(channel: str, unit: str) -> float:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SensorRecord:
-    """What sensors on a rig recorded: the load, and the motion of the primary mass.
+    """A record of sensors on a rig: the load, and the motion of the primary mass.
 
     Parameters
     ----------
@@ -184,7 +184,7 @@ class SensorRecord:
         return self.start + np.arange(len(self)) / self.rate
 
     def response(self, channel: str, frequency: ArrayLike) -> NDArray[np.complex128]:
-        """What a channel shows of a sine, over the sine, at some frequencies (Hz): low-pass and delay."""
+        """The response of a channel to a sine at some frequencies (Hz), relative to the sine: low-pass and delay."""
         late = np.exp(-2j * math.pi * self.delay.get(channel, 0.0) * np.asarray(frequency))
         response: NDArray[np.complex128] = (
             sensor_response(frequency, self.bandwidth.get(channel)) * late
@@ -497,7 +497,7 @@ class VirtualRig:
             Seed of the noise, of the load phase at its start and of its load amplitude, or a generator that a seed
             is drawn from; None: another seed in each call.
         quantity : {"acceleration", "velocity", "displacement"}
-            What the sensor of the motion measures.
+            The quantity that the sensor of the motion measures.
         settle : float
             Load cycles before the record begins.
         motion : Motion, optional
@@ -654,7 +654,7 @@ def virtual_record(
     duration : float
     rng : int, numpy.random.Generator or None
     quantity : str
-        As of `VirtualRig.record`.
+        As in `VirtualRig.record`.
     **rig
         The parameters of the `VirtualRig`.
 

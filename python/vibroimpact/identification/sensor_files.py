@@ -106,16 +106,16 @@ def read_record(
         Sampling rate (Hz) of a file that has neither times nor a rate; one that differs from that of the file is
         refused.
     channels : str or sequence of str, optional
-        What the channels are, in their order: load, acceleration, velocity, displacement, time, or none.
+        The channels in their order: load, acceleration, velocity, displacement, time, or none.
     units : str or sequence of str, optional
         Their units, in their order; by default those of the file, else SI.
     bandwidth : float, mapping or sequence of float, optional
-        As of `SensorRecord`: a number for the channels of the motion, one by channel, or one for each channel of
+        As in `SensorRecord`: a number for the channels of the motion, one by channel, or one for each channel of
         the file, in their order (0: not known).
     scale : sequence of float, optional
-        What 1 in each channel stands for, in its unit, such as the full scale of a .wav file.
+        The value of 1 in each channel, in its unit, such as the full scale of a .wav file.
     delay, range, noise : float, mapping or sequence of float, optional
-        As of `SensorRecord`, given as the bandwidth is.
+        As in `SensorRecord`, given as the bandwidth is.
 
     Returns
     -------

@@ -26,7 +26,7 @@ def standard_motion(motion: Motion, *, mirrored: bool = False) -> Motion:
     Raises
     ------
     ParameterTypeError
-        If it is no Motion.
+        If it is not a Motion.
 
     Examples
     --------
@@ -51,7 +51,7 @@ def motion_images(motion: Motion) -> Iterator[Motion]:
     Raises
     ------
     ParameterTypeError
-        If it is no Motion.
+        If it is not a Motion.
 
     Examples
     --------
@@ -99,7 +99,7 @@ def same_motion(one: Motion, other: Motion, *, mirrored: bool = False) -> bool:
     Raises
     ------
     ParameterTypeError
-        If one is no motion, or they are of two systems.
+        If one is not a motion, or they belong to different systems.
     ParameterError
         If `mirrored` is asked for motions of a structure.
 
@@ -154,7 +154,7 @@ def is_symmetric(motion: Motion) -> bool:
     Raises
     ------
     ParameterTypeError
-        If it is no Motion.
+        If it is not a Motion.
 
     Examples
     --------

@@ -265,7 +265,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
 
     @property
     def events(self) -> NDArray[Any]:
-        """Of an oscillator: the events of one period from the first impact on, as of `Trajectory.events`."""
+        """Of an oscillator: the events of one period from the first impact on, as in `Trajectory.events`."""
         if self.rest_events is not None:
             return self.rest_events
         events = np.empty(len(self.pattern), dtype=EVENT_TYPE)
@@ -382,7 +382,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
 
     @memory_for("a sample at the times t")
     def acceleration(self, t: ArrayLike, output: str | None = None) -> _Array:
-        """Accelerations (n, m) at any times, between the impacts, as of `Trajectory.acceleration`."""
+        """Accelerations (n, m) at any times, between the impacts, as in `Trajectory.acceleration`."""
         if self.of_structure:
             run, times = self._within(t)
             return run.acceleration(times, output)
@@ -450,14 +450,14 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         ----------
         ax : matplotlib Axes, optional
         kind : str, optional
-            As of `Trajectory.plot`.
+            As in `Trajectory.plot`.
         cycles : float, optional
             Load cycles shown: of an oscillator from the first impact on, by default one period, at least two
             cycles; of a structure the last ones of a period.
         window : (float, float), optional
             Of a structure: times between which it is drawn, by default a period.
         units : Units or str, optional
-            As of `Trajectory.plot`.
+            As in `Trajectory.plot`.
 
         Returns
         -------
@@ -483,13 +483,13 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         path : str or path, optional
             The file to write; it ends with .gif (Pillow) or .mp4 (the program ffmpeg, or the extra `film`).
         cycles : float, optional
-            As of `plot`; by default one period, so that the animation can loop.
+            As in `plot`; by default one period, so that the animation can loop.
         seconds : float, optional
-            Duration on the screen, as of `Trajectory.animate`.
+            Duration on the screen, as in `Trajectory.animate`.
         window : (float, float), optional
-            As of `plot`.
+            As in `plot`.
         units : Units or str, optional
-            As of `Trajectory.plot`.
+            As in `Trajectory.plot`.
 
         Returns
         -------
@@ -1129,7 +1129,7 @@ class Motions:
 
     @property
     def phases(self) -> NDArray[np.float64]:
-        """(N, M) Load phases of the impacts, as of `Motion`."""
+        """(N, M) Load phases of the impacts, as in `Motion`."""
         return _phases(self)
 
     @property

@@ -97,7 +97,7 @@ class Quantities:
     transmitted : Signal
         K q + C q', the forces of springs and dashpots on the coordinates; of an oscillator that on the base.
     x, x_dot, x_ddot : Signal
-        Displacement, velocity and acceleration of the primary mass, of an oscillator alone.
+        Displacement, velocity and acceleration of the primary mass, of an oscillator only.
     impacts : structured ndarray
         ``time``, ``gap``, ``speed`` (of approach), ``impulse`` (> 0) and ``loss`` (of energy); of an oscillator
         ``side`` and ``jump`` (of the acceleration of the primary mass), too. Of impacts that accumulate, the last

@@ -168,7 +168,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         Of an oscillator: frequency ratio and clearance.
     structure : Structure
     permanent : tuple of int
-        Of a structure: gaps that are at rest from `start` to `end`, so that no event tells of them.
+        Of a structure: gaps that are at rest from `start` to `end`, so that they have no events.
     """
 
     __slots__ = (
@@ -215,7 +215,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         Returns
         -------
         Sample, or (q, q_dot) of a structure
-            Of an oscillator as of `Motion.sample`; of a structure coordinates and velocities (n, m), or those of
+            Of an oscillator as in `Motion.sample`; of a structure coordinates and velocities (n, m), or those of
             the output (m,).
 
         Raises
@@ -280,9 +280,9 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         Parameters
         ----------
         t : array_like (m,)
-            As of `sample`. At the time of an event the accelerations are those just after it.
+            As in `sample`. At the time of an event the accelerations are those just after it.
         output : str, optional
-            As of `sample`.
+            As in `sample`.
 
         Returns
         -------
@@ -419,12 +419,13 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
     def gradient(self, parameters: Sequence[Wanted] | None = None) -> Gradient:
         """The derivatives of all events and of the final state by the initial state and by parameters.
 
-        They go through impacts, accumulations, rests and releases in closed form (saltation). Of an oscillator the
-        quantities are ``time``, ``x``, ``x_dot_before``, ``x_dot_after``, ``z_dot_before`` and ``z_dot_after`` of
-        the events, and ``final_t``, ``final_x``, ``final_x_dot``, ``final_z`` and ``final_z_dot``; of a structure
-        ``time``, ``speed``, ``impulse``, ``q`` and ``q_dot`` (just after it) of the events, and ``final_time``,
-        ``final_q`` and ``final_q_dot``. The number of load cycles, or the duration, is fixed, and so is the
-        initial state while another parameter changes: the end of time changes with the frequency.
+        They are carried through impacts, accumulations, rests and releases in closed form (saltation). Of an
+        oscillator the quantities are ``time``, ``x``, ``x_dot_before``, ``x_dot_after``, ``z_dot_before`` and
+        ``z_dot_after`` of the events, and ``final_t``, ``final_x``, ``final_x_dot``, ``final_z`` and
+        ``final_z_dot``; of a structure ``time``, ``speed``, ``impulse``, ``q`` and ``q_dot`` (just after it) of
+        the events, and ``final_time``, ``final_q`` and ``final_q_dot``. The number of load cycles, or the
+        duration, is fixed, and so is the initial state while another parameter changes: the end of time changes
+        with the frequency.
 
         Parameters
         ----------

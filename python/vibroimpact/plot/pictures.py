@@ -41,7 +41,7 @@ PICTURES: dict[str, Callable[..., Any]] = {
 
 
 def draw_result(result: Any, *options: Any, units: Units | str | None = None) -> Any:
-    """Draw a result, with the options of its function in order; `units` as of `units_of_picture`."""
+    """Draw a result, with the options of its function in order; `units` as in `units_of_picture`."""
     name = type(result).__name__
     own = f"{name} of structures" if getattr(result, "of_structure", False) else name
     function = PICTURES[own if own in PICTURES else name]
@@ -50,7 +50,7 @@ def draw_result(result: Any, *options: Any, units: Units | str | None = None) ->
 
 
 def animate_result(result: Any, *options: Any, units: Units | str | None = None) -> Any:
-    """Animate a result, with the options of `animate` in order; `units` as of `units_of_picture`."""
+    """Animate a result, with the options of `animate` in order; `units` as in `units_of_picture`."""
     film: Any = animate
     return film(result, *options, units=units_of_picture(result, units))
 

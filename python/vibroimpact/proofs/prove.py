@@ -200,7 +200,7 @@ def prove_box(
     Parameters
     ----------
     osc : Oscillator
-        Its values hold for what is not given as an interval.
+        Its values apply to the parameters that are not given as an interval.
     pattern : Pattern or str
         The word of the motion; a str with one load cycle.
     r, clearance : (lowest, highest) or float
@@ -214,7 +214,7 @@ def prove_box(
     Returns
     -------
     Certificate
-        `proven` says whether a stable, admissible motion exists for all parameters. `undecided` holds the parts
+        `proven` says whether a stable, admissible motion exists for all parameters. `undecided` contains the parts
         of the box where this is not so, or not known, with reasons.
 
     Raises

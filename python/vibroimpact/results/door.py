@@ -80,7 +80,7 @@ def run_structure(
     keys : mapping
         Keys of the group; None for a key that is left out.
     threads, progress, parameters
-        As of `run`.
+        As in `run`.
     needs_frequency : bool
         Whether the load must have a frequency.
     stops : bool
@@ -133,7 +133,7 @@ def run_text(
     noun: Callable[[Result], Found], text: str, threads: int | None = None,
     progress: Progress | None = None, little: bool = False, counters: NDArray[np.int32] | None = None,
 ) -> Found:  # fmt: skip
-    """The noun of the study whose case is the text; errors as of `run`, in the words of a namelist.
+    """The noun of the study whose case is the text; errors as in `run`, in the words of a namelist.
 
     With `counters` the call is made in this thread, and another one stops it by their flag.
     """

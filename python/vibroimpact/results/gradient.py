@@ -26,7 +26,7 @@ class Gradient:
     Attributes
     ----------
     of : str
-        What the quantities belong to.
+        The object to which the quantities belong.
     parameters : tuple of str
         Names of the parameters, in the order of the last axis of the derivatives.
     values : dict of str to ndarray

@@ -323,7 +323,7 @@ class Atlas(OnPlane, study="atlas"):
 
         Returns the Axes.
 
-        The units of an oscillator, `units`, are as of `Trajectory.plot`.
+        For the argument `units`, see `Trajectory.plot`.
         """
         return self._draw(ax, inverse, units=units)
 
@@ -430,7 +430,7 @@ def atlas(
         Of a structure, in place of r and clearance: each a parameter, as in `branch`, with its lowest and highest
         value, between which is that of the structure. With a function, `x_at` or `y_at` is its value there.
     r, clearance : (float, float)
-        The window, as of `zone`: ranges (lo, hi) of the frequency ratio and of d K/F0.
+        The window, as in `zone`: ranges (lo, hi) of the frequency ratio and of d K/F0.
     max_impacts, max_cycles : int
         Limits of the patterns, 2 to 8 symbols and 1 to 4 cycles; an accumulation counts as one symbol. Of a
         structure 1 to 24 impacts (4 by default) and 1 to 16 cycles.

@@ -250,7 +250,7 @@ class Basins(Noun, study="basins", formerly="StructureBasins"):
     def plot(self, ax: Any = None, units: Units | str | None = None) -> Any:
         """Draw the plane, one colour for each attractor (extra `plot`); returns the Axes.
 
-        The units of an oscillator, `units`, are as of `Trajectory.plot`.
+        For the argument `units`, see `Trajectory.plot`.
         """
         return self._draw(ax, units=units)
 
@@ -346,15 +346,15 @@ def basins(
     1024 states spread over it. Half its radius is used. A state is decided as soon as its trajectory has an event
     in such a neighbourhood. A state that is not decided after `cycles` load cycles is examined again: it may be on
     an unknown periodic motion, which is then added. Otherwise it is followed for longer, within `max_events`,
-    until it reaches a periodic motion that Newton's method finds near it, or its largest Lyapunov exponent tells
+    until it reaches a periodic motion that Newton's method finds near it, or its largest Lyapunov exponent shows
     that it is chaotic (positive by its error) or quasi-periodic (zero by its error, without a stable motion near
     it). It must then have gone on for many times as long as volumes need to contract and free vibrations to decay,
     and go on for another million events or 200,000 load cycles, so that no transient is taken for an attractor.
-    What remains is not decided.
+    All other states remain undecided.
 
     Each state of a structure is simulated until it repeats to rounding near a motion that Newton's method confirms
     as admissible and stable, or for `settling` load cycles. If nothing is decided then, it is followed for longer:
-    its largest Lyapunov exponent tells whether it is chaotic, quasi-periodic, or still settling. Equal motions are
+    its largest Lyapunov exponent shows whether it is chaotic, quasi-periodic, or still settling. Equal motions are
     one attractor, whatever impact they are counted from.
 
     The system is `osc, r, clearance`, or `structure, load`, or a point from `Oscillator.at`.

@@ -303,7 +303,7 @@ class BifurcationDiagram(
             beginning of load cycles; "phase" or "speed" of the impacts. By default the first output, or "q_0"
             without outputs.
         units : Units or str, optional
-            As of `Trajectory.plot`.
+            As in `Trajectory.plot`.
 
         Returns
         -------

@@ -46,7 +46,7 @@ class BoundaryBand:
     Attributes
     ----------
     type, detail : str
-        The condition that is zero there, as of `Piece`.
+        The condition that is zero there, as in `Piece`.
     symmetric : bool
         Whether the piece bounds motions that are their own mirror image.
     r, clearance : ndarray (V,)
@@ -132,7 +132,7 @@ def boundary_bands(
     zone : Zone
         For the nominal values.
     uncertain : dict
-        As of `uncertainty`. R1 and R2 of equal walls are refused: the zone would lose its symmetry, and its
+        As in `uncertainty`. R1 and R2 of equal walls are rejected: the zone would lose its symmetry, and its
         boundary would not move smoothly.
     samples : int
         1 to 100000.
@@ -143,12 +143,12 @@ def boundary_bands(
     rng : int, numpy.random.Generator or None
     threads : int, optional
     progress : callable, optional
-        As of `uncertainty`.
+        As in `uncertainty`.
 
     Returns
     -------
     list of BoundaryBand
-        One for each piece that is no edge of the window.
+        One for each piece that is not an edge of the window.
 
     Raises
     ------

@@ -199,7 +199,7 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
     cycles : int
         Load cycles in a period.
     phases : ndarray (N, M)
-        Load phases of the impacts (rad), as of `Motion`.
+        Load phases of the impacts (rad), as in `Motion`.
     multipliers : ndarray (4, M) or (2n, M) of complex
         NaN at a "zero_approach": the derivative of the period does not exist there.
     residual : ndarray (M,)
@@ -387,7 +387,7 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
 
         Between the folds the parameter is covered by boxes. For each value of it in a box there is one and only
         one motion near a polynomial of the parameter; whether it is admissible and stable is proven for all.
-        Neighbours hold the same motion at the value that they share. Around special points nothing, or less, is
+        Adjacent boxes contain the same motion at their common value. Around special points nothing, or less, is
         decided.
 
         Parameters
@@ -398,7 +398,7 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
         Returns
         -------
         Certificate
-            `undecided` holds the gaps, with reasons.
+            `undecided` lists the gaps, with reasons.
 
         Raises
         ------
@@ -428,7 +428,7 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
             point, "attenuation" by default; of a structure "q_max_0" (the default), ... or "q_min_0", ... (of a
             coordinate, from 0), "speed_1", ..., "impulse_1", ... or "phase_1", ... (of an impact, from 1).
         units : Units or str, optional
-            As of `Trajectory.plot`.
+            As in `Trajectory.plot`.
 
         Returns
         -------

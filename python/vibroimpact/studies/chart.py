@@ -60,7 +60,7 @@ class Chart(Followed, study="chart"):
     x, y : ndarray
         Of a structure: the values of both parameters.
     variables : dict of Variable
-        What the dataset has, without xarray: (dims, values, attrs) by name.
+        The contents of the dataset, without xarray: (dims, values, attrs) by name.
     attrs : dict
     """
 
@@ -208,7 +208,7 @@ class Chart(Followed, study="chart"):
 
         `inverse` is for charts of an oscillator.
 
-        The units of an oscillator, `units`, are as of `Trajectory.plot`.
+        For the argument `units`, see `Trajectory.plot`.
         """
         return self._draw(ax, color, inverse, units=units)
 
@@ -297,7 +297,7 @@ def chart(
     pattern : Pattern or str
         Without rest.
     motion : Motion
-        Of a structure, in place of the oscillator and the pattern; as of `zone`.
+        Of a structure, in place of the oscillator and the pattern; as in `zone`.
     x, y : (parameter, (float, float))
         Of a structure, in place of r and clearance: each a parameter, as in `branch`, with its lowest and highest
         value. With a function, `x_at` or `y_at` is its value at the motion.

@@ -76,7 +76,7 @@ class Decay(Noun, study="decay"):
         Returns both Axes. With `ax`, or with `kind` "peaks" or "damping", one panel is drawn, the peaks unless
         `kind` names the other one, and its Axes is returned.
 
-        The units of an oscillator, `units`, are as of `Trajectory.plot`.
+        For the argument `units`, see `Trajectory.plot`.
         """
         return self._draw(ax, kind, units=units)
 

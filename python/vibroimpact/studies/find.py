@@ -208,9 +208,9 @@ class FoundMotions(Noun, Sequence[Any], study="find", formerly="StructureMotions
         Parameters
         ----------
         ax : matplotlib Axes, optional
-            With it the multipliers alone are drawn, into it.
+            With it, only the multipliers are drawn, on these axes.
         units : Units or str, optional
-            As of `Trajectory.plot`.
+            As in `Trajectory.plot`.
 
         Returns
         -------
@@ -414,7 +414,7 @@ def find(
     SingularError
         If a gap of a structure is closed at q = 0 and states are to be simulated.
     StudyInterrupted
-        After Ctrl-C, if motions were found: its attribute `result` holds them.
+        After Ctrl-C, if motions were found: its attribute `result` contains them.
 
     Examples
     --------

@@ -112,7 +112,7 @@ class Lyapunov(Noun, study="lyapunov", formerly="StructureLyapunov"):
 
         Of an oscillator against r or clearance, whichever varies; of a structure by their number.
 
-        The units of an oscillator, `units`, are as of `Trajectory.plot`.
+        For the argument `units`, see `Trajectory.plot`.
         """
         return self._draw(ax, units=units)
 
@@ -248,7 +248,7 @@ def lyapunov(
     SingularError
         If a single point has no impacts, or the simulation of a structure fails or reaches `max_events`.
     StudyInterrupted
-        After Ctrl-C, if points were finished: its attribute `result` holds them, as a list.
+        After Ctrl-C, if points were finished: its attribute `result` contains them, as a list.
 
     Examples
     --------

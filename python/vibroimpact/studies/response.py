@@ -80,7 +80,7 @@ class Response(SettledMotions, study="response", formerly="StructureResponse"):
     impacts, rests : ndarray (n, runs) of int
         Impacts and rests in a period, or in the cycles kept.
     labels : ndarray (n, runs) of str
-        As of `BifurcationDiagram`.
+        As in `BifurcationDiagram`.
     status : ndarray (n, runs) of int
         0 done; see `status_text`.
     case : str
@@ -168,7 +168,7 @@ class Response(SettledMotions, study="response", formerly="StructureResponse"):
         magnitude of an output, by its name, or of a coordinate, by its number, is drawn: by default of the first
         output, or of the first coordinate without outputs.
 
-        The units of an oscillator, `units`, are as of `Trajectory.plot`.
+        For the argument `units`, see `Trajectory.plot`.
         """
         if self.of_structure:
             return self._draw(ax, coordinate, units=units)

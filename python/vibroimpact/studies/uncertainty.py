@@ -53,7 +53,7 @@ class Uncertainty:
         With the nominal values.
     pattern : Pattern
     symmetric : bool or None
-        As of `Zone`.
+        As in `Zone`.
     uncertain : dict of Uncertain
         The distributions by name.
     samples : int
@@ -157,7 +157,7 @@ class Uncertainty:
             F0/(d K) upwards, as in Figures 6 to 8 of the 1983 paper, instead of d K/F0.
         what : {"probability", "within"}
         units : Units or str, optional
-            As of `Trajectory.plot`.
+            As in `Trajectory.plot`.
 
         Returns
         -------
@@ -211,11 +211,11 @@ def uncertainty(
     uncertain : dict
         For some of xi, mu, R1, R2 or restitution (the same on both walls) their values; for r, clearance and
         load factors of their nominal values, above 0 and with 1 among them, as in tolerances of `design`: a gap
-        of 0.0105 +- 0.001 in is ``clearance=(0.0095 / 0.0105, 0.0115 / 0.0105)``. Deviations are refused: one
-        deviation would not suit all clearances of a map. Each is a pair (low, high) between which all
-        values are equally probable, a frozen distribution of scipy.stats, or a number. They are independent.
+        of 0.0105 +- 0.001 in is ``clearance=(0.0095 / 0.0105, 0.0115 / 0.0105)``. Deviations are rejected: one
+        deviation would not suit all clearances of a map. Each is a pair (low, high) between which all values are
+        equally probable, a frozen distribution of scipy.stats, or a number. They are independent.
     symmetric : bool, optional
-        As of `zone` and `chart`.
+        As in `zone` and `chart`.
     points : int or (int, int), optional
         Numbers of evenly spaced values in these ranges.
     limit : dict, optional
@@ -226,21 +226,21 @@ def uncertainty(
         Whether to trace the nominal zone and to find the bands, as `boundary_bands` does.
     vertices : int
     quantiles : (float, float)
-        As of `boundary_bands`.
+        As in `boundary_bands`.
     rng : int, numpy.random.Generator or None
         Seed of the random numbers, from 0 to 2**31 - 1, or a generator that a seed is drawn from; None: another
         seed in each call. The same seed gives the same result, for any number of threads.
     threads : int, optional
         Default: one for each processor.
     progress : callable, optional
-        As of `chart`; an exception of it ends the computation.
+        As in `chart`; an exception of it ends the computation.
 
     Raises
     ------
     ParameterError, ParameterTypeError
         If an argument is not allowed.
     StudyInterrupted
-        After Ctrl-C, if a sample was finished: its attribute `result` holds the samples until then.
+        After Ctrl-C, if a sample was finished: its attribute `result` contains the samples until then.
 
     Examples
     --------
@@ -312,7 +312,7 @@ def uncertainty(
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LimitProbability:
-    """The probability that a system keeps within limits, whatever attractor it settles on.
+    """The probability that a system stays within limits, on whatever attractor it settles.
 
     Attributes
     ----------
@@ -402,7 +402,7 @@ def limit_probability(
         Nominal frequency ratios and clearances d K/F0 (d is the whole travel of m) of the points, broadcast
         against each other.
     uncertain : dict
-        As of `uncertainty`.
+        As in `uncertainty`.
     limit : dict
         Greatest allowed attenuation (max|x|/A), displacement, rms, acceleration or force of the primary mass,
         approach speed of impacts, or modulus of the multipliers (0 without impacts; without a period it is not
@@ -421,14 +421,14 @@ def limit_probability(
     rng : int, numpy.random.Generator or None
     threads : int, optional
     progress : callable, optional
-        As of `uncertainty`.
+        As in `uncertainty`.
 
     Raises
     ------
     ParameterError, ParameterTypeError
         If an argument is not allowed.
     StudyInterrupted
-        After Ctrl-C, if something was finished: its attribute `result` holds the points until then, those of a
+        After Ctrl-C, if something was finished: its attribute `result` contains the points until then, those of a
         first point that was not finished with fewer samples.
 
     Examples

@@ -597,7 +597,7 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         label : str, optional
             Written into the zone; by default the pattern of an oscillator.
         units : Units or str, optional
-            As of `Trajectory.plot`.
+            As in `Trajectory.plot`.
 
         Returns
         -------
@@ -770,7 +770,7 @@ def zone(
         With 0, only the seeds are used.
     seeds : sequence of Motion
         Known motions of the pattern that the search could miss. From each that is stable and admissible a line is
-        followed to the boundary of its zone. If that was not known, or the seed is no such motion, the lines of
+        followed to the boundary of its zone. If that was not known, or the seed is not such a motion, the lines of
         constant r and of constant d K/F0 through it are followed through the window, and every boundary that they
         meet is traced: each seed that is stable, admissible and inside the window is in the zone or in
         `search.open_seeds`.
@@ -791,7 +791,7 @@ def zone(
     ParameterError, ParameterTypeError
         If an argument is not allowed, or the pattern can have no such motions.
     SingularError
-        If the motion of a structure cannot be followed, as of `branch`.
+        If the motion of a structure cannot be followed, as in `branch`.
 
     Examples
     --------

@@ -209,7 +209,7 @@ def systems(
     osc : Oscillator
         With the nominal values.
     parameters : dict of Uncertain
-        As of `uncertain_parameters` with `factors`.
+        As in `uncertain_parameters` with `factors`.
     where : ndarray (parameters, n)
         Shares between 0 and 1.
 

@@ -160,7 +160,7 @@ class Oscillator:
     ) -> Oscillator:
         """The dimensionless system of a rig, which knows its physical units.
 
-        All results of it know them, too: see `Units` and the method `physical` of results.
+        All its results know them as well: see `Units` and the method `physical` of results.
 
         All parameters are given by name.
 
@@ -327,7 +327,7 @@ class Oscillator:
         Raises
         ------
         ParameterError, ParameterTypeError
-            If the oscillator does not know M and K, a value is no positive number, or not exactly one
+            If the oscillator does not know M and K, a value is not a positive number, or not exactly one
             amplitude is given.
 
         Examples
@@ -365,7 +365,7 @@ class Oscillator:
         Raises
         ------
         ParameterError, ParameterTypeError
-            If it does not know them, or F0 is no positive number.
+            If it does not know them, or F0 is not a positive number.
         """
         if self.M is None or self.K is None:
             raise ParameterError(
@@ -582,7 +582,7 @@ def _stiff_walls(stops: Any) -> tuple[tuple[float, float], tuple[float, float]]:
 class Pattern:
     """The walls that are hit, in their order, and the number of load cycles.
 
-    Wherever a pattern is taken, a text such as "RRL" or "RL/2" (sides/cycles) stands for it, too.
+    Wherever a pattern is expected, a string such as "RRL" or "RL/2" (sides/cycles) is accepted as well.
 
     Parameters
     ----------

@@ -115,7 +115,7 @@ class Stop(ByValue):
     Parameters
     ----------
     direction : array_like (n,)
-        The coordinates that press it, as of `Gap`.
+        The coordinates that press it, as in `Gap`.
     opening : float
         Its opening at q = 0; negative if it is pressed there.
     stiffness, damping, preload : float
@@ -204,7 +204,7 @@ class Friction(ByValue):
     slip : float
         Force while it slips, at least 0: the coefficient of friction times the normal force.
     stick : float, optional
-        Largest force that holds, at least `slip`, which it is by default.
+        Largest force while it sticks, at least `slip`; by default equal to `slip`.
     speed : float
         Speed of a belt.
 
@@ -424,7 +424,7 @@ class Structure(ByValue):
     ) -> Structure:
         """A structure by its modes, whose amplitudes are the coordinates.
 
-        Name the points of interest as `outputs`: an amplitude of a mode alone is no displacement.
+        Define the points of interest as `outputs`: the amplitude of a mode is not a displacement.
 
         Parameters
         ----------
@@ -441,9 +441,9 @@ class Structure(ByValue):
             Displacements of interest by name, each as the shapes of the modes at its point, such as a row of
             `shapes`.
         base : array_like (points,), optional
-            Mass that each of the points stands for, times the displacement of the point when the base moves by 1
-            and nothing is deformed. With it the participation factor of each mode is the sum over the points
-            of this times its shape: that of all modes if the points carry the whole mass.
+            Mass lumped at each of the points, times its rigid-body displacement for a unit displacement of the
+            base. With it the participation factor of each mode is the sum over the points of this times its shape:
+            that of all modes if the points carry the whole mass.
 
         Examples
         --------

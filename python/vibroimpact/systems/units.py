@@ -181,7 +181,7 @@ class Units:
         Raises
         ------
         ParameterError
-            If it is no product of powers of F0, K and omega.
+            If it is not a product of powers of F0, K and omega.
         """
         factors = {"F0": self.F0, "K": self.K, "omega": self.omega}
         return math.prod(factors[name] ** power for name, power in powers_of(unit).items())
@@ -235,7 +235,7 @@ class Units:
         Raises
         ------
         ParameterError, ParameterTypeError
-            If a value is no positive number.
+            If a value is not a positive number.
         """
         return positive_each(plain_number(d, "d", (1, 0, 0), self.names), "d") / self.length
 
@@ -258,7 +258,7 @@ class Units:
         Raises
         ------
         ParameterError, ParameterTypeError
-            If a value is no positive number, several are given, or a frequency has no unit.
+            If a value is not a positive number, several are given, or a frequency has no unit.
         """
         given = {"frequency": frequency, "Omega": Omega, "f": f}
         given = {name: value for name, value in given.items() if value is not None}
@@ -292,7 +292,7 @@ class Units:
         Raises
         ------
         ParameterTypeError
-            If it is no Motion.
+            If it is not a Motion.
 
         Examples
         --------
@@ -432,7 +432,7 @@ def in_si(text: str, name: str) -> tuple[Decimal, Powers, bool]:
 
 
 def of_pint(quantity: Any, name: str) -> tuple[Any, Powers, bool]:
-    """A quantity of pint, as of `in_si`; pint itself takes 1 Hz for 1 rad/s."""
+    """A quantity of pint, as in `in_si`; pint itself takes 1 Hz for 1 rad/s."""
     units = str(quantity.units)
     base = quantity.to_base_units()
     by_name = {str(key): int(power) for key, power in base.dimensionality.items()}
