@@ -24,7 +24,7 @@ vi.response(damper(5.0), load, (0.8, 1.2), points=41).plot()
 
 # %%
 # `bifurcation_diagram` does the same along any parameter; here along the opening of both gaps. Dots belong to the
-# way up, rings to the way down.
+# upward sweep, rings to the downward sweep.
 
 start = ([0.0, 0.0], [6.0, 9.0])
 diagram = vi.bifurcation_diagram(damper(5.0), load, "opening", (2.0, 12.0), points=81, state=start)

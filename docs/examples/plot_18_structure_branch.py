@@ -2,7 +2,7 @@ r"""
 Branches and zones of a structure
 =================================
 
-Of two coupled masses, the second one carries a free mass in a slot. The motion with two impacts in a load cycle
+The second of two coupled masses carries a free mass in a slot. The motion with two impacts in a load cycle
 is followed along the load frequency, and its zone of stability is found in the plane of frequency and load.
 """
 

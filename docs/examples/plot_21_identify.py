@@ -2,7 +2,7 @@ r"""
 A rig identified from its record
 ================================
 
-A virtual rig is recorded as a bench would be: 2.7 kg on 42 kN/m, a particle of 0.11 kg with 6 mm of travel from
+The record of a virtual rig: 2.7 kg on 42 kN/m, a particle of 0.11 kg with 6 mm of travel from
 wall to wall, 6 N at 19.5 Hz. Noise is 40 dB below the signals, the sensors have 2 kHz of bandwidth, and a second
 mode rings at 430 Hz after each impact. M, K and m are known; the record gives the rest.
 """
@@ -16,7 +16,7 @@ print(found)
 
 # %%
 # Every step, from above: the load and its fit; the record with the picked impacts; their load phases over the
-# whole record, with those of the pattern; the exact motion that was fitted; and what it leaves.
+# whole record, with those of the pattern; the exact motion that was fitted; and the residuals.
 
 found.plot()
 
@@ -26,7 +26,7 @@ found.plot()
 found.plot(kind="motion")
 
 # %%
-# A rig whose coefficients of restitution fall with the approach speed. Records at three loads tell the law, R1 and
+# A rig whose coefficients of restitution fall with the approach speed. Records at three loads determine the law: R1 and
 # R2 at the speed v0 and one exponent.
 
 walls = [vi.PowerLaw(R, speed=0.02, exponent=0.1, sharpness=20) for R in (1.0, 0.9)]

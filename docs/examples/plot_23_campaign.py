@@ -31,8 +31,8 @@ found = vi.campaign(sweep, store)
 print(found)
 
 # %%
-# The same call continues a campaign that was interrupted, or killed. The values of all cases form labelled
-# arrays. Each cell of the map holds the clearance d K/F0 of its least value, with a star if other attractors
+# The same call resumes a campaign that was interrupted or killed. The values of all cases form labelled
+# arrays. Each cell of the map shows the clearance d K/F0 of its least value, with a star if other attractors
 # coexist there at one of the frequency ratios: their max\|X\|/A is lower by 10 % or more.
 
 rows = found.to_xarray("points")

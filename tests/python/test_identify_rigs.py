@@ -56,8 +56,8 @@ def test_what_contradicts_the_record_is_named():
         found = vi.identify(given, known={"M": M, "K": K, "m": 1.06 * M * rig.mu})
     assert not found.good
     first = found.doubts[0]
-    assert first.startswith(f"doubtful: known mu = m/M = {1.06 * rig.mu:.6g}: the record says")
-    said = float(first.split("the record says ")[1].split()[0])
+    assert first.startswith(f"doubtful: known mu = m/M = {1.06 * rig.mu:.6g}: the record gives")
+    said = float(first.split("the record gives ")[1].split()[0])
     assert abs(said - free.values["mu"]) < 2 * free.errors["mu"]
     assert abs(said - rig.mu) < 4 * free.errors["mu"]
     assert "errors not valid" in repr(found)
@@ -67,7 +67,7 @@ def test_clocks_that_differ_are_named():
     """Channels that are said to be of one time but are 2 ms apart: the delay that is found."""
     rig, (_, load, acceleration, _), _, _ = random_rig(1, "abc")
     shift = round(0.002 * rig.rate)
-    with pytest.warns(vi.PoorFitWarning, match="ms later than its channel says"):
+    with pytest.warns(vi.PoorFitWarning, match="ms later than its channel indicates"):
         found = vi.identify(
             rate=rig.rate, load=load[shift:], acceleration=acceleration[:-shift],
             delay={"load": 0.0, "acceleration": 0.0}, known={"M": M, "K": K, "m": M * rig.mu},
@@ -141,7 +141,7 @@ def test_a_chaotic_record_tells_all_parameters(kind):
 
 
 @pytest.mark.parametrize(
-    ("change", "text"), [("gain", "answers to a load of"), ("clock", "ms later than")]
+    ("change", "text"), [("gain", "corresponds to a load of"), ("clock", "ms later than")]
 )
 def test_a_chaotic_record_contradicts_its_load(change, text):
     """A load that is 10 % too large or 1 ms too early: single flights tell how large it is, and when."""

@@ -16,8 +16,8 @@ from ..cases.case import read_namelist
 
 HELP = "compute all cases of a sweep into a store"
 DESCRIPTION = """Compute all cases of the &sweep of a namelist file, and keep the results in a store (Zarr). The
-same command continues a campaign that was interrupted or killed; what the store has is not
-computed again. A case that is refused or fails is written to STORE/failures as a namelist.
+same command resumes a campaign that was interrupted or killed; cases in the store are not
+computed again. A case that is rejected or fails is written to STORE/failures as a namelist.
 With --cluster the cases run on a cluster of dask. It needs the extra `campaign`:
 pip install 'vibroimpact[campaign]'."""
 EXAMPLE = (

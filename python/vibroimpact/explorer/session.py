@@ -135,7 +135,7 @@ class Session:
         """The page is ready."""
         fault = ""
         if self.faults:
-            fault = f"The link holds what is not allowed; the rest of it is restored. {joined(self.faults)}"
+            fault = f"The link contains invalid values; the rest of it is restored. {joined(self.faults)}"
         answer = {**self.update(), "fault": fault}
         if self.faults:
             del answer["query"]  # the address is kept as given until something changes

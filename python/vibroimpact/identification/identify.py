@@ -579,7 +579,7 @@ def identify(
     found = identified(records, **options)
     if found.doubts:
         warnings.warn(
-            f"{found.doubts[0]}; the errors are not valid; `doubts` of the result has all that tells against it",
+            f"{found.doubts[0]}; the errors are not valid; see `doubts` of the result for all of them",
             PoorFitWarning,
             stacklevel=2,
         )

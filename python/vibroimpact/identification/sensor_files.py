@@ -217,7 +217,7 @@ def assembled(
     if left:
         warnings.warn(
             f"{name and name + ': '}not read: {', '.join(map(repr, left))}; neither name nor unit is that of "
-            "a load or a motion: channels tells what they are, or 'none'",
+            "a load or a motion: give `channels`, or 'none'",
             stacklevel=3,
         )
     clocks = [clock_of(channel, times, content.rate) for channel in arrays.values()]

@@ -97,7 +97,7 @@ def of_record(
     step = Step(record, quantity)
     others = [name for name in MOTIONS if name in record.channels and name != quantity]
     if others:
-        step.notes.append(f"{', '.join(others)}: not used; {quantity} tells the motion")
+        step.notes.append(f"{', '.join(others)}: not used; {quantity} is used for the motion")
     values: _Array = getattr(record, quantity)
     for name in ("load", quantity):
         channel = getattr(record, name)

@@ -203,15 +203,15 @@ def doubts_of(
         if kind == "phase":
             late = strain.change / step.Omega
             texts.append(
-                f"the motion answers to a load {abs(late) * 1e3:.3g} ms {'earlier' if late > 0 else 'later'} than "
-                f"its channel says ({apart}): a filter or delay of one channel (bandwidth, delay) may be "
+                f"the motion corresponds to a load {abs(late) * 1e3:.3g} ms {'earlier' if late > 0 else 'later'} than "
+                f"its channel indicates ({apart}): a filter or delay of one channel (bandwidth, delay) may be "
                 "missing or wrong, or the channels have different clocks"
             )
         elif kind == "F0":
             load = (data or step.apart or Measured(step.Omega, 1)).F0
             assert load is not None
             texts.append(
-                f"the motion answers to a load of {load + strain.change:.4g} N, not {load:.4g} N ({apart}): "
+                f"the motion corresponds to a load of {load + strain.change:.4g} N, not {load:.4g} N ({apart}): "
                 "a known M or K, the units or the calibration of a channel may be wrong"
             )
         else:
@@ -221,7 +221,7 @@ def doubts_of(
             elif name == "mu" and "M" in scale:
                 given = "mu = m/M"
             texts.append(
-                f"known {given} = {value:.6g}: the record says {value + strain.change:.4g} ({apart}); it may be "
+                f"known {given} = {value:.6g}: the record gives {value + strain.change:.4g} ({apart}); it may be "
                 f"wrong, or {'' if name in ('omega', 'xi') else 'the law of restitution, or '}something else that "
                 "acts like it"
             )
