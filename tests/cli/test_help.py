@@ -18,6 +18,7 @@ WRITTEN = {
     "find": ["results/find.csv", "results/find.png"],
     "plot": ["results/zone.png", "zone.nml"],
     "init": ["zone.nml"],
+    "prove": ["exact.nml", "results/exact_proof.json"],
     "reproduce": ["results/data/.table1.done", "results/table1.csv", "results/table1.txt"],
 }  # fmt: skip
 

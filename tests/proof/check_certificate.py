@@ -23,12 +23,12 @@ from flint import arb, arb_mat, ctx
 sys.path.insert(0, str(Path(__file__).parent))
 from flight import Flight  # noqa: I001
 from series import (
-    DEGREES, UNIT, RejectedError, Series, ball, cover, exact, flat, hurwitz, monomials, need, number, product,
-    solve,
+    DEGREES, UNIT, RejectedError, Series, ball, cover, exact, flat, halves, hurwitz, monomials, need, number,
+    product, solve,
 )  # fmt: skip
 
-#: Bits of the numbers in boxes and at points, and how often a box of a zone is halved.
-BITS, MOST_BITS, HALVINGS = 128, 960, 4
+#: Bits of the numbers in boxes and at points, and how often a box, or one of a zone, is halved.
+BITS, MOST_BITS, MOST_HALVINGS, HALVINGS = 128, 960, 6, 4
 
 
 class Pair:
@@ -341,8 +341,8 @@ def check_zone(data, box, depth=0):
             check_zone(data, {**box, "parameters": part}, depth + 1)
 
 
-def check_box(data, box):
-    """Check the statements of a box; the states of its motions."""
+def check_box(data, box, depth=0):
+    """Check the statements of a box, its verdicts in parts of it if need be; the states of its motions."""
     if data["kind"] == "zone" and box["exists"] is not None:
         check_zone(data, box)
         return None
@@ -352,8 +352,15 @@ def check_box(data, box):
     need(box["exists"] is True, "a box holds a motion")
     pair = Pair(data, box)
     states = pair.enclosure(box)
-    check_walls(pair, states, box)
-    check_stability(pair, states, box)
+    try:
+        check_walls(pair, states, box)
+        check_stability(pair, states, box)
+    except (RejectedError, ZeroDivisionError):
+        names = list(box["parameters"])
+        if depth == MOST_HALVINGS or not names:
+            raise
+        for part in halves(box, names[depth % len(names)]):
+            check_box(data, part, depth + 1)
     return states
 
 

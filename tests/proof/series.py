@@ -4,7 +4,7 @@ coefficients, linear equations of them, and boxes of parameters. It needs python
 import re
 from fractions import Fraction
 from itertools import accumulate, combinations_with_replacement
-from math import factorial
+from math import comb, factorial
 from operator import add
 
 from flint import arb, fmpq
@@ -194,6 +194,29 @@ def cover(region, boxes):
                 cover(region | {name: [cut, high]}, parts[1])
                 return
     raise RejectedError("the boxes do not fill a region")
+
+
+def halves(box, name):
+    """Both halves of a box along a parameter, with the polynomials of its centre on them."""
+    names = list(box["parameters"])
+    place, (low, high) = names.index(name), map(exact, box["parameters"][name])
+    middle = (low + high) / 2
+    for ends, sign in (((low, middle), -1), ((middle, high), 1)):
+
+        def on_half(texts, sign=sign):
+            degree = next(k for k in range(9) if len(monomials(len(names), k)) >= len(texts))
+            found = dict.fromkeys(monomials(len(names), degree), Fraction(0))
+            for power, text in zip([*found], texts, strict=True):
+                value, e = text if isinstance(text, Fraction) else exact(text), power[place]
+                for m in range(e + 1):
+                    lower = (*power[:place], m, *power[place + 1 :])
+                    found[lower] += value * comb(e, m) * Fraction(sign) ** (e - m) / 2**e
+            return [*found.values()]
+
+        yield box | {
+            "parameters": box["parameters"] | {name: [str(end) for end in ends]},
+            "centre": [[on_half(texts) for texts in row] for row in box["centre"]],
+        }
 
 
 def hurwitz(polynomial):

@@ -208,6 +208,23 @@ def test_branch():
     checker.check(json.loads(stable.to_json()))
 
 
+def test_branch_in_halves():
+    """The independent program halves a box whose models are too wide for it; a false one stays false."""
+    motion = vi.equispaced(OSC, 1.04, 22.0)[1]
+    branch = vi.branch(motion, "clearance", bounds=(20.5, 23.0))
+    data = json.loads(branch.prove(tolerance=0.1).to_json())
+    box = data["boxes"][0]
+    assert (box["exists"], box["admissible"], box["stable"]) == (True, False, False)
+    pair = checker.Pair(data, box)
+    states = pair.enclosure(box)
+    with pytest.raises(checker.RejectedError):
+        checker.check_stability(pair, states, box)
+    checker.check_box(data, box)
+    for name in ("stable", "admissible"):
+        with pytest.raises(checker.RejectedError):
+            checker.check_box(data, {**box, name: True})
+
+
 def test_branch_with_folds():
     """A branch that turns back has a sheet for each part, and a gap at the fold."""
     motion = vi.equispaced(TABLE1, 0.94, 37.0)[0]

@@ -28,7 +28,7 @@ STUDIES: dict[str, str] = {
 }  # fmt: skip
 #: In the order of the help text.
 NAMES = (
-    "run", *STUDIES, "campaign", "explore", "plot", "reproduce", "init", "doctor", "completion",
+    "run", *STUDIES, "prove", "campaign", "explore", "plot", "reproduce", "init", "doctor", "completion",
 )  # fmt: skip
 
 #: Formats of results, with the extensions of their names; the first one is the default.

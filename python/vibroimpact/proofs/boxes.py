@@ -365,10 +365,14 @@ def cover(
     halvings: int,
     most: int,
     start: Callable[[Box], _Array] | None = None,
+    told: Callable[[float], None] | None = None,
 ) -> list[Box]:
-    """Boxes that are proven, in order, with those that are not after so many halvings or boxes."""
+    """Boxes that are proven, in order, with those that are not after so many halvings or boxes.
+
+    `told` is called with the share of the box that is done.
+    """
     found, waiting = [], [box]
-    tried = 0
+    tried, done = 0, 0.0
     while waiting:
         box = waiting.pop()
         if start is not None:
@@ -382,6 +386,9 @@ def cover(
             waiting += box.halves()[::-1]
         else:
             found.append(box)
+            done += 0.5**box.depth
+            if told is not None:
+                told(done)
     return found
 
 

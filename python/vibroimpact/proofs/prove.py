@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..base import checks
 from ..base.errors import ParameterError
+from ..base.progress import with_progress
 from ..motions.motion import Motion
 from ..motions.periodic import equispaced
 from ..studies.branch import Branch
@@ -144,7 +145,10 @@ def link(boxes: Sequence[Box]) -> None:
             two.admissible = two.stable = None
 
 
-def prove_branch(branch: Branch, tolerance: float = 1e-4) -> Certificate:
+@with_progress
+def prove_branch(
+    branch: Branch, tolerance: float = 1e-4, *, progress: Callable[[float, str], None] | None = None
+) -> Certificate:
     """As `Branch.prove`."""
     begin = time.perf_counter()
     if branch.of_structure or branch.parameter not in BRANCHED:
@@ -173,10 +177,14 @@ def prove_branch(branch: Branch, tolerance: float = 1e-4) -> Certificate:
             low, high = box.span[name]
             return np.array([np.interp(float(low + high) / 2, along, row) for row in known])
 
+        def told(share: float, first: int = first, last: int = last) -> None:
+            if progress is not None:
+                progress((first + share * (last - first)) / (len(values) - 1), "")
+
         sizes = sizes_of(np.abs(known).max(axis=1).reshape(-1, 4))
         halvings = math.ceil(math.log2(1 / tolerance))
         with flint().ctx.workprec(64):
-            boxes = cover(family, Box({name: ends}), sizes, halvings, MOST_BOXES, start)
+            boxes = cover(family, Box({name: ends}), sizes, halvings, MOST_BOXES, start, told)
             link(boxes)
         sheets.append({name: [str(end) for end in ends]})
         records += [{"sheet": len(sheets) - 1, **box.record()} for box in boxes]

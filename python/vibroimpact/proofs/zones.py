@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ..base import checks
 from ..base.errors import ParameterError
+from ..base.progress import with_progress
 from ..studies.zone import Zone
 from .balls import ball, decimal, flint
 from .boxes import NEAR_CIRCLE, NO_SPEED, Box, Family, Problem, enclose
@@ -38,7 +39,10 @@ SHARP = 20
 FACINGS = (1, -1)
 
 
-def prove_zone(zone: Zone, tolerance: float = 2e-3) -> Certificate:
+@with_progress
+def prove_zone(
+    zone: Zone, tolerance: float = 4e-3, *, progress: Callable[[float, str], None] | None = None
+) -> Certificate:
     """As `Zone.prove`."""
     begin = time.perf_counter()
     family = family_of(zone)
@@ -51,7 +55,12 @@ def prove_zone(zone: Zone, tolerance: float = 2e-3) -> Certificate:
     records = []
     with flint().ctx.workprec(64):
         for number, facing in enumerate(FACINGS):
-            boxes = cover_zone(family, Box(whole), facing, window, tolerance)
+
+            def told(share: float, number: int = number) -> None:
+                if progress is not None:
+                    progress((number + share) / len(FACINGS), "")
+
+            boxes = cover_zone(family, Box(whole), facing, window, tolerance, told)
             records += [{"sheet": number, **record(box)} for box in boxes]
     undecided = [box for box in records if decision(box) is None]
     reasons = dict.fromkeys(box.pop("reason") for box in records)
@@ -95,13 +104,14 @@ def decision(box: dict[str, Any]) -> bool | None:
 
 
 def cover_zone(
-    family: Family, box: Box, facing: int, window: Sequence[str], tolerance: float
-) -> list[Box]:
-    """Boxes that fill a sheet, in order."""
+    family: Family, box: Box, facing: int, window: Sequence[str], tolerance: float,
+    told: Callable[[float], None],
+) -> list[Box]:  # fmt: skip
+    """Boxes that fill a sheet, in order; `told` is called with the share that is done."""
     low, high = (ball(text) for text in window)
     width = float(box.span["r"][1] - box.span["r"][0])
     height = math.log(float(window[1]) / float(window[0]))
-    found, waiting = [], [box]
+    found, waiting, done = [], [box], 0.0
 
     def parts(box: Box) -> tuple[float, float]:
         """The parts of the window in r and in log D that a box takes, nearly."""
@@ -121,13 +131,24 @@ def cover_zone(
         if decision(vars(box)) is None and not is_small(along, across, tolerance):
             if conditions and all(is_sharp(one) for one in conditions[:3]):
                 found += refined(box, conditions, parts, tolerance)
+                done += share_of(box, width)
+                told(done)
             else:
                 # all is nearly linear in the tangent, so that r leaves out more
                 by_r = along * (16 if conditions else 2) > across
                 waiting += halves(box, "r" if by_r else "tangent")[::-1]
             continue
         found.append(box)
+        done += share_of(box, width)
+        told(done)
     return found
+
+
+def share_of(box: Box, width: float) -> float:
+    """The part of a sheet, in r and theta, that a box takes."""
+    (left, right), (lower, upper) = box.span["r"], box.span["tangent"]
+    turned = math.atan(float(upper)) - math.atan(float(lower))
+    return float(right - left) / width * turned / (2 * math.atan(STEEPEST))
 
 
 def is_small(along: float, across: float, tolerance: float) -> bool:

@@ -381,7 +381,7 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
             raise SingularError(f"point {i}: the motion that is simulated from it has other rests")
         return found
 
-    def prove(self, tolerance: float = 1e-4) -> Any:
+    def prove(self, tolerance: float = 1e-4, progress: door.Progress | None = None) -> Any:
         """Prove in ball arithmetic what is true of all motions along this branch, not at its points only (extra
         `proof`).
 
@@ -394,6 +394,8 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
         ----------
         tolerance : float, optional
             The smallest box, relative to the part of the branch between two folds.
+        progress : callable, optional
+            Called with the share done and a note; by default a bar on a terminal or in a notebook.
 
         Returns
         -------
@@ -415,7 +417,7 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
         >>> vi.branch(motion, "clearance", bounds=(22, 28)).prove()
         <Certificate of RL/1 for clearance 22 to 28 in ... boxes: exists, admissible, stable ...>
         """
-        return ACTIONS["prove_branch"](self, tolerance)
+        return ACTIONS["prove_branch"](self, tolerance, progress=progress)
 
     def plot(self, ax: Any = None, y: str | None = None, units: Units | str | None = None) -> Any:
         """Draw a column against the parameter: solid stable, dashed unstable, dotted inadmissible.

@@ -548,7 +548,7 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         """Whether it has a loop."""
         return bool(self)
 
-    def prove(self, tolerance: float = 0.004) -> Any:
+    def prove(self, tolerance: float = 0.004, progress: door.Progress | None = None) -> Any:
         """Prove in ball arithmetic where in the window stable, admissible motions exist, and where none does.
 
         It needs the extra `proof`, and a zone of symmetric motions RL/k of an oscillator (symmetric=True, R1 = R2,
@@ -560,6 +560,8 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         tolerance : float, optional
             The size of the smallest box, relative to the window (log D). Ten times less takes up to a hundred
             times longer.
+        progress : callable, optional
+            Called with the share done and a note; by default a bar on a terminal or in a notebook.
 
         Returns
         -------
@@ -582,7 +584,7 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         >>> proof.decide(1.0405, 40.0), proof.decide(1.0405, 79.0)
         (True, False)
         """
-        return ACTIONS["prove_zone"](self, tolerance)
+        return ACTIONS["prove_zone"](self, tolerance, progress=progress)
 
     def plot(
         self, ax: Any = None, inverse: bool = False, label: str | None = None, units: Units | str | None = None,
