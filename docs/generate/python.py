@@ -13,7 +13,7 @@ SUBJECTS = {
                 "motions.likeness", "motions.flags", "results.gradient", "base.status"),
     "Simulation": ("motions.trajectory", "motions.bundle"),
     "Response quantities": ("motions.quantities",),
-    "Proofs": ("proofs.certificate", "proofs.prove"),
+    "Proofs": ("proofs.certificate", "proofs.prove", "proofs.complete"),
     "Structures": ("systems.structure", "systems.restitution", "systems.record"),
     "Branches, zones, atlases, charts": ("studies.branch", "studies.zone",
                                          "studies.atlas", "studies.chart"),

@@ -35,6 +35,7 @@ from .motions.quantities import Quantities
 from .motions.trajectory import Trajectory, simulate
 from .physical_results import Physical, physical
 from .proofs.certificate import Certificate
+from .proofs.complete import prove_all
 from .proofs.prove import prove_box
 from .results.events import Sample
 from .results.gradient import Gradient
@@ -144,6 +145,7 @@ __all__ = [
     "periodic",
     "periodic_batch",
     "physical",
+    "prove_all",
     "prove_box",
     "read_namelist",
     "read_record",

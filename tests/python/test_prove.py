@@ -497,3 +497,104 @@ def test_motions_of_find(share):
                 checker.check(json.loads(proof.to_json()))
     assert number > 4 * systems
     assert open_ <= 0.03 * number + 1
+
+
+#: Ten points of systems with light and heavy damping, weak and strong impacts, and walls that differ.
+POINTS = [
+    *((OSC, r, clearance) for r, clearance in ((1.04, 25.0), (0.9, 5.0), (0.8, 3.0), (1.2, 4.0), (1.0, 60.0))),
+    (TABLE1, 0.94, 37.0),
+    (vi.Oscillator(xi=0.005, mu=0.042, restitution=(0.75, 0.6)), 0.97, 20.0),
+    (vi.Oscillator(xi=0.05, mu=0.1, restitution=0.5), 0.7, 1.5),
+    (vi.Oscillator(xi=0.1, mu=0.3, restitution=0.8), 1.5, 0.8),
+    (vi.Oscillator(xi=0.02, mu=0.05, restitution=(0.4, 0.9)), 1.1, 6.0),
+]  # fmt: skip
+
+
+def assert_all(osc, r, clearance, impacts):
+    """All motions are proven, and `find` has the admissible ones and no others."""
+    proof = vi.prove_all(osc, r, clearance, max_impacts=impacts)
+    assert proof.complete
+    found = [
+        motion for motion in vi.find(osc, r, clearance, max_impacts=impacts, max_cycles=1)
+        if motion.cycles == 1 and motion.pattern.sides in proof.sides.split(", ")
+    ]  # fmt: skip
+    listed = [
+        (proof.sheets[box["sheet"]]["sides"], box["stable"], exact(box["centre"][0][1][0]))
+        for box in proof.boxes if box["admissible"]
+    ]  # fmt: skip
+    known = [(motion.pattern.sides, motion.stable, motion.X[0]) for motion in found]
+    assert [one[:2] for one in sorted(listed)] == [one[:2] for one in sorted(known)]
+    places = [[float(one[2]) for one in sorted(some)] for some in (listed, known)]
+    assert places[0] == pytest.approx(places[1], rel=1e-7)
+    return proof
+
+
+@pytest.mark.parametrize("point", [1, 5, 6])
+def test_all_motions_of_two_impacts(point):
+    """Those of `find` and no others with both walls open in between; the independent program proves it, too."""
+    proof = assert_all(*POINTS[point], 2)
+    checker.check(json.loads(proof.to_json()))
+    assert "all motions RL/1" in repr(proof)
+    assert "complete" in repr(proof)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", range(len(POINTS)))
+def test_all_motions_of_three_impacts(number, share):
+    """The same of RL, RRL and RLL at ten points, of which the independent program checks some."""
+    if number >= share(len(POINTS)):
+        pytest.skip("with a greater share")
+    proof = assert_all(*POINTS[number], 3)
+    if number % 5 == 1:
+        checker.check(json.loads(proof.to_json()))
+
+
+def test_false_certificates_of_all_motions_are_rejected():
+    """Without a motion, with one twice, or with other words or numbers, it is false."""
+    data = json.loads(vi.prove_all(TABLE1, 0.94, 37.0, max_impacts=2).to_json())
+    assert len(data["boxes"]) == 4
+    false = []
+    for j in range(len(data["boxes"])):
+        rest = data["boxes"][:j] + data["boxes"][j + 1 :]
+        false += [{**data, "boxes": rest}, {**data, "boxes": [*data["boxes"], data["boxes"][j]]}]
+        flipped = copy.deepcopy(data)
+        flipped["boxes"][j]["stable"] = not flipped["boxes"][j]["stable"]
+        false.append(flipped)
+    false += [
+        {**data, "system": {**data["system"], name: text}}
+        for name, text in (
+            ("clearance", "37.01"),
+            ("r", "0.9401"),
+            ("restitution", ["0.75", "0.74"]),
+        )
+    ]
+    false += [
+        {**data, "sheets": [*data["sheets"], {"sides": "RL", "cycles": 2}], "sides": "RL, RL"},
+        {**data, "sheets": [{"sides": "RL", "cycles": 3}], "cycles": 3},
+        {**data, "sheets": [], "boxes": [], "sides": ""},
+    ]
+    for one in false:
+        with pytest.raises(checker.RejectedError):
+            checker.check(one)
+
+
+def test_all_motions_are_not_promised_in_vain():
+    """Near a fold boxes of times stay open, which the certificate says; and what has no bound is refused."""
+    motion = vi.equispaced(TABLE1, 0.94, 37.0)[0]
+    points = vi.branch(motion, "clearance", bounds=(30.0, 1000.0)).special_points
+    fold = next(point for point in points if point.type == "fold")
+    clearance = float(f"{fold.clearance:.14g}")
+    proof = vi.prove_all(TABLE1, 0.94, clearance, max_impacts=2)
+    assert not proof.complete
+    assert "there may be others" in repr(proof)
+    assert {item["sheet"] for item in proof.undecided} == {0}
+    checker.check(json.loads(proof.to_json()))
+    with pytest.raises(
+        vi.ParameterError, match="must have xi, mu and R1, R2 above 0, and R1, R2 below 1"
+    ):
+        vi.prove_all(vi.Oscillator(xi=0.01, mu=0.03, restitution=1.0), 0.9, 5.0)
+    with pytest.raises(
+        vi.ParameterError,
+        match="max_impacts = 4: must be a whole number with 2 <= max_impacts <= 3",
+    ):
+        vi.prove_all(OSC, 0.9, 5.0, max_impacts=4)

@@ -31,25 +31,28 @@ ITEMS = {
 class Certificate:
     """What is proven about motions: one, or those for all parameters of some boxes.
 
-    Certificates come from `Motion.prove`, `Branch.prove`, `Zone.prove` and `prove_box`. They hold for the decimal
-    texts of the parameters: 0.028 is the rational number 28/1000 and not the nearest double. All numbers in the
-    JSON are exact, and every rounding of the computation is in the bounds (ball arithmetic of FLINT).
+    Certificates come from `Motion.prove`, `Branch.prove`, `Zone.prove`, `prove_box` and `prove_all`. They hold for
+    the decimal texts of the parameters: 0.028 is the rational number 28/1000 and not the nearest double. All
+    numbers in the JSON are exact, and every rounding of the computation is in the bounds (ball arithmetic of
+    FLINT).
 
     Attributes
     ----------
     kind : str
-        "motion", "branch", "box" or "zone".
+        "motion", "branch", "box", "zone" or "all".
     sides : str
     cycles : int
-        The word of the motion and the load cycles in its period.
+        The word of the motion and the load cycles in its period; of "all" the words, and the most load cycles.
     symmetric : bool
         Whether the motions are their own mirror images half a period later, and proven by that half.
     system : dict
-        The texts of xi, mu, r, clearance, load, and of restitution, a list with one for each impact.
+        The texts of xi, mu, r, clearance, load, and of restitution, a list with one for each impact; of "all"
+        those of the right and of the left wall.
     sheets : list of dict
         The regions that the boxes cover: (lowest, highest) of each parameter that varies, as texts. Of a motion
         one that is empty; of a branch one for each part between folds. Of a zone r and
         tan(theta), for cos(theta) > 0 and < 0, where A sin(theta) is the steady motion at an impact on the right.
+        Of "all" the ``sides`` and ``cycles`` of each word.
     boxes : list of dict
         ``sheet``, the number of the region, and ``parameters``, the part of it; ``centre``, psi, X, X', Z' just
         after each impact, as coefficients of polynomials of the parameters on [-1, 1], and ``radius``, around
@@ -58,7 +61,8 @@ class Certificate:
         ``multipliers_above``, of max|lambda|, and ``attenuation_below``, of max|x|/A; None where they are not
         proven.
     undecided : list of dict
-        ``reason``: what is not proven, and why; ``parameters`` where it is so.
+        ``reason``: what is not proven, and why; ``parameters`` where it is so. Of "all" the ``times`` between
+        impacts, as parts of the period, with which there may be other motions of the word ``sheet``.
     seconds : float
         Time of the computation.
 
@@ -111,6 +115,11 @@ class Certificate:
         """Whether an admissible, stable motion is proven, for all parameters."""
         return self.exists is True and self.admissible is True and self.stable is True
 
+    @property
+    def complete(self) -> bool:
+        """Of all motions at a point: whether no others of the words, with an approach at each impact, exist."""
+        return self.kind == "all" and not any("times" in item for item in self.undecided)
+
     def _bound(self, name: str) -> float | None:
         """The largest bound, by the double next to it."""
         texts: list[Any] = [box.get(name) for box in self.boxes]
@@ -159,6 +168,14 @@ class Certificate:
         if self.stable and bound is not None:
             words[-1] += f" (max|lambda| < {bound:.10g})"
         place = f"at r = {self.system['r']}, d K/F0 = {self.system['clearance']}"
+        if self.kind == "all":
+            orders = ", ".join(f"{sheet['sides']}/{sheet['cycles']}" for sheet in self.sheets)
+            good = sum(bool(box["stable"] and box["admissible"]) for box in self.boxes)
+            ending = "complete" if self.complete else "there may be others"
+            return (
+                f"<Certificate of all motions {orders} {place}: {len(self.boxes)}, of them {good} stable and "
+                f"admissible; {ending}>"
+            )
         if self.kind == "zone":
             shares = ", ".join(
                 f"{name} {100 * share:.2f} %" for name, share in self.shares().items()

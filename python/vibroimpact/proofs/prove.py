@@ -49,7 +49,15 @@ def prove_motion(motion: Motion) -> Certificate:
     """As `Motion.prove`."""
     begin = time.perf_counter()
     family = Family.of(motion)
-    start = family.states(motion)
+    box, reason = best_attempt(family, family.states(motion))
+    return Certificate(
+        "motion", family.sides, family.cycles, family.symmetric, family.record(), [{}],
+        [box] if box else [], [{"reason": reason}] if reason else [], time.perf_counter() - begin,
+    )  # fmt: skip
+
+
+def best_attempt(family: Family, start: _Array) -> tuple[dict[str, Any], str]:
+    """As `attempt`, with as many digits as it takes."""
     box: dict[str, Any] = {}
     reason = ""
     module = flint()
@@ -58,12 +66,9 @@ def prove_motion(motion: Motion) -> Certificate:
             found, why = attempt(family.system({}), start, size, bits > 64)
         if found or not box:
             box, reason = found, why
-        if box and not reason:
-            break
-    return Certificate(
-        "motion", family.sides, family.cycles, family.symmetric, family.record(), [{}],
-        [box] if box else [], [{"reason": reason}] if reason else [], time.perf_counter() - begin,
-    )  # fmt: skip
+        if box and None not in (box["admissible"], box["stable"]):
+            return box, ""
+    return box, reason
 
 
 def attempt(
