@@ -26,8 +26,8 @@ found.plot()
 found.plot(kind="motion")
 
 # %%
-# A rig whose coefficients of restitution fall with the approach speed. Records at three loads determine the law: R1
-# and R2 at the speed v0 and one exponent.
+# A rig whose coefficients of restitution fall with the approach speed. Records at three loads determine the law:
+# R1 and R2 at the speed v0, and one exponent.
 
 walls = [vi.PowerLaw(R, speed=0.02, exponent=0.1, sharpness=20) for R in (1.0, 0.9)]
 records = [

@@ -255,13 +255,13 @@ def test_each_unit_is_that_of_python(tmp_path):
             "with its unit",
         ),
         ("mass = '3 N', stiffness = 42e3", "simulate clearance = 4, cycles = 2", "not that of a mass"),
-        ("mass = 2, stiffness = 2, damping = 4", "simulate clearance = '4 mm', cycles = 2", "beside damping"),
+        ("mass = 2, stiffness = 2, damping = 4", "simulate clearance = '4 mm', cycles = 2", "if damping is given"),
         (
             "mass = 2.7, stiffness = 42e3, force = 6, units = 'm N s'",
             "bifurcation parameter = 'clearance', low = '19 Hz', high = 2, values = 3",
             "of a length",
         ),
-        ("mass = 1, stiffness = 1, units = 'm N s', unit_names = 'm N s'", "simulate clearance = 4", "beside"),
+        ("mass = 1, stiffness = 1, units = 'm N s', unit_names = 'm N s'", "simulate clearance = 4", "unit_names"),
     ],
 )  # fmt: skip
 def test_namelist_refuses_what_has_no_reading(tmp_path, rig, study, why):

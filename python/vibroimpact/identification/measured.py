@@ -184,7 +184,7 @@ class SensorRecord:
         return self.start + np.arange(len(self)) / self.rate
 
     def response(self, channel: str, frequency: ArrayLike) -> NDArray[np.complex128]:
-        """The response of a channel to sines of given frequencies (Hz), relative to them: low-pass and delay."""
+        """The response of a channel to a sine of some frequencies (Hz), over the sine: low-pass and delay."""
         late = np.exp(-2j * math.pi * self.delay.get(channel, 0.0) * np.asarray(frequency))
         response: NDArray[np.complex128] = (
             sensor_response(frequency, self.bandwidth.get(channel)) * late

@@ -204,7 +204,8 @@ def doubts_of(
             late = strain.change / step.Omega
             texts.append(
                 f"the motion corresponds to a load {abs(late) * 1e3:.3g} ms "
-                f"{'earlier' if late > 0 else 'later'} than its channel indicates ({apart}): a filter or delay of one channel (bandwidth, delay) may be "
+                f"{'earlier' if late > 0 else 'later'} than its channel indicates "
+                f"({apart}): a filter or delay of one channel (bandwidth, delay) may be "
                 "missing or wrong, or the channels have different clocks"
             )
         elif kind == "F0":
