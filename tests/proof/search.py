@@ -12,7 +12,7 @@ from flint import arb, arb_mat, ctx
 from series import UNIT, ball, exact, need, number
 
 #: Bits, the most boxes of a word, and the width of a box that is given up.
-BITS, MOST, NARROWEST = 96, 60_000, 2.0**-36
+BITS, MOST, NARROWEST = 96, 400_000, 2.0**-36
 #: Parts of the period and times below which derivatives are used in place of quotients, or theta is halved.
 SHORT, NEARLY = 0.25, 2.0**-8
 
@@ -200,19 +200,22 @@ class Word:
                 found[i] = found[i].intersection(image)
         return [*found[:size], *given]
 
-    def step(self, box, values):
-        """The interval Newton step for a box and the unknowns of its linear laws."""
+    def step(self, box, values, single=False):
+        """The interval Newton step for a box and the unknowns of its linear laws, by slopes from its centre, which
+        leave out no solution; with `single` by derivatives, so that there is at most one."""
         n, times = self.n, box[: self.n - 1]
         matrix, _, slopes = self.laws(times)
         column = arb_mat([[one] for one in values])
         along = [(slope * column).entries() for slope in slopes]
         middle = [one.mid() for one in times]
         known, (p, q) = [one.mid() for one in values], values[-2:]
-        rows = [[*(one[i] for one in along), *row] for i, row in enumerate(matrix.tolist())]
+        thin, right, _ = self.laws(middle)
+        # M(u) y - M(m) z = (M(u) - M(m)) y + M(m) (y - z)
+        last = (matrix if single else thin).tolist()
+        rows = [[*(one[i] for one in along), *row] for i, row in enumerate(last)]
         if len(box) == n:
             known[-2:] = [box[-1].mid().sin(), box[-1].mid().cos()]
             rows = [[*row[:-2], q * row[-2] - p * row[-1]] for row in rows]
-        thin, right, _ = self.laws(middle)
         left = (thin * arb_mat([[one] for one in known]) - right).entries()
         if len(box) < n:
             rows.append([arb(0)] * (len(rows[0]) - 2) + [2 * p, 2 * q])
@@ -239,10 +242,8 @@ class Word:
                 return box, False
             if not all(one.overlaps(two) for one, two in zip(old, new, strict=True)):
                 return None, False
-            # one and only one solution is in it
             inner = all(one.contains_interior(two) for one, two in zip(old, new, strict=True))
-            if inner and any(lies(one, box, self.n) for one in known):
-                return None, False
+            # at most one solution is in it
             wide = [one + UNIT * one.rad() / 4 for one in box]
             if any(lies(one, wide, self.n) for one in known) and self.single(wide):
                 return None, False
@@ -266,7 +267,7 @@ class Word:
         """Whether there is at most one solution in a box."""
         try:
             values = self.enclosed(box)
-            return values is None or bool(self.step(box, values))
+            return values is None or bool(self.step(box, values, single=True))
         except ZeroDivisionError:
             return False
 

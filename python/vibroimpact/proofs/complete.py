@@ -323,19 +323,25 @@ def settle(word: Word, box: list[Any], found: list[Found]) -> bool:
         return True
     if not shrunk.inner:
         return False
-    found.append(narrowed(word, shrunk.left, values))
+    one = narrowed(word, shrunk.left, values)
+    if one is not None:
+        found.append(one)
     return True
 
 
-def narrowed(word: Word, times: list[Any], values: list[Any]) -> Found:
-    """A solution in a box as narrow as the digits give it."""
+def narrowed(word: Word, times: list[Any], values: list[Any]) -> Found | None:
+    """A solution in a box as narrow as the digits give it; None if an impact is met from the wrong side."""
     for _ in range(REFINED):
         inside = linear(word, times)
-        if inside is None or inside is NONE:
+        if inside is NONE:
+            return None
+        if inside is None:
             break
         values = inside
         shrunk = newton(word, times, values)
-        if shrunk is None or shrunk is NONE:
+        if shrunk is NONE:
+            return None
+        if shrunk is None:
             break
         times, values = shrunk.left, shrunk.values
     return Found(times[: word.n - 1], values)
