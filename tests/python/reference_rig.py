@@ -3,7 +3,8 @@
 Flights of both masses are exact, by matrix exponentials of SciPy. An impact is a pulse of finite duration whose
 area is
 the jump of the velocity of the primary mass, and a second mode rings after it. The sensor of the motion may have a
-low-pass, of which the load knows nothing, and an offset.
+low-pass, of which the load knows nothing, and an offset. Or both sensors have a known low-pass, through which an
+impact is the response to an ideal impulse.
 """
 
 import functools
@@ -13,10 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import expm
 from scipy.optimize import brentq
-from scipy.signal import butter, sosfilt
+from scipy.signal import butter, freqs, sosfilt, tf2ss
 
 #: Mass and spring of the rig, which are known, and steps of a load cycle in which impacts are looked for.
 M, K, STEPS = 0.7303, 11383.00093642085, 256
+#: Approach speed (m/s) at which a law of restitution is that of its rig.
+SPEED = 0.3
 
 
 @dataclass(frozen=True)
@@ -44,6 +47,12 @@ class Rig:
     offset: float = 0.0
     #: Standard deviation of the gains of both sensors.
     calibration: float = 0.01
+    #: Amplitudes of the 2nd, 3rd, ... harmonic of the load over F0.
+    harmonics: tuple = ()
+    #: R at an approach speed v is that of `restitution` times (v/SPEED)^-exponent.
+    exponent: float = 0.0
+    #: -3 dB frequency of both sensors (Butterworth, order 4), through which impulses of no duration pass.
+    known_lowpass: float | None = None
 
     @property
     def d(self):
@@ -59,20 +68,26 @@ class Rig:
 def flights(rig, first, last, phase=0.0):
     """Impacts (times, walls, jumps of the velocity of the primary mass), and states just after them."""
     w, omega = 2 * math.pi * rig.frequency, math.sqrt(K / M)
-    # x, its rate, the load and its quadrature, z and its rate
-    A = np.zeros((6, 6))
-    A[0, 1] = A[4, 5] = 1
-    A[1, :3] = -(omega**2), -2 * rig.xi * omega, 1 / M
-    A[2, 3], A[3, 2] = w, -w
+    # x, its rate, each harmonic of the load and its quadrature, z and its rate
+    sizes = [1.0, *rig.harmonics]
+    A = np.zeros((4 + 2 * len(sizes),) * 2)
+    A[0, 1] = A[-2, -1] = 1
+    A[1, :2] = -(omega**2), -2 * rig.xi * omega
+    for n in range(len(sizes)):
+        A[1, 2 + 2 * n] = 1 / M
+        A[2 + 2 * n, 3 + 2 * n], A[3 + 2 * n, 2 + 2 * n] = (n + 1) * w, -(n + 1) * w
     step = 2 * math.pi / w / STEPS
     powers = [expm(A * step * (i + 1)) for i in range(STEPS)]
     several = np.stack(powers)
-    y = np.array([0, 0, rig.F0 * math.sin(phase), rig.F0 * math.cos(phase), 0, 0.3])
+    loads = [
+        rig.F0 * size * of((n + 1) * phase) for n, size in enumerate(sizes) for of in (math.sin, math.cos)
+    ]  # fmt: skip
+    y = np.array([0, 0, *loads, 0, 0.3])
     t, impacts, states = 0.0, [], [(0.0, y)]
 
     def gap(y):
         """Distance to the nearer wall."""
-        return rig.d / 2 - abs(y[..., 4] - y[..., 0])
+        return rig.d / 2 - abs(y[..., -2] - y[..., 0])
 
     while t < last:
         path = several @ y
@@ -93,16 +108,18 @@ def flights(rig, first, last, phase=0.0):
         tau = brentq(lambda s, begin=begin: gap(expm(A * s) @ begin), low, step, xtol=1e-14)
         t += i * step + tau
         y = expm(A * tau) @ begin
-        side = 1 if y[4] > y[0] else -1
+        side = 1 if y[-2] > y[0] else -1
+        closing = y[-1] - y[1]
         R = rig.restitution[0 if side > 0 else 1]
-        closing = y[5] - y[1]
+        if rig.exponent:
+            R = min(R * (abs(closing) / SPEED) ** -rig.exponent, 1.0)
         jump = rig.mu * (1 + R) * closing / (1 + rig.mu)
         if abs(closing) < 1e-3:
             return None
         y = y.copy()
         y[1] += jump
-        y[5] -= jump / rig.mu
-        y[4] = y[0] + side * rig.d / 2 * (1 - 1e-12)
+        y[-1] -= jump / rig.mu
+        y[-2] = y[0] + side * rig.d / 2 * (1 - 1e-12)
         if t >= first:
             impacts.append((t, side, jump))
         states.append((t, y))
@@ -119,15 +136,43 @@ def record(rig, seed=0, settle=400):
     A, impacts, states = found
     t = np.arange(round(rig.duration * rig.rate)) / rig.rate
     begins = np.array([begin for begin, _ in states]) - first
+    if rig.known_lowpass is None:
+        a = pulsed(rig, t, begins, A, impacts - [first, 0, 0], states)
+    else:
+        a = impulsive(rig, t, begins, A, impacts - [first, 0, 0], states)
+    if rig.lowpass is not None:
+        a = sosfilt(butter(2, rig.lowpass, fs=rig.rate, output="sos"), a)
+    turn, load = 2 * math.pi * rig.frequency * (t + first), 0.0
+    for n, size in enumerate([1.0, *rig.harmonics], 1):
+        passed = 1.0
+        if rig.known_lowpass is not None:
+            passed = freqs(*butter(4, 1, analog=True), [n * rig.frequency / rig.known_lowpass])[1][
+                0
+            ]
+        load = load + rig.F0 * size * (passed * np.exp(1j * n * turn)).imag
+    a = a + rig.offset + rig.noise * a.std() * random.standard_normal(t.size)
+    load = load + 0.01 * load.std() * 2**0.5 * random.standard_normal(t.size)
+    gains = 1 + rig.calibration * np.random.default_rng(
+        [seed, round(1e9 * rig.xi)]
+    ).standard_normal(2)
+    load, a = gains[0] * load, gains[1] * a
+    inside = (impacts[:, 0] >= first) & (impacts[:, 0] < first + rig.duration)
+    shown = impacts[inside] - [first, 0, 0]
+    return t, load, a, shown
+
+
+def pulsed(rig, t, begins, A, impacts, states):
+    """The acceleration with pulses of finite duration and ringing."""
     a = np.zeros(t.size)
     place = np.searchsorted(begins, t, side="right") - 1
-    values, vectors = np.linalg.eig(A[:4, :4])
+    own_A = A[:-2, :-2]
+    values, vectors = np.linalg.eig(own_A)
     for i in np.unique(place):
         own = place == i
-        parts = np.linalg.solve(vectors, states[i][1][:4].astype(complex))
+        parts = np.linalg.solve(vectors, states[i][1][:-2].astype(complex))
         a[own] = (np.exp(np.outer(t[own] - begins[i], values)) @ (vectors[1] * values * parts)).real
     for time, _, jump in impacts:
-        since = t - (time - first)
+        since = t - time
         part = (since + rig.before * rig.contact) / rig.contact
         inside = (part >= 0) & (part <= 1)
         # a half sine over a warped time
@@ -138,18 +183,41 @@ def record(rig, seed=0, settle=400):
         w = 2 * math.pi * rig.ringing
         own = since[after]
         a[after] += rig.ring_share * jump * w * np.exp(-rig.ring_decay * own) * np.sin(w * own)
-    if rig.lowpass is not None:
-        a = sosfilt(butter(2, rig.lowpass, fs=rig.rate, output="sos"), a)
-    load = rig.F0 * np.sin(2 * math.pi * rig.frequency * (t + first))
-    a = a + rig.offset + rig.noise * a.std() * random.standard_normal(t.size)
-    load = load + 0.01 * load.std() * 2**0.5 * random.standard_normal(t.size)
-    gains = 1 + rig.calibration * np.random.default_rng(
-        [seed, round(1e9 * rig.xi)]
-    ).standard_normal(2)
-    load, a = gains[0] * load, gains[1] * a
-    inside = (impacts[:, 0] >= first) & (impacts[:, 0] < first + rig.duration)
-    shown = impacts[inside] - [first, 0, 0]
-    return t, load, a, shown
+    return a
+
+
+def impulsive(rig, t, begins, A, impacts, states):
+    """The acceleration with impulses of no duration and ringing, through the known low-pass: a larger linear
+    system, whose last states are those of the ringing and of the filter."""
+    n = A.shape[0] - 2
+    F, B, C, _ = tf2ss(*butter(4, 1, analog=True))
+    w0, w = 2 * math.pi * rig.known_lowpass, 2 * math.pi * rig.ringing
+    big = np.zeros((n + 6, n + 6))
+    big[:n, :n] = A[:-2, :-2]
+    # the ringing: exp(-decay t) times cosine and sine of w t
+    big[n : n + 2, n : n + 2] = [[-rig.ring_decay, -w], [w, -rig.ring_decay]]
+    big[n + 2 :, n + 2 :] = w0 * F
+    # what the filter gets: the acceleration of the primary mass and the ringing
+    big[n + 2 :, :n] = w0 * B @ A[1:2, :-2]
+    big[n + 2 :, n + 1] = w0 * B[:, 0] * rig.ring_share * w
+    values, vectors = np.linalg.eig(big)
+    inverse = np.linalg.inv(vectors)
+    jumps = {round(1e9 * time): jump for time, _, jump in impacts}
+    a, u = np.zeros(t.size), np.zeros(6)
+    place = np.searchsorted(begins, t, side="right") - 1
+    first = max(0, int(place[0]) - 2)
+    for i in range(first, len(states)):
+        jump = jumps.get(round(1e9 * begins[i]), 0.0)
+        u = u.copy()
+        u[0] += jump
+        u[2:] += w0 * B[:, 0] * jump
+        y = inverse @ np.concatenate([states[i][1][:n], u]).astype(complex)
+        own = place == i
+        waves = np.exp(np.outer(t[own] - begins[i], values)) @ (vectors[n + 2 :] * y).T
+        a[own] = (waves @ C[0]).real
+        if i + 1 < len(states):
+            u = (vectors[n:] @ (np.exp(values * (begins[i + 1] - begins[i])) * y)).real
+    return a
 
 
 def period_of(rig, impacts):
@@ -220,6 +288,52 @@ def random_rig(seed, kind="abc"):
             continue
         k, sides = period_of(rig, made[3])
         if k and len(set(sides)) == 2:
+            jumps = abs(made[3][:, 2])
+            if jumps.min() > 0.05 * jumps.max() and np.diff(made[3][:, 0]).min() > 4e-3:
+                return rig, made, k, sides
+
+
+@functools.cache
+def wide_rig(seed, generator, chaos):
+    """A rig of a wide range of sensors, noise, contacts and loads, with a record of it, k and walls of a period.
+
+    Of the generator "pulses" or "spikes" (and "virtual", whose record is not made here, as these). `chaos` asks
+    for motions that do not repeat.
+    """
+    draw = np.random.default_rng([seed, int(chaos), *generator.encode()])
+    while True:
+        rate = float(draw.choice([2000, 5000, 10000, 20000, 50000]))
+        numbers = {
+            "xi": draw.uniform(0.007, 0.016), "mu": draw.uniform(0.025, 0.05),
+            "F0": draw.uniform(2 if chaos else 4, 8), "restitution": tuple(draw.uniform(0.55, 0.85, 2)),
+            "r": draw.choice([0.9, 0.94, 1.04, 1.06, 1.1]), "D": draw.uniform(15, 60 if chaos else 40),
+            "rate": rate, "duration": {2000: 6.0, 5000: 6.0, 10000: 3.0}.get(rate, 2.0),
+            "noise": 10 ** (-draw.uniform(20, 50) / 20), "ring_share": draw.choice([0, 0.15, 0.3]),
+            "ringing": draw.uniform(250, min(900, 0.2 * rate)), "ring_decay": draw.uniform(60, 300),
+            "calibration": draw.choice([0, 0.01]), "contact": draw.choice([5e-5, 2e-4, 4e-4, 8e-4, 1.5e-3]),
+            "before": draw.choice([0, 0.4]), "skew": draw.choice([1, 1.5]), "offset": draw.uniform(-1, 1),
+        }  # fmt: skip
+        if draw.uniform() < 0.5:
+            numbers["harmonics"] = tuple(draw.uniform(-0.1, 0.1, 2))
+        if draw.uniform() < 0.33:
+            numbers["exponent"] = draw.uniform(0.05, 0.2)
+        if generator != "pulses":
+            numbers["known_lowpass"] = min(float(draw.choice([600, 1000, 2000, 4000])), 0.25 * rate)
+        elif draw.uniform() < 0.33:
+            numbers["lowpass"] = min(float(draw.choice([600, 1000, 2000])), 0.4 * rate)
+        rig = Rig(**numbers)
+        found = flights(rig, 300 / rig.frequency, 300 / rig.frequency + 1.0 + chaos)
+        if found is None or found[1].shape[0] < 20 or len(set(found[1][:, 1])) < 2:
+            continue
+        if bool(period_of(rig, found[1])[0]) == chaos:
+            continue
+        made = record(rig, seed)
+        if made is None:
+            continue
+        k, sides = period_of(rig, made[3])
+        if chaos and not k:
+            return rig, made, 0, ""
+        if not chaos and k and len(set(sides)) == 2:
             jumps = abs(made[3][:, 2])
             if jumps.min() > 0.05 * jumps.max() and np.diff(made[3][:, 0]).min() > 4e-3:
                 return rig, made, k, sides

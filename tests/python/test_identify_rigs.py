@@ -10,6 +10,9 @@ import vibroimpact as vi
 
 pytest.importorskip("scipy")
 from reference_rig import K, M, chaotic_rig, random_rig, record
+from vibroimpact.identification.laws import Law
+from vibroimpact.identification.stages import apart
+from vibroimpact.identification.steps import of_record
 
 
 def score(seed, kind):
@@ -160,6 +163,52 @@ def test_a_chaotic_record_contradicts_its_load(change, text):
         assert force == pytest.approx(rig.F0, rel=0.04)  # both sensors are calibrated to 1 %
     else:
         assert float(said.split(" ms ")[0].split()[-1]) == pytest.approx(1.0, rel=0.2)
+
+
+@pytest.mark.parametrize("name", ["mu", "xi", "R1", "omega"])
+def test_a_chaotic_record_contradicts_what_is_known(name):
+    """A known value that is 6 % wrong (K 1 %) is the first doubt, with the true value within a few per cent of the
+    change; a right one is none."""
+    rig, (_, load, acceleration, _) = chaotic_rig(1, "defg")
+    true = {"mu": rig.mu, "xi": rig.xi, "R1": rig.restitution[0]}
+    given = {"rate": rig.rate, "load": load, "acceleration": acceleration}
+    known = {"M": M, "K": K} | ({} if name == "omega" else {name: true[name]})
+    assert vi.identify(**given, known=known).good
+    wrong = {"K": 1.01 * K} if name == "omega" else {name: 1.06 * true[name]}
+    with pytest.warns(vi.PoorFitWarning, match=f"known {name}"):
+        found = vi.identify(**given, known=known | wrong)
+    right, was = (K / M) ** 0.5 if name == "omega" else true[name], found.values[name]
+    said = float(found.doubts[0].split("the record says ")[1].split()[0])
+    assert (said - was) / (right - was) == pytest.approx(1, abs=0.25)
+
+
+def test_what_a_chaotic_record_assumes_is_a_derivative():
+    """How parameters change with the known natural frequency, against fits with others."""
+    rig, (_, load, acceleration, _) = chaotic_rig(1, "defg")
+    given = {"rate": rig.rate, "load": load, "acceleration": acceleration}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", vi.PoorFitWarning)  # also of small changes
+        fits = [
+            vi.identify(**given, known={"M": M, "K": part * K}) for part in (1, 0.99998, 1.00002)
+        ]
+    text = next(t for t in fits[0].assumptions if "K/M" in t)
+    for name in ("xi", "mu"):
+        size, way = text.split(f"{name} would be ")[1].split()[:2]
+        change = (fits[2].values[name] - fits[1].values[name]) / 0.004
+        assert change == pytest.approx(
+            float(size) * (1 if way[:6] == "larger" else -1), rel=0.15
+        ), name
+
+
+def test_noise_does_not_tell_what_a_repeated_motion_leaves_open():
+    """Two equal impacts a period, taken one by one: their scatter is noise, which tells no free mass."""
+    rig, (_, load, acceleration, _), _, _ = random_rig(0, "abc")
+    record = vi.SensorRecord(rig.rate, load=load, acceleration=acceleration)
+    scale, known = {"M": M, "K": K}, {"omega": (K / M) ** 0.5}
+    step = of_record(record, None, scale, 0, 1, 0.0)
+    guess = {"xi": 0.01, "mu": 0.05, "R1": 0.7, "R2": 0.7}
+    _, found, _ = apart([step], scale, known, guess, Law(), None)
+    assert set(found.undetermined) >= {"mu", "d"}
 
 
 @pytest.mark.parametrize("bandwidth", [600.0, {"acceleration": 600.0}])

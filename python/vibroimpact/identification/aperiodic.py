@@ -58,6 +58,9 @@ LEAST_IMPACTS = 6
 DAMPED = 0.5
 #: What a flight counts at most where one more mode is tried.
 CLIPPED = 50.0
+#: Draws of errors of the states, and share of the information on a direction of the parameters that they add,
+#: above which the states are taken to tell nothing of it: the fit would follow the noise.
+DRAWS, MOST_NOISE = 4, 0.15
 #: Step for derivatives along the imaginary axis.
 STEP = 1e-30
 #: Samples of a flight over which noise is summed, and colour above which what is left is no noise.
@@ -83,6 +86,12 @@ class Flown(NamedTuple):
     weights: _Array
     noise: float
     colour: float
+    #: Natural frequency and damping ratio that are known (0, 1), what all common parameters do to the states,
+    #: their weights, and minus half the slope of the sum of squares by them.
+    held: NDArray[np.int64]
+    every_turned: _Array
+    every_weight: _Array
+    slope: _Array
 
 
 class Windows:
@@ -516,7 +525,7 @@ class Windows:
         now = self.refine(1e-3)
         states, inverse, turned, left, weights, slope = now
         t, jumps, _, resolved = self.met(states, inverse)
-        W, _ = self.with_priors(weights, slope, self.common)
+        W, slope = self.with_priors(weights, slope, self.common)
         free = self.free()
         self.states = states
         colour = self.colour(left)
@@ -528,6 +537,7 @@ class Windows:
         return Flown(
             t, jumps, resolved, states[:, :2], inverse[:, :2, :2] * self.noise**2, turned[:, :2, free],
             self.common, free, W[np.ix_(free, free)], self.noise, colour,
+            np.setdiff1d([0, 1], free), turned[:, :2], W, slope,
         )  # fmt: skip
 
     def colour(self, left: _Array) -> float:
@@ -680,23 +690,29 @@ def by_laws(
     values["gain"] = 1.0
     names += ["gain"] * (calibration > 0)
     free = flown.free[flown.free < 4]
-    K = free.size
 
     walls_of = [law.of_wall(i) for i in (0, 1)]
+    # what is known, by which there are derivatives once the fit is done
+    held = [name for name in ("mu", *law.names, "d") if name in shared]
+    every = [*names, *held]
 
     def constraints(states: Any, common: Any, g: Any) -> Any:
         """Momentum and restitution at the inner impacts (..., N - 2, 2)."""
         t, X, V, after = windows.events(states, common, flown.times)
-        value = {**values, **{name: g[..., j, None] for j, name in enumerate(names)}}
+        value = {**values, **{every[j]: g[..., j, None] for j in range(g.shape[-1])}}
         z = X + 0.5 * signs * value["d"] * value["gain"]
         flight = np.diff(z, axis=-1) / np.diff(t, axis=-1)
         one, two = flight[..., :-1], flight[..., 1:]
         V, after, sign = V[..., 1:-1], after[..., 1:-1], signs[1:-1]
         speed = sign * (one - V)
-        positive = np.where(speed.real > 0, speed, 1.0)
+        # the law is one of speeds, which the sensor shows with its gain
+        true_speed = np.where(speed.real > 0, speed, 1.0) / value["gain"]
         R = np.where(
             sign > 0,
-            *(law.coefficient(i, [value[name] for name in walls_of[i]], positive) for i in (0, 1)),
+            *(
+                law.coefficient(i, [value[name] for name in walls_of[i]], true_speed)
+                for i in (0, 1)
+            ),
         )
         momentum = after - V + value["mu"] * (two - one)
         return np.stack([momentum, two - after + sign * R * speed], axis=-1)
@@ -710,22 +726,28 @@ def by_laws(
     scales = np.array(
         [*(max(abs(flown.common[i]), 1e-3) if i != 3 else 1.0 for i in flown.free), *typical]
     )
+    n = N - 2
+
+    def equations(here: _Array, change: _Array, g: _Array) -> tuple[Any, ...]:
+        """The constraints at some states, their derivatives by states, by common parameters and by the others, and
+        which impacts they are for."""
+        common = flown.common.copy()
+        common[flown.free] += change
+        c, A, C, G = slopes(constraints, here, common, g, free)
+        ok = active & np.isfinite(c).all(axis=1) & np.isfinite(A).all(axis=(1, 2, 3))
+        through = passed_on(A, C, turned)
+        for array in (c, A, through, G):
+            array[~ok] = 0
+        return c, A, through, G, ok
+
     change = np.zeros(flown.free.size)
     eta = np.zeros((N + 1, 2))
     chi, converged = math.inf, False
-    n = N - 2
     with np.errstate(all="ignore"):
         for rounds in range(40):
-            common = flown.common.copy()
-            common[flown.free] += change
             here = states - turned @ change + eta
-            c, A, C, G = slopes(constraints, here, common, g, free)
-            ok = active & np.isfinite(c).all(axis=1) & np.isfinite(A).all(axis=(1, 2, 3))
-            A[~ok], C[~ok], G[~ok], c[~ok] = 0, 0, 0, 0
+            c, A, through, G, ok = equations(here, change, g)
             local = np.stack([eta[j : j + n] for j in range(4)], axis=1)
-            of_turned = np.stack([turned[j : j + n] for j in range(4)], axis=1)
-            through = -np.einsum("nclq,nlqk->nck", A, of_turned)
-            through[..., :K] += C
             w = c - np.einsum("nclq,nlq->nc", A, local) - through @ change
             cov = banded(A, spread, ok)
             # those that do not follow the laws are other impacts, or next to such
@@ -807,8 +829,14 @@ def by_laws(
     # errors grow with what the laws leave, and with noise that is stronger at low frequencies
     count = 2 * int(ok.sum())
     misfit = chi / max(1, count - g.size)
-    eigen, vectors = np.linalg.eigh(information * np.outer(scales, scales))
-    J = np.sqrt(np.maximum(eigen, 0))[:, None] * vectors.T / scales
+    here = states - turned @ change + eta
+    of_noise = noise_information(
+        lambda states: equations(states, change, g)[1:], here, spread, here.shape[0]
+    )
+    J = (
+        without_noise(information * np.outer(scales, scales), of_noise * np.outer(scales, scales))
+        / scales
+    )
     covariance, vague, _ = covariance_of(J, scales)
     variance = max(1.0, misfit) * flown.colour
     places = [
@@ -824,6 +852,19 @@ def by_laws(
     strains = strains_of(
         windows, common, dict(zip(places, np.diag(covariance).tolist(), strict=True)), variance
     )
+    # natural frequency and damping ratio, and the other parameters, that are known
+    _, A, C, G = slopes(
+        constraints, here, common, np.append(g, [values[name] for name in held]), flown.held
+    )
+    by_held = np.concatenate(
+        [passed_on(A, C, flown.every_turned[:, :, flown.held]), G[..., g.size :]], axis=-1
+    )
+    by_held[~ok] = 0
+    of_held, leans = held_strains(
+        flown, [*(("omega", "xi")[i] for i in flown.held), *held], by_held.reshape(2 * n, -1), multiplier, change,
+        cov, B, covariance, variance, places,
+    )  # fmt: skip
+    strains |= of_held
     covariance *= variance
     columns = [places.index(name) for name in order]
     values |= {"omega": float(common[0]), "xi": float(common[1])}
@@ -839,9 +880,52 @@ def by_laws(
     found = Fit(
         {name: values[name] for name in law.shared}, [float(common[2])], [float(common[3])], [], order,
         part, [name for name in order if places.index(name) in vague],
-        [misfit * flown.colour], variance, strains=strains,
+        [misfit * flown.colour], variance, strains=strains, leans=leans,
     )  # fmt: skip
     return found, law, lawful
+
+
+def passed_on(A: _Array, C: _Array, turned: _Array) -> _Array:
+    """Derivatives of the constraints by common parameters, also through the states of the flights, which they
+    turn; `C` are those at fixed states, by the first of the parameters."""
+    n = A.shape[0]
+    of_turned = np.stack([turned[j : j + n] for j in range(4)], axis=1)
+    through: _Array = -np.einsum("nclq,nlqk->nck", A, of_turned)
+    through[..., : C.shape[-1]] += C
+    return through
+
+
+def held_strains(
+    flown: Flown, names: list[str], by: _Array, multiplier: _Array, change: _Array, cov: _Array, B: _Array,
+    covariance: _Array, spread: float, places: list[str],
+) -> tuple[dict[str, Strain], dict[str, dict[str, float]]]:  # fmt: skip
+    """The score test of each known value, and how the fitted ones change with it.
+
+    `by` (equations, names) are derivatives of the constraints by what is known, `multiplier` what the constraints
+    leave over their covariance `cov` (bands), `B` their derivatives by the fitted parameters of which `covariance`
+    is that without `spread`, `change` how far the common ones are from those of the flights alone.
+    """
+    F, H = flown.free.size, len(flown.held)
+    slope, own = np.zeros(len(names)), np.zeros((len(names), len(names)))
+    cross = np.zeros((len(names), covariance.shape[0]))
+    if by.shape[0]:
+        solved = scipy("linalg", "the fit of impacts").solveh_banded(cov, by, lower=True)
+        slope, own, cross = -by.T @ multiplier, by.T @ solved, solved.T @ B
+    W = flown.every_weight[flown.held]
+    slope[:H] += flown.slope[flown.held] - W[:, flown.free] @ change
+    own[:H, :H] += W[:, flown.held]
+    cross[:H, :F] += W[:, flown.free]
+    strains, leans = {}, {}
+    for i, name in enumerate(names):
+        lean = -covariance @ cross[i]
+        leans[name] = dict(zip(places, lean.tolist(), strict=True))
+        left = float(own[i, i] + cross[i] @ lean)
+        # what the fitted parameters imitate cannot be told
+        if left > 1e-9 * own[i, i]:
+            strains[name] = Strain(
+                float(slope[i]) / math.sqrt(left * spread), float(slope[i]) / left
+            )
+    return strains, leans
 
 
 def strains_of(
@@ -877,9 +961,14 @@ def by_flights(windows: Windows, flown: Flown, shared: Mapping[str, float], law:
         **shared,
     }
     values |= {"omega": float(common[0]), "xi": float(common[1])}
-    covariance = np.linalg.inv(flown.weights)
+    covariance = np.asarray(np.linalg.inv(flown.weights), dtype=np.float64)
     variances = {names[i]: float(covariance[j, j]) for j, i in enumerate(free.tolist())}
     strains = strains_of(windows, common, variances, flown.colour)
+    strains |= held_strains(
+        flown, [("omega", "xi")[i] for i in flown.held], np.zeros((0, len(flown.held))), np.zeros(0),
+        np.zeros(free.size), np.zeros((8, 0)), np.zeros((0, free.size)), covariance, flown.colour,
+        [names[i] for i in free],
+    )[0]  # fmt: skip
     covariance *= flown.colour
     kept = [j for j, i in enumerate(free) if i < 3]
     none = [name for name in law.shared if name not in shared and name not in ("omega", "xi")]
@@ -900,6 +989,7 @@ def scaled_solve(information: _Array, slope: _Array, scales: _Array) -> _Array:
     return step
 
 
+@np.errstate(all="ignore")  # of flights that are none
 def slopes(
     constraints: Any, states: _Array, common: _Array, g: _Array, free: NDArray[np.int64]
 ) -> tuple[_Array, _Array, _Array, _Array]:
@@ -931,6 +1021,58 @@ def slopes(
             / STEP
         )
     return c, np.swapaxes(A, 1, 2), C, G
+
+
+@np.errstate(all="ignore")  # of flights that are none
+def noise_information(equations: Any, here: _Array, spread: _Array, seed: int) -> _Array:
+    """What errors of the states add to the information on the parameters.
+
+    The derivatives of the constraints are taken at states with errors, which make them vary from impact to impact
+    also where the states themselves do not, as of a motion that repeats. Errors of the same size, once more, add
+    as much again. They are drawn from what remains of the errors of the states when the constraints are fulfilled.
+    """
+    banded_solve = scipy("linalg", "the fit of impacts").solveh_banded
+    random = np.random.default_rng(seed)
+    size, axes = np.linalg.eigh(np.where(np.isfinite(spread), spread, 0.0))
+    roots = axes * np.sqrt(np.maximum(size, 0))[:, None, :]
+
+    def information(states: _Array) -> tuple[_Array, _Array, _Array]:
+        A, through, G, ok = equations(states)
+        B = np.concatenate([through, G], axis=-1).reshape(2 * A.shape[0], -1)
+        cov = banded(A, spread, ok)
+        return B.T @ banded_solve(cov, B, lower=True), A, cov
+
+    middle, A, cov = information(here)
+    n = A.shape[0]
+    total = np.zeros_like(middle)
+    for _ in range(DRAWS):
+        drawn = np.einsum("nab,nb->na", roots, random.standard_normal(here.shape))
+        local = np.stack([drawn[j : j + n] for j in range(4)], axis=1)
+        off = np.einsum("nclq,nlq->nc", A, local).reshape(-1)
+        multiplier = banded_solve(cov, off, lower=True).reshape(n, 2)
+        for j in range(4):
+            drawn[j : j + n] -= np.einsum(
+                "nqr,ncr,nc->nq", spread[j : j + n], A[:, :, j], multiplier
+            )
+        for sign in (1, -1):
+            total += (information(here + sign * drawn)[0] - middle) / (2 * DRAWS)
+    return total
+
+
+def without_noise(information: _Array, of_noise: _Array) -> _Array:
+    """Derivatives J whose J'J is the information of parameters without that which noise adds.
+
+    With information I, of which I - N is that of the states without errors, the covariance of the parameters is
+    (I - N)^-1 I (I - N)^-1. Directions of which noise tells a larger share than MOST_NOISE are not determined.
+    """
+    size, axes = np.linalg.eigh(information)
+    size = np.maximum(size, 1e-14 * max(float(size[-1]), 1e-300))
+    root = axes * np.sqrt(size)
+    inner = (axes / np.sqrt(size)).T @ of_noise @ (axes / np.sqrt(size))
+    share, turned = np.linalg.eigh(np.where(np.isfinite(inner), inner, 0.0))
+    left = np.where(share > MOST_NOISE, 0.0, 1 - np.clip(share, 0.0, 1.0))
+    J: _Array = left[:, None] * (root @ turned).T
+    return J
 
 
 def own_blocks(A: _Array, spread: _Array, ok: _Bool) -> _Array:

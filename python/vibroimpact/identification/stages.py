@@ -245,7 +245,9 @@ def with_other_loads(
                 else:
                     step.data = replace(step.data, F0=None)
                 step.known_flights = {}
-                flown(step, scale, shared, guess)
+                flown(step, scale, shared, guess, quick=True)
+            if any(step.data is None for step in others):
+                continue  # no impacts
             found = fitted(others, scale, shared, guess, Law(), None)[0]
         except SingularError:
             continue

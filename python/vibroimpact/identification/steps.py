@@ -234,10 +234,10 @@ def known_of(
 
 def flown(
     step: Step, scale: Mapping[str, float], known: Mapping[str, float], guess: Mapping[str, float],
-    fewer: bool = False, exactly: bool = False,
+    fewer: bool = False, exactly: bool = False, quick: bool = False,
 ) -> None:  # fmt: skip
     """The free flights of a record, from which its impacts are known below the sample; perhaps without the
-    weakest, and perhaps as if the sensors were exact, from which a fit may start."""
+    weakest, perhaps as if the sensors were exact, from which a fit may start, and perhaps from one start alone."""
     data, record = step.data, step.record
     assert data is not None
     assert record is not None
@@ -250,7 +250,8 @@ def flown(
     if which in step.known_flights:
         free, flights.fold = step.known_flights[which]
     else:
-        free = flights.best(onsets(values, record.rate, data.Omega, data.k))
+        starts = onsets(values, record.rate, data.Omega, data.k)
+        free = flights.best(starts[:1] if quick else starts)
         step.known_flights[which] = free, flights.fold
     if fewer and free.data.angles.size > 2:
         free = flights.without(free, int(np.argmin(abs(free.data.jumps))))
@@ -306,6 +307,8 @@ def flown_apart(
     assert record is not None
     values: _Array = getattr(record, step.quantity)
     omega, priors, _ = known_of(data, scale, known)
+    if "xi" in known:  # held, so that the flights tell whether it is right
+        priors["xi"] = known["xi"], 0.0
     t = centred(len(record), record.rate)
     static = priors.get(
         "static", (2 * float(np.std(smooth(values, record.rate, data.order))), 0.0)
