@@ -9,6 +9,7 @@ chaotic. Of each record the first seconds are kept, as second differences of who
 F0 (N).
 """
 
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -16,9 +17,20 @@ import pytest
 import vibroimpact as vi
 
 pytest.importorskip("scipy")
+from reference_bound import NAMES, bound, noise_of
+from reference_rig import Rig
+
 DATA = np.load(Path(__file__).parents[1] / "data/rigs.npz")
 M, K = 0.7303, 11383.00093642085
 PATTERNS = dict.fromkeys("abefghi", "RL") | {"c": "RRL", "d": "RLL"}
+
+#: Frequency ratio, contact time (s), ringing over the jump, and low-pass of the accelerometer (Hz) of each record.
+RIGS = {
+    "a": (0.94, 4e-4, 0.15, None), "b": (1.06, 4e-4, 0.15, None), "c": (0.94, 4e-4, 0.15, None),
+    "d": (1.04, 1e-3, 0.15, None), "e": (1.04, 4e-4, 0.15, None), "f": (0.9, 2e-4, 0.15, None),
+    "g": (1.06, 1e-3, 0.0, None), "h": (0.94, 4e-4, 0.15, 600), "i": (0.9, 6e-4, 0.15, 2000),
+    "j": (1.1, 4e-4, 0.15, None),
+}  # fmt: skip
 
 
 def record_of(name):
@@ -49,6 +61,49 @@ def test_a_record_of_another_program_is_right(name, with_m):
         ), item
     if with_m or name in "cdj":
         assert found.undetermined == []
+
+
+def over_bound(name):
+    """Stated errors of a record with exact sensors and, but for j, a known m, over Cramer-Rao bounds; and
+    the bounds. Of j, whose impacts are not those of the motion from which the bound is computed, over the median
+    of the bounds of five motions of the rig."""
+    record, true = record_of(name)
+    r, contact, share, lowpass = RIGS[name]
+    rig = Rig(
+        xi=true["xi"], mu=true["mu"], restitution=(true["R1"], true["R2"]), r=r, F0=true["F0"],
+        D=true["d"] * K / true["F0"], rate=record.rate, contact=contact, ring_share=share,
+    )  # fmt: skip
+    chaos = name == "j"
+    known = {"M": M, "K": K} | ({} if chaos else {"m": M * true["mu"]})
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", vi.PoorFitWarning)
+        found = vi.identify(record, known=known, calibration=0)
+    motion = {
+        "noise": noise_of(record.acceleration, rig.rate, rig.frequency if lowpass else None),
+        "sides": PATTERNS.get(name, ""),
+        "known": () if chaos else ("mu",), "phase_error": 2e-3 * 2 * np.pi * rig.frequency,
+        "load_error": noise_of(record.load, rig.rate) * (2 / len(record)) ** 0.5,
+        "margin": 2 / rig.rate + (1 / lowpass if lowpass else 0),
+    }  # fmt: skip
+    every = [
+        bound(rig, len(record), begin=begin, **motion)
+        for begin in (np.arange(5) * 0.03 if chaos else [0])
+    ]
+    least = {
+        item: float(np.median([one[item] for one in every]))
+        for item in NAMES
+        if item in found.errors
+    }
+    return {item: found.errors[item] / value for item, value in least.items()}, least
+
+
+@pytest.mark.parametrize("name", "acdg")
+def test_errors_are_near_the_bound_of_the_flights(name):
+    """No estimate of such data has errors below the Cramer-Rao bound; the stated ones are at most twice it."""
+    ratios, _ = over_bound(name)
+    assert set(ratios) == {"xi", "R1", "R2", "d", "F0"}
+    for item, ratio in ratios.items():
+        assert 0.7 < ratio < 2, item
 
 
 def test_a_wrong_gain_is_within_the_errors_only_with_a_calibration():

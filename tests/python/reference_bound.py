@@ -1,0 +1,151 @@
+"""The Cramer-Rao bound of the parameters of a rig from a record of its flights, for tests of identification.
+
+The data are the samples of the acceleration outside of pulses. Unknown are the state at the start, the parameters,
+an offset, the pole of the ringing and its amplitude after each impact. Information on parameters and state (the R
+of a QR factorisation) is carried from impact to impact by the derivatives of the map from each to the next, and
+grows by the samples of each flight. So it holds for chaos as for periodic motions. Derivatives are by imaginary
+steps through closed forms; nothing of it is of the package.
+"""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+from reference_rig import K, M, flights, period_of
+
+STEP = 1e-30
+#: Errors of the map from impact to impact over typical sizes: without any, what is known of the state of a motion
+#: that attracts others grows beyond what rounding allows.
+LOOSE = 1e-8
+#: Unknown, in this order; then offset, real and imaginary part of the pole of the ringing.
+NAMES = ("xi", "mu", "R1", "R2", "d", "F0", "phase")
+
+
+def motion(theta, state, t, Omega):
+    """Displacement, velocity and acceleration of the primary mass at times after the last impact."""
+    xi, F0, phase = theta[0], theta[5], theta[6]
+    begin, x, v, _ = state
+    omega = math.sqrt(K / M)
+    a, b = omega**2 - Omega**2, 2 * xi * omega * Omega
+
+    def steady(time, order):
+        turn = Omega * time + phase + order * math.pi / 2
+        return F0 / M * Omega**order * (a * np.sin(turn) - b * np.cos(turn)) / (a**2 + b**2)
+
+    rate, decay, since = omega * np.sqrt(1 - xi**2), xi * omega, t - begin
+    x, v = x - steady(begin, 0), v - steady(begin, 1)
+    c, s, fade = np.cos(rate * since), np.sin(rate * since), np.exp(-decay * since)
+    X = fade * (x * c + (v + decay * x) / rate * s)
+    V = fade * (v * c - (decay * v + omega**2 * x) / rate * s)
+    return X + steady(t, 0), V + steady(t, 1), -2 * decay * V - omega**2 * X + steady(t, 2)
+
+
+def impact(theta, state, side, other, t, Omega):
+    """The state (time, x, its rate, rate of z) just after the next impact, near time t; sides are 1 or -1."""
+    _, mu, R1, R2, d, *_ = theta
+    for _ in range(6):
+        X, V, _ = motion(theta, state, t, Omega)
+        gap = state[1] + side * d / 2 + state[3] * (t - state[0]) - X - other * d / 2
+        t = t - gap / (state[3] - V)
+    X, V, _ = motion(theta, state, t, Omega)
+    closing = state[3] - V
+    jump = mu * (1 + (R1 if other > 0 else R2)) * closing / (1 + mu)
+    return np.array([t, X, V + jump, state[3] - jump / mu])
+
+
+def moving(rig, first, last, sides, begin=0.0):
+    """Impacts and states of a motion whose impacts in a cycle are some walls, and the load phase at time 0."""
+    for phase in begin + np.linspace(0, 2 * math.pi, 24, endpoint=False):
+        found = flights(rig, first, last, phase)
+        if found is not None and (not sides or (period_of(rig, found[1])[1] * 2).find(sides) >= 0):
+            return found[1], found[2], phase
+    raise ValueError(f"no motion {sides}")
+
+
+def bound(
+    rig,
+    samples,
+    noise,
+    sides,
+    known=(),
+    load_error=0.0,
+    phase_error=math.inf,
+    margin=1e-4,
+    begin=0.0,
+):
+    """Least standard errors by name, of so many samples with white noise of a motion with `sides` in a cycle.
+
+    F0 and the load phase are measured with these errors, and `known` parameters are exact. `margin` (s) are left
+    out beside each pulse. `begin` is a load phase that leads to another chaotic motion.
+    """
+    Omega, duration = 2 * math.pi * rig.frequency, samples / rig.rate
+    first = 400 / rig.frequency
+    impacts, states, phase = moving(rig, first, first + duration, sides, begin)
+    after = {round(1e9 * t): y for t, y in states}
+    theta = np.array([rig.xi, rig.mu, *rig.restitution, rig.d, rig.F0, phase])
+    P, rings = len(NAMES), rig.ring_share > 0
+    Q = P + 1 + 2 * rings
+    # columns: theta, offset, pole, and the state (4) after the last impact
+    sizes = np.array(
+        [0.01, 0.03, 1, 1, rig.d, rig.F0, 1, 1, *[100.0] * (2 * rings), 1e-3, 1e-3, 0.1, 0.1]
+    )
+    R = np.diag(1e-9 / sizes)
+    for name, error in {
+        "F0": load_error,
+        "phase": phase_error,
+        **dict.fromkeys(known, 1e-9),
+    }.items():
+        if 0 < error < math.inf:
+            R = np.vstack([R, np.eye(Q + 4)[NAMES.index(name)] / error])
+    for (t, side, jump), (later, other, _) in pairwise(impacts):
+        y = after[round(1e9 * t)]
+        state = np.array([t, y[0], y[1], y[-1]])
+        every = np.concatenate([theta, state])
+        moved = (every + 1j * STEP * np.eye(P + 4)).T
+        # samples of this flight outside of the pulses
+        inside = (t + rig.contact + margin, later - margin)
+        at = (
+            np.arange(math.ceil((inside[0] - first) * rig.rate), (inside[1] - first) * rig.rate)
+            / rig.rate
+            + first
+        )
+        if at.size > 4:
+            of_motion = [motion(one[:P], one[P:], at, Omega)[2].imag / STEP for one in moved.T]
+            columns = [*of_motion[:P], np.ones(at.size)]
+            if rings:
+                w, since = 2 * math.pi * rig.ringing, at - t
+                wave = np.exp(complex(-rig.ring_decay, w) * since)
+                ring = rig.ring_share * jump * w * wave * since
+                columns += [ring.imag, ring.real]
+            columns = np.column_stack([*columns, *of_motion[P:]]) / noise
+            if rings:
+                basis = np.linalg.qr(np.column_stack([wave.real, wave.imag]))[0]
+                columns -= basis @ (basis.T @ columns)
+            R = np.linalg.qr(np.vstack([R, columns]) * sizes, mode="r") / sizes
+        # on to the state after the next impact
+        by = np.column_stack(
+            [impact(one[:P], one[P:], side, other, later, Omega).imag / STEP for one in moved.T]
+        )
+        R[:, Q:] = np.linalg.solve(by[:, P:].T, R[:, Q:].T).T
+        R[:, :P] -= R[:, Q:] @ by[:, :P]
+        loose = np.hstack([np.eye(4), np.zeros((4, Q + 4))])
+        own = np.hstack([-R[:, Q:] * sizes[Q:] * LOOSE, R * sizes])
+        R = np.linalg.qr(np.vstack([loose, own]), mode="r")[4:, 4:] / sizes
+    errors = sizes * np.linalg.norm(np.linalg.pinv(R * sizes), axis=1)
+    return dict(zip(NAMES, errors.tolist(), strict=False))
+
+
+def noise_of(values, rate, frequency=None):
+    """Standard deviation of white noise with the density of that of a record.
+
+    It is by sixth differences, in which slower motion is small; or of a periodic record by its spectrum between
+    the harmonics of a frequency, below 300 Hz, which a low-pass leaves as it is: that also has aliases of spikes.
+    """
+    if frequency is None:
+        return float(np.median(abs(np.diff(values, 6)))) / 0.6745 / math.sqrt(math.comb(12, 6))
+    window = np.hanning(values.size)
+    size = abs(np.fft.rfft((values - values.mean()) * window)) ** 2 / (window @ window)
+    order = np.fft.rfftfreq(values.size, 1 / rate) / frequency
+    between = (abs(order % 1 - 0.5) < 0.2) & (order * frequency < 300)
+    # half of an exponential distribution is below its mean times log 2
+    return math.sqrt(float(np.median(size[between])) / math.log(2))
