@@ -10,6 +10,7 @@ import vibroimpact as vi
 
 pytest.importorskip("scipy")
 from reference_rig import K, M, chaotic_rig, random_rig, record
+from shared_identify import BENCH, KNOWN
 from vibroimpact.identification.laws import Law
 from vibroimpact.identification.stages import apart
 from vibroimpact.identification.steps import of_record
@@ -209,6 +210,43 @@ def test_noise_does_not_tell_what_a_repeated_motion_leaves_open():
     guess = {"xi": 0.01, "mu": 0.05, "R1": 0.7, "R2": 0.7}
     _, found, _ = apart([step], scale, known, guess, Law(), None)
     assert set(found.undetermined) >= {"mu", "d"}
+
+
+@pytest.mark.parametrize("quantity", ["acceleration", "velocity", "displacement"])
+def test_a_virtual_contact_moves_as_much_momentum(quantity):
+    """After a contact the motion is that after an impulse half a contact later, to the second order of its length."""
+    off = []
+    for contact in (4e-4, 2e-4):
+        made = [
+            vi.VirtualRig(**BENCH, snr=None, ring_share=0.0, contact=one).record(1.0, 17, quantity).channels[quantity]
+            for one in (0.0, contact)
+        ]  # fmt: skip
+        off.append(float(np.median(abs(made[1] - made[0]))) / made[0].std())
+    # half a contact is by how much the pulse, and what follows from it, is late
+    assert off[0] < 0.01
+    assert off[0] < 1e-9 or off[0] / off[1] == pytest.approx(2, rel=0.2)
+
+
+def test_a_virtual_rig_with_contacts_gravity_and_an_unknown_filter_is_identified():
+    """As measured records are: the same parameters within four stated errors."""
+    rig = vi.VirtualRig(**BENCH, contact=6e-4, offset=9.81, known_bandwidth=False, bandwidth=1000.0)
+    record = rig.record(seed=17)
+    assert record.bandwidth == {}
+    level = replace(rig, offset=0.0).record(seed=17)
+    assert record.acceleration - level.acceleration == pytest.approx(9.81)
+    found = vi.identify(record, known=KNOWN)
+    assert found.good
+    for name, value in (("xi", rig.xi), ("R1", 0.75), ("R2", 0.65), ("d", rig.d)):
+        assert abs(found.values[name] - value) < 4 * found.errors[name], name
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("contact", -1e-3), ("contact", 0.1), ("offset", float("nan"))]
+)
+def test_a_contact_is_a_short_time(name, value):
+    """Errors name what is wrong."""
+    with pytest.raises(vi.ParameterError, match=f"{name} = "):
+        vi.VirtualRig(**BENCH, **{name: value})
 
 
 @pytest.mark.parametrize("bandwidth", [600.0, {"acceleration": 600.0}])

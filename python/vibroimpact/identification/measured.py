@@ -45,6 +45,8 @@ UNITS: dict[str, dict[str, float]] = {
 ORDER = 4
 #: Time constants after which a response to an impact is left out.
 FADED = 16
+#: Longest contact, load cycles.
+MOST_CONTACT = 0.1
 #: Least number of samples of a record.
 LEAST = 16
 
@@ -321,6 +323,13 @@ class VirtualRig:
         The load amplitude of a record differs from F0 by up to this share; drawn once for each record.
     calibration : float
         Relative standard deviation of the gains of both sensors, drawn once for each record.
+    contact : float
+        Duration of an impact, s: its force on the primary mass is a half sine whose area is the jump of momentum,
+        from the instant of the impact on. 0, the default, is an impulse.
+    offset : float
+        What the sensor of the motion shows without a motion, such as gravity, in its unit.
+    known_bandwidth : bool
+        Whether records say the bandwidth of their sensors; by default they do.
 
     Raises
     ------
@@ -353,6 +362,9 @@ class VirtualRig:
     drift: float = 0.0
     amplitude: float = 0.0
     calibration: float = 0.0
+    contact: float = 0.0
+    offset: float = 0.0
+    known_bandwidth: bool = True
 
     def __post_init__(self) -> None:
         above = ("M", "K", "m", "d", "F0", "frequency", "rate", "bandwidth", "ring_frequency")
@@ -364,6 +376,7 @@ class VirtualRig:
             "drift",
             "amplitude",
             "calibration",
+            "contact",
         ):
             value = positive(getattr(self, name), name, zero=name not in above)
             if (
@@ -387,6 +400,16 @@ class VirtualRig:
                 raise ParameterError(
                     f"{name} = {getattr(self, name)!r}: must be below half the rate, {self.rate / 2:g} Hz"
                 )
+        if not self.contact * self.frequency < MOST_CONTACT:
+            raise ParameterError(
+                f"contact = {self.contact!r}: must be below {MOST_CONTACT:g} load cycles, "
+                f"{MOST_CONTACT / self.frequency:.4g} s"
+            )
+        offset = checks.to_float(self.offset, "offset", "a finite number")
+        if not math.isfinite(offset):
+            raise ParameterError(f"offset = {self.offset!r}: must be a finite number")
+        object.__setattr__(self, "offset", offset)
+        checks.instance(self.known_bandwidth, "known_bandwidth", bool)
         harmonics = checks.real_array(self.harmonics, "harmonics", "a list of numbers")
         if harmonics.ndim != 1 or not np.isfinite(harmonics).all():
             raise ParameterError(
@@ -543,9 +566,9 @@ class VirtualRig:
             if self.snr is not None:
                 noise = math.sqrt(float(np.mean(clean**2))) * 10 ** (-self.snr / 20)
             channels[name] = clean + noise * random.standard_normal(n)
-        return SensorRecord(
-            self.rate, bandwidth=dict.fromkeys(channels, self.bandwidth), name="virtual rig", **channels
-        )  # fmt: skip
+        channels[quantity] = channels[quantity] + self.offset
+        bandwidth = dict.fromkeys(channels, self.bandwidth) if self.known_bandwidth else None
+        return SensorRecord(self.rate, bandwidth=bandwidth, name="virtual rig", **channels)
 
     def _sensed(
         self,
@@ -624,6 +647,7 @@ class VirtualRig:
             below = np.concatenate([below, np.zeros(integrations - zeros)])
         residues, found, _ = signal.residue(top, below)
         response = np.zeros(t.size)
+        shape: Any
         for c, p in zip(residues, found, strict=True):
             if p.imag < 0:  # with its conjugate
                 continue
@@ -632,9 +656,26 @@ class VirtualRig:
             for time, jump in zip(times.tolist(), jumps.tolist(), strict=True):
                 first = int(np.searchsorted(t, time))
                 here = slice(first, min(t.size, first + length))
-                shape = np.exp(p * (t[here] - time)) if fades else 1.0
+                since, shape = t[here] - time, 1.0
+                if self.contact:
+                    shape = after_half_sine(p if fades else 0j, since, self.contact)
+                elif fades:
+                    shape = np.exp(p * since)
                 response[here] += jump * (1 + (p.imag > 0)) * np.real(c * shape)
         return response
+
+
+def after_half_sine(pole: complex, t: _Array, duration: float) -> NDArray[np.complex128]:
+    """What exp(pole t), the response to an impulse of 1, is after a half sine of area 1 that begins at 0."""
+    turn = 1j * math.pi / duration
+    acted = np.minimum(t, duration)
+    found: NDArray[np.complex128] = np.zeros(t.shape, dtype=np.complex128)
+    for rate, sign in ((turn, 1), (-turn, -1)):
+        # the integral of exp(rate u + pole (t - u)) over what has acted
+        found += (
+            sign * (np.exp(rate * acted + pole * (t - acted)) - np.exp(pole * t)) / (rate - pole)
+        )
+    return found * math.pi / (4j * duration)
 
 
 def scaled(law: Restitution, factor: float) -> Restitution:
