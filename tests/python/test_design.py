@@ -89,7 +89,7 @@ def test_quantile_and_penalty_of_candidates():
         False,
         True,
     )
-    few = grid(problem, 5, 3, 2, 4)
+    few = grid(problem, 5, 3, 2)
     nominal, level, over, _ = judged(problem, few, np.array([[25.0], [35.0]]))
     for i, clearance in enumerate((25.0, 35.0)):
         table = np.empty((3, 5, 2, 2))
@@ -123,7 +123,7 @@ def test_limits_hold_for_the_design():
     assert free.excess == 0
     parameters = np.tile([[1.0], [free.values["clearance"]], [OSC.xi], [OSC.mu], [0.75], [0.75]], 4)
     speed = perform(parameters, np.random.default_rng(1).uniform(-1, 1, (4, 4))).speed.max()
-    bound = vi.design(OSC, target="displacement", limits={"speed": 0.7 * speed}, **kwargs)
+    bound = vi.design(OSC, target="displacement", limits={"speed": 0.8 * speed}, **kwargs)
     assert bound.excess <= 1.0
     assert bound.level >= free.level
     none = vi.design(OSC, target="displacement", limits={"speed": 1e-3}, **kwargs)
@@ -210,3 +210,39 @@ def test_a_design_is_converted_to_physical_units(tmp_path):
         for line in _lines(found)
     )
     assert "(mm)" in shown.plot()[0].get_xlabel()
+
+
+def test_seeds_minimise_the_same_level_and_agree_where_they_converge():
+    """The level of a design belongs to the problem, not to the seed; searches that disagree are called so."""
+    kwargs = {"r": (1.0, 1.02), "free": {"clearance": (20, 45)}, **QUICK, "evaluations": 64}
+    found = [vi.design(OSC, rng=seed, **kwargs) for seed in (0, 1)]
+    assert [one.converged for one in found] == [True, True]
+    assert found[1].level == pytest.approx(found[0].level, rel=0.02)
+    for one in found:
+        best = np.sort(one.searches["level"])
+        assert one.level == best[0]
+        assert best[2] - best[0] <= 0.02 * best[0]
+        assert one.searches["candidates"].sum() == len(one.candidates)
+    # of a single search nothing is known; three that stop at once need not agree
+    assert vi.design(OSC, **{**kwargs, "searches": 1}).converged is None
+    rough = {"r": (0.98, 1.03), "free": {"clearance": (5, 60), "mu": (0.01, 0.1)}, "target": "displacement"}
+    one = vi.design(OSC, **{**rough, **QUICK, "evaluations": 16, "searches": 3})
+    assert one.converged is False
+    assert "not converged: the searches ended at" in one.verdict
+
+
+def test_ctrl_c_keeps_the_best_design(monkeypatch):
+    """An interrupt after a search leaves what it has found, without samples."""
+    asked = {"r": (1.0, 1.02), "free": {"clearance": (20, 45)}, **{**QUICK, "samples": 1000}}
+    calls = []
+
+    def interrupt_later(done, note):
+        calls.append(note)
+        if note == "global search" and "steps down the gradient" in calls:
+            raise KeyboardInterrupt
+
+    with pytest.raises(vi.StudyInterrupted) as caught:
+        vi.design(OSC, progress=interrupt_later, **asked)
+    found = caught.value.result
+    assert (found.samples, len(found.searches["level"])) == (0, 1)
+    assert found.level == found.searches["level"][0] == min(found.candidates["level"])

@@ -14,7 +14,7 @@ from ..results import door
 from ..systems.distribution import interval
 from .order import Order
 from .problem import Problem
-from .search import Archive, grid, refined
+from .search import Archive, explored, grids, part_of, refined
 
 #: Confidence of all intervals, and parts of the band whose shares are stated.
 CONFIDENCE, BANDS = 0.95, 10
@@ -90,7 +90,7 @@ def firmer(problem: Problem, order: Order, archive: Archive) -> tuple[Archive, O
 
     They were if the chosen candidate meets the limit in the search, but too few of some samples meet it.
     """
-    for _ in range(ROUNDS):
+    for turn in range(ROUNDS):
         best = archive.best
         limit = math.inf if order.limit is None else order.sign * order.limit
         if archive.level[best] > limit or (order.limit is None and not problem.limited):
@@ -100,18 +100,18 @@ def firmer(problem: Problem, order: Order, archive: Archive) -> tuple[Archive, O
         shares = bands["good"] / np.maximum(1, bands["samples"])
         if min(tried["probability"], shares.min()) >= problem.quantile:
             break
+        # the first units and states, and all frequencies, are among the new ones
         order = replace(
-            order, specimens=3 * order.specimens, nodes=2 * order.nodes, states=order.states + 1
+            order, specimens=3 * order.specimens, nodes=2 * order.nodes - 1, states=order.states + 1
         )
-        fine = grid(problem, order.specimens, order.nodes, order.states, order.seed)
-        archive = refined(problem, fine, np.array(archive.values), np.array(archive.level), None)
+        fine, coarse = grids(problem, order)
+        values, levels = np.array(archive.values), np.array(archive.level)
+        judged = refined(problem, fine, values, levels, None)
+        if judged.excess[judged.best] > 1:
+            # what met the limits by fewer units does not meet them: the search begins again
+            number = order.seed, order.searches + turn
+            found = explored(problem, coarse, order.evaluations, number, None)
+            judged.add(refined(problem, fine, *found, None))
+        judged.searches, judged.judged_again = archive.searches, True
+        archive = judged
     return archive, order
-
-
-def part_of(
-    progress: door.Progress | None, begin: float, share: float, whole: float
-) -> door.Progress | None:
-    """The progress of a part of the work."""
-    if progress is None:
-        return None
-    return lambda done, note: progress((begin + done * share) / whole, note)

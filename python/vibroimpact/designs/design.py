@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..base import checks
 from ..base.actions import ACTIONS
 from ..base.checks import Rng
-from ..base.errors import ParameterError, ParameterTypeError
+from ..base.errors import ParameterError, ParameterTypeError, StudyInterrupted
 from ..base.progress import with_progress
 from ..base.status import VERDICT
 from ..results import door
@@ -22,10 +22,10 @@ from ..results.performance import LEAST, PARAMETERS
 from ..results.tables import Result, made
 from ..systems.distribution import Uncertain, uncertain
 from ..systems.oscillator import Oscillator, of_numbers
-from .confirmation import CODE_OF, confirmed, firmer, part_of
+from .confirmation import CODE_OF, confirmed, firmer
 from .order import NAMES, Order, asked_by, numbers_of
 from .problem import LIMITED, OscillatorHost, Problem, parameters_of
-from .search import search
+from .search import part_of, search
 from .structure import asked_of
 
 if TYPE_CHECKING:
@@ -59,6 +59,11 @@ class Design(Noun, study="design", example=EXAMPLE):
         The quantile of the target over the units of the search, at the worst frequency.
     excess : float
         The same of the greatest figure over its limit: above 1 no candidate met all limits.
+    converged : bool or None
+        Whether the three best of the independent searches ended at the same level, to within 2 %; None with fewer
+        than three searches, and if samples contradicted them and candidates were judged again by more units.
+    searches : dict of ndarray
+        Of each search: the number of its ``candidates`` judged by all units, and the best ``level``.
     worst : float
         The worst target of all samples of the confirmation, and of the units of the search.
     samples, failed : int
@@ -132,6 +137,16 @@ class Design(Noun, study="design", example=EXAMPLE):
     def excess(self) -> float:
         excess: float = self._one("excess")
         return excess
+
+    @property
+    def converged(self) -> bool | None:
+        return VERDICT[self._one("converged")]
+
+    @property
+    def searches(self) -> dict[str, NDArray[Any]]:
+        return {
+            name: self._result.column("searches", name).decoded() for name in ("candidates", "level")
+        }
 
     @property
     def worst(self) -> float:
@@ -226,6 +241,9 @@ class Design(Noun, study="design", example=EXAMPLE):
             )
         share = f"{100 * self.quantile:.6g} % of the units"
         symbol = ">=" if self.target == "damping" else "<="
+        if self.converged is False:
+            levels = ", ".join(f"{x:.4g}" for x in sorted(self.searches["level"], reverse=symbol == ">="))
+            above += f"; not converged: the searches ended at {levels}; more evaluations or searches would help"
         if self.limit is None:
             return f"{self.target} {symbol} {self.level:.4g} for {share} of the search{above}"
         wanted = f"{self.target} {symbol} {self.limit:.6g} for {share}"
@@ -349,11 +367,16 @@ def answered(case: str, tables: Mapping[str, Any], asked: tuple[Problem, Order])
 def designed(problem: Problem, order: Order, case: str, progress: door.Progress | None) -> Design:
     """Searches, and confirms what was found."""
     searching = part_of(progress, 0, 1, 2 if order.samples else 1)
-    archive = search(
-        problem, max(order.evaluations, 8 * len(problem.free)), order.specimens, order.nodes, order.states,
-        order.seed, searching,
-    )  # fmt: skip
-    archive, order = firmer(problem, order, archive)
+    archive = search(problem, order, searching)
+    stopped = archive.stopped
+    agree = archive.agree if len(archive.searches) > 2 else None
+    if not stopped:
+        try:
+            archive, order = firmer(problem, order, archive)
+        except KeyboardInterrupt:
+            stopped = True
+    if archive.judged_again:
+        agree = None
     best = archive.best
     names = list(problem.free)
     low, high = np.array(list(problem.free.values())).T
@@ -366,6 +389,11 @@ def designed(problem: Problem, order: Order, case: str, progress: door.Progress 
             "level": order.sign * level, "excess": archive.excess[best],
             "worst": order.sign * archive.worst[best], "samples": 0, "failed": 0, "probability": math.nan,
             "low": math.nan, "high": math.nan, "feasible": CODE_OF[None],
+            "converged": CODE_OF[agree],
+        }),
+        "searches": (("search",), {
+            "candidates": [many for many, _ in archive.searches],
+            "level": [order.sign * least for _, least in archive.searches],
         }),
         "sensitivities": (("parameter",), {
             "name": list(archive.sensitivity), "slope": list(archive.sensitivity.values()),
@@ -378,9 +406,14 @@ def designed(problem: Problem, order: Order, case: str, progress: door.Progress 
     bands = ("from", "to", "samples", "good", "probability", "low", "high", "worst")
     tables["bands"] = ("part",), {name: np.zeros(0) for name in bands}
     found = answered(case, tables, (problem, order))
-    if not order.samples:
-        return found
-    return found.confirm(order.samples, order.seed + 1, part_of(progress, 1, 1, 2))
+    if order.samples and not stopped:
+        try:
+            return found.confirm(order.samples, order.seed + 1, part_of(progress, 1, 1, 2))
+        except KeyboardInterrupt:
+            stopped = True
+    if stopped:
+        raise StudyInterrupted(found)
+    return found
 
 
 def reach(item: Uncertain) -> _Array:
@@ -397,16 +430,17 @@ def design(
     clearance: float | None = None, load: Any = 1.0, tolerance: Mapping[str, Any] | None = None,
     target: str = "attenuation", limit: float | None = None, quantile: float = 0.99,
     limits: Mapping[str, float] | None = None, over: str = "worst", amplitude: ArrayLike | None = None,
-    cycles: int = 5, coordinate: int = 0, states: int = 2, samples: int = 100_000, evaluations: int = 48,
-    specimens: int = 16, nodes: int = 9, settling: int = 400, keep: int = 32, rng: Rng = 0,
+    cycles: int = 5, coordinate: int = 0, states: int = 2, samples: int = 100_000, evaluations: int = 96,
+    searches: int = 8, specimens: int = 16, nodes: int = 9, settling: int = 400, keep: int = 32, rng: Rng = 0,
     threads: int | None = None, progress: door.Progress | None = None,
 ) -> Design:  # fmt: skip
     """The clearance, mass and restitution for which an impact damper works best over a band, tolerances included.
 
     A candidate is judged by the `quantile` of the target over uncertain units, at the worst frequency of the band
-    and over the attractors that initial states reach. A global search finds the region, and steps down the
-    gradients of the worst units refine it (extra `design`). The result is then confirmed by independent samples:
-    each is a unit with random parameters at a random frequency and load of the band.
+    and over the attractors that initial states reach. Global searches find the region, and steps down the
+    gradients of the worst units refine it (extra `design`); the searches end when three of them agree. The result is
+    then confirmed by independent samples: each is a unit with random parameters at a random frequency and load of
+    the band.
 
     Parameters
     ----------
@@ -457,14 +491,18 @@ def design(
     samples : int
         Samples of the confirmation, at least 10; 0 for none.
     evaluations : int
-        Candidates of the global search.
+        Candidates of each global search, at least 8 for each free parameter.
+    searches : int
+        Independent global searches at most. They end when the best levels of three of them differ by at most 2 %;
+        otherwise `Design.converged` is False.
     specimens, nodes : int
         Units and frequencies by which the best candidates are judged.
     settling, keep : int
         Load cycles after which a simulation without a period counts as settled, and those then examined.
     rng : int, numpy.random.Generator or None
-        Seed of the random numbers, or a generator that a seed is drawn from; None: another seed in each call. The
-        seed that was used is in the case of the result.
+        Seed of the random numbers of the searches and of the confirmation, or a generator that a seed is drawn from;
+        None: another seed in each call. The seed that was used is in the case of the result. The units and initial
+        states by which candidates are judged do not depend on it.
     threads : int, optional
         Default: one for each processor. The result does not depend on it.
     progress : callable, optional
@@ -482,7 +520,7 @@ def design(
     MissingExtraError
         Without SciPy.
     KeyboardInterrupt
-        After Ctrl-C.
+        After Ctrl-C, once a search has ended: its attribute `result` is the best design so far, without samples.
 
     Examples
     --------
@@ -515,7 +553,7 @@ def design(
     keys: dict[str, Any] = {
         "target": target, "limit": limit, "quantile": quantile, "over": over, "clearance": clearance,
         "load": numbers_of(loads), "states": states, "samples": samples, "evaluations": evaluations,
-        "specimens": specimens, "nodes": nodes, "settling": settling, "keep": keep,
+        "searches": searches, "specimens": specimens, "nodes": nodes, "settling": settling, "keep": keep,
         "seed": checks.seed_of(rng, 2 * 10**9),
         "amplitude": amplitude, "cycles": cycles,
     }  # fmt: skip

@@ -26,12 +26,13 @@ class Order:
     ----------
     target : str
     limit : float or None
-    evaluations, specimens, nodes, states, samples, seed : int
+    evaluations, searches, specimens, nodes, states, samples, seed : int
     """
 
     target: str
     limit: float | None
     evaluations: int
+    searches: int
     specimens: int
     nodes: int
     states: int
@@ -84,7 +85,7 @@ def asked_by(
         host, free, tolerance, (float(band[0]), float(band[-1])), load, keys["quantile"],
         keys["over"] == "basins", bool(limits),
     )  # fmt: skip
-    names = ("evaluations", "specimens", "nodes", "states", "samples", "seed")
+    names = ("evaluations", "searches", "specimens", "nodes", "states", "samples", "seed")
     return problem, Order(target, keys.get("limit"), *(keys[name] for name in names))
 
 

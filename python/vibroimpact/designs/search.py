@@ -1,4 +1,4 @@
-"""The search for a design: a global search on few units, then steps down the gradients of the worst ones."""
+"""The search for a design: global searches on few units, then steps down the gradients of the worst ones."""
 
 from __future__ import annotations
 
@@ -9,11 +9,14 @@ from numpy.typing import NDArray
 
 from ..base.libraries import scipy
 from ..results import door
+from .order import Order
 from .problem import Problem
 
 _Array = NDArray[np.float64]
 #: How much a figure above its limit raises the level of a design, over the excess.
 PENALTY = 10.0
+#: Greatest relative difference of the levels at which two searches agree.
+AGREEMENT = 0.02
 
 
 @dataclass
@@ -29,6 +32,12 @@ class Archive:
         Level of the greatest figure over its limit, and the greatest target.
     sensitivity : dict
         Derivatives of the target of the worst unit of the best candidate by its parameters.
+    searches : list of (int, float)
+        Of each search: the number of its candidates here, and the best level.
+    stopped : bool
+        Whether Ctrl-C ended the searches.
+    judged_again : bool
+        Whether the candidates are those of searches by fewer units.
     """
 
     values: list[_Array] = field(default_factory=list)
@@ -37,6 +46,23 @@ class Archive:
     excess: list[float] = field(default_factory=list)
     worst: list[float] = field(default_factory=list)
     sensitivity: dict[str, float] = field(default_factory=dict)
+    searches: list[tuple[int, float]] = field(default_factory=list)
+    stopped: bool = False
+    judged_again: bool = False
+
+    def add(self, other: Archive) -> None:
+        """Adds the candidates of a further search."""
+        if not self.level or min(other.level) < min(self.level):
+            self.sensitivity = other.sensitivity
+        for name in ("values", "nominal", "level", "excess", "worst"):
+            getattr(self, name).extend(getattr(other, name))
+        self.searches.append((len(other.level), min(other.level)))
+
+    @property
+    def agree(self) -> bool:
+        """Whether the three best searches ended at the same level, to within `AGREEMENT`: two may do so by chance."""
+        levels = sorted(level for _, level in self.searches)
+        return len(levels) > 2 and levels[2] - levels[0] <= AGREEMENT * abs(levels[0])
 
     @property
     def best(self) -> int:
@@ -62,13 +88,18 @@ class Grid:
     places: _Array
 
 
-def grid(problem: Problem, units: int, nodes: int, states: int, seed: int) -> Grid:
-    """Units by a Sobol sequence, the first without deviations, and frequencies with both ends of the band."""
+def grid(problem: Problem, units: int, nodes: int, states: int) -> Grid:
+    """Units by a Sobol sequence, the first without deviations, and frequencies with both ends of the band.
+
+    They do not depend on the seed of a design, so that designs of all seeds minimise the same level.
+    """
     qmc = scipy("stats", "a design", "design").qmc
 
+    if all(item.low == item.high for item in (*problem.tolerance.values(), problem.load)):
+        units = 1
     shares = np.full((problem.dimensions, units), 0.5)
     if units > 1:
-        many = qmc.Sobol(problem.dimensions, seed=seed).random(1 << (units - 1).bit_length())
+        many = qmc.Sobol(problem.dimensions, seed=0).random(1 << (units - 1).bit_length())
         shares[:, 1:] = many[: units - 1].T
         if problem.quantile == 1:
             # the worst unit is often at a corner
@@ -77,8 +108,14 @@ def grid(problem: Problem, units: int, nodes: int, states: int, seed: int) -> Gr
             )
             many = min(corners.shape[1], units - 1)
             shares[: len(corners), 1 : many + 1] = corners[:, ::-1][:, :many]
-    places = 2 * qmc.Sobol(4, seed=seed + 1).random(1 << (states - 1).bit_length())[:states].T - 1
+    places = 2 * qmc.Sobol(4, seed=1).random(1 << (states - 1).bit_length())[:states].T - 1
     return Grid(shares, np.unique(np.linspace(*problem.band, nodes)), places)
+
+
+def grids(problem: Problem, order: Order) -> tuple[Grid, Grid]:
+    """By which the best candidates are judged, and all candidates of a global search."""
+    few = min(order.specimens, 4), max(2, (order.nodes + 1) // 2), order.states
+    return grid(problem, order.specimens, order.nodes, order.states), grid(problem, *few)
 
 
 def judged(problem: Problem, grid: Grid, candidates: _Array) -> tuple[_Array, ...]:
@@ -94,29 +131,45 @@ def judged(problem: Problem, grid: Grid, candidates: _Array) -> tuple[_Array, ..
     return *found, over, target.max(axis=(1, 2, 3))
 
 
-def search(
-    problem: Problem, evaluations: int, units: int, nodes: int, states: int, seed: int,
-    progress: door.Progress | None,
-) -> Archive:  # fmt: skip
+def search(problem: Problem, order: Order, progress: door.Progress | None) -> Archive:
     """The candidates that were judged by all units; the best is the one of the least level.
+
+    Independent global searches follow each other until the best levels of three of them agree: searches that have
+    missed the best region hardly end at one level.
 
     Parameters
     ----------
-    evaluations : int
-        Candidates of the global search, at least 8 for each free parameter.
-    units, nodes, states : int
-        By which the best ones are judged, see `grid`; the global search uses few units.
+    order : Order
+        Units, nodes and initial states by which the best candidates are judged, see `grid`; the global search uses
+        few units.
     """
+    fine, coarse = grids(problem, order)
+    archive = Archive()
+    for number in range(order.searches):
+        report = part_of(progress, number, 1, order.searches)
+        try:
+            found = explored(problem, coarse, order.evaluations, (order.seed, number), report)
+            archive.add(refined(problem, fine, *found, report))
+        except KeyboardInterrupt:
+            if not archive.level:
+                raise
+            archive.stopped = True
+        if archive.agree or archive.stopped:
+            break
+    return archive
+
+
+def explored(
+    problem: Problem, coarse: Grid, evaluations: int, seed: tuple[int, int], progress: door.Progress | None
+) -> tuple[_Array, _Array]:  # fmt: skip
+    """The candidates of one global search, by differential evolution, and their levels."""
     differential_evolution = scipy("optimize", "a design", "design").differential_evolution
 
-    if all(item.low == item.high for item in (*problem.tolerance.values(), problem.load)):
-        units = 1
-    fine = grid(problem, units, nodes, states, seed)
-    coarse = grid(problem, min(units, 4), max(2, (nodes + 1) // 2), states, seed)
     low, high = np.array(list(problem.free.values()), dtype=float).T
+    evaluations = max(evaluations, 8 * len(low))
     tried: list[_Array] = []
     levels: list[_Array] = []
-    size = max(8, 6 * len(low))
+    size = max(8, 8 * len(low))
 
     def level(shares: _Array) -> _Array:
         candidates = np.atleast_2d(shares.T)
@@ -130,15 +183,15 @@ def search(
         return np.asarray(np.minimum(found[1], 1e150))
 
     try:
+        rng = np.random.default_rng(seed)
         differential_evolution(
             level, list(zip(low, high, strict=True)), vectorized=True, updating="deferred", polish=False,
-            popsize=size, init=_even_start(low, high, size, seed), seed=seed, tol=1e-3,
+            popsize=size, init=_even_start(low, high, size, rng), seed=rng, tol=1e-3,
             maxiter=max(1, evaluations // size - 1), integrality=[name in problem.whole for name in problem.free],
         )  # fmt: skip
     except (RuntimeError, TypeError) as error:
         raise cause_of(error) from None
-    candidates, found = np.concatenate(tried), np.concatenate(levels)
-    return refined(problem, fine, candidates, found, progress)
+    return np.concatenate(tried), np.concatenate(levels)
 
 
 def cause_of(error: BaseException) -> BaseException:
@@ -149,35 +202,45 @@ def cause_of(error: BaseException) -> BaseException:
 def refined(
     problem: Problem, fine: Grid, candidates: _Array, levels: _Array, progress: door.Progress | None
 ) -> Archive:
-    """The best of some candidates judged by all units of a grid, and the steps down from there."""
+    """The best of some candidates judged by all units of a grid, and the steps down from there.
+
+    More units and frequencies hardly lower a level: a candidate is left out if its known level is above one that
+    is reached.
+    """
     low, high = np.array(list(problem.free.values()), dtype=float).T
     archive = Archive()
-    _judge(problem, fine, _promising(candidates, levels, high - low, 8), archive)
-    if progress is not None:
-        progress(0.8, "best candidates")
+    promising, known = _promising(candidates, levels, high - low, 8)
+    for begin in range(0, len(promising), 2):
+        if begin and known[begin] > min(archive.level):
+            break
+        _judge(problem, fine, promising[begin : begin + 2], archive)
+        if progress is not None:
+            progress(0.7 + 0.1 * begin / len(promising), "best candidates")
     descend(problem, fine, archive, low, high, progress)
     return archive
 
 
-def _even_start(low: _Array, high: _Array, size: int, seed: int) -> _Array:
+def _even_start(low: _Array, high: _Array, size: int, rng: np.random.Generator) -> _Array:
     """First candidates of the global search: the middle, and points spread evenly."""
     qmc = scipy("stats", "a design", "design").qmc
 
-    shares = qmc.Halton(len(low), seed=seed).random(size)
+    shares = qmc.Halton(len(low), seed=rng).random(size)
     shares[0] = 0.5
     return np.asarray(low + (high - low) * shares)
 
 
-def _promising(candidates: _Array, levels: _Array, width: _Array, many: int) -> _Array:
-    """Some of the best candidates, not too close to each other."""
-    chosen: list[_Array] = []
+def _promising(
+    candidates: _Array, levels: _Array, width: _Array, many: int
+) -> tuple[_Array, _Array]:
+    """Some of the best candidates, not too close to each other, and their levels."""
+    chosen: list[int] = []
     for number in np.argsort(levels, kind="stable"):
-        here = candidates[number]
-        if all(np.max(np.abs(here - other) / width) > 0.02 for other in chosen):
-            chosen.append(here)
+        apart = np.abs(candidates[number] - candidates[chosen]) / width
+        if np.all(np.max(apart, axis=1, initial=0) > 0.02):
+            chosen.append(int(number))
         if len(chosen) == many:
             break
-    return np.array(chosen)
+    return candidates[chosen], levels[chosen]
 
 
 def _judge(problem: Problem, fine: Grid, candidates: _Array, archive: Archive) -> None:
@@ -262,3 +325,12 @@ def active_slopes(
             values.append(value)
             slopes.append(slope)
     return (np.array(values), np.array(slopes)) if values else None
+
+
+def part_of(
+    progress: door.Progress | None, begin: float, share: float, whole: float
+) -> door.Progress | None:
+    """The progress of a part of the work."""
+    if progress is None:
+        return None
+    return lambda done, note: progress((begin + done * share) / whole, note)

@@ -67,7 +67,7 @@ def asked_of(
         if not (0.5 <= item <= 1 if name == "quantile" else 0 < item < math.inf):
             raise ParameterError(f"{name} = {value!r}: must be {wanted}")
     low = {"evaluations": 8, "nodes": 2, "settling": 1, "samples": 0}
-    for name in ("states", "specimens", "keep", *low):
+    for name in ("states", "searches", "specimens", "keep", *low):
         checks.integer(keys[name], name, low.get(name, 1), 10**9)
     band = uncertain(r, "r")
     ranges = {}
@@ -90,5 +90,5 @@ def asked_of(
         system, ranges, tolerance, (band.low, band.high), load, float(keys["quantile"]), keys["over"] == "basins",
         bool(limits), whole,
     )  # fmt: skip
-    names = ("evaluations", "specimens", "nodes", "states", "samples", "seed")
+    names = ("evaluations", "searches", "specimens", "nodes", "states", "samples", "seed")
     return problem, Order(target, keys["limit"], *(keys[name] for name in names))

@@ -90,6 +90,8 @@ def _lines(design: Design) -> list[str]:
         lines += _wrapped("In physical units: " + ", ".join(dimensions) + ".")
     for text in design.asked:
         lines += _wrapped(text)
+    levels = ", ".join(f"{level:.4g}" for level in sorted(design.searches["level"]))
+    lines += _wrapped(f"Best levels of the independent searches: {levels}.")
     if design.samples:
         lines.append(
             f"Worst of all samples: {design.worst:.4g}; simulations given up, counted as bad: {design.failed}."

@@ -109,8 +109,10 @@ module vi_design_study
       key_type('samples', a_whole, default='100000', low=0.0_wp, high=1.0e9_wp, &
       takes='0 or a whole number from 10 to 1e9', &
       meaning='independent samples of the confirmation; 0 for none'), &
-      key_type('evaluations', a_whole, default='48', low=8.0_wp, high=1.0e6_wp, &
-      meaning='candidates of the global search'), &
+      key_type('evaluations', a_whole, default='96', low=8.0_wp, high=1.0e6_wp, &
+      meaning='candidates of each global search'), &
+      key_type('searches', a_whole, default='8', low=1.0_wp, high=1000.0_wp, &
+      meaning='independent global searches at most; they end when three agree'), &
       key_type('specimens', a_whole, default='16', low=1.0_wp, high=1.0e5_wp, &
       meaning='units by which the best candidates are judged'), &
       key_type('nodes', a_whole, default='9', low=2.0_wp, high=1.0e4_wp, &
@@ -152,6 +154,12 @@ module vi_design_study
       column_type('design', 'high', listed=.false., meaning='upper end'), &
       column_type('design', 'feasible', verdicts, listed=.false., meaning='whether the limit &
       &holds for the quantile of the units in every part of the band'), &
+      column_type('design', 'converged', verdicts, listed=.false., &
+      meaning='whether the three best searches ended at the same level; not known if &
+      &candidates were judged again by more units'), &
+      column_type('searches', 'candidates', wholes, listed=.false., &
+      meaning='candidates of a search judged by all units'), &
+      column_type('searches', 'level', unit='mixed', listed=.false., meaning='its best level'), &
       column_type('bands', 'from', listed=.false., meaning='lowest r of a part of the band'), &
       column_type('bands', 'to', listed=.false., meaning='highest r'), &
       column_type('bands', 'samples', wholes, listed=.false., meaning='samples in it'), &
