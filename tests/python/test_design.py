@@ -225,7 +225,11 @@ def test_seeds_minimise_the_same_level_and_agree_where_they_converge():
         assert one.searches["candidates"].sum() == len(one.candidates)
     # of a single search nothing is known; three that stop at once need not agree
     assert vi.design(OSC, **{**kwargs, "searches": 1}).converged is None
-    rough = {"r": (0.98, 1.03), "free": {"clearance": (5, 60), "mu": (0.01, 0.1)}, "target": "displacement"}
+    rough = {
+        "r": (0.98, 1.03),
+        "free": {"clearance": (5, 60), "mu": (0.01, 0.1)},
+        "target": "displacement",
+    }
     one = vi.design(OSC, **{**rough, **QUICK, "evaluations": 16, "searches": 3})
     assert one.converged is False
     assert "not converged: the searches ended at" in one.verdict

@@ -214,11 +214,13 @@ def test_noise_does_not_tell_what_a_repeated_motion_leaves_open():
 
 @pytest.mark.parametrize("quantity", ["acceleration", "velocity", "displacement"])
 def test_a_virtual_contact_moves_as_much_momentum(quantity):
-    """After a contact the motion is that after an impulse half a contact later, to the second order of its length."""
+    """After a contact the motion is that of an impulse half a contact later, to second order of its length."""
     off = []
     for contact in (4e-4, 2e-4):
         made = [
-            vi.VirtualRig(**BENCH, snr=None, ring_share=0.0, contact=one).record(1.0, 17, quantity).channels[quantity]
+            vi.VirtualRig(**BENCH, snr=None, ring_share=0.0, contact=one)
+            .record(1.0, 17, quantity)
+            .channels[quantity]
             for one in (0.0, contact)
         ]  # fmt: skip
         off.append(float(np.median(abs(made[1] - made[0]))) / made[0].std())

@@ -602,3 +602,14 @@ def test_all_motions_are_not_promised_in_vain():
         match="max_impacts = 4: must be a whole number with 2 <= max_impacts <= 3",
     ):
         vi.prove_all(OSC, 0.9, 5.0, max_impacts=4)
+
+
+def test_branch_across_resonance():
+    """Over wide boxes of r the amplitude without impacts has no bound: they are halved, and all is proven."""
+    motion = vi.equispaced(vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75), 1.01, 37.0)[0]
+    branch = vi.branch(motion, "r", bounds=(0.9985, 1.0155))
+    proof = branch.prove()
+    assert branch.stable.all()
+    assert (proof.proven, proof.stable, proof.admissible) == (True, True, True)
+    ends = [[float(Fraction(end)) for end in box["parameters"]["r"]] for box in proof.boxes]
+    assert (min(low for low, _ in ends), max(high for _, high in ends)) == (0.9985, 1.0155)

@@ -25,6 +25,7 @@ from vibroimpact.reproduce import (
     scan,
     statements,
     sweeps,
+    table1,
     tasks,
 )
 from vibroimpact.reproduce.digits import upper_boundary
@@ -493,3 +494,18 @@ def test_workers_end_with_a_killed_program(tmp_path):
         for number in session_of(process.pid):
             with contextlib.suppress(OSError):
                 os.kill(number, signal.SIGKILL)
+
+
+def test_proofs_of_statements(monkeypatch):
+    """What is proven agrees with what is found; without python-flint nothing is, and the page says so."""
+    pytest.importorskip("flint")
+    stable = {name: motion.stable for name, motion in table1.motions().items()}
+    text = statements.proof_of_motions()
+    assert text.count(",") == len(stable) - 1
+    for name, verdict in stable.items():
+        assert f"{name} {'stable' if verdict else 'unstable'}" in text
+    # the whole range crosses resonance; beyond its ends the motions are not all stable
+    assert "from 1.0390 to 1.0410" in statements.proof_of_line(1.039, 1.041)
+    assert statements.proof_of_line(1.09, 1.1) == ""
+    monkeypatch.setitem(sys.modules, "flint", None)
+    assert statements.proven(statements.proof_of_motions) == ""

@@ -145,7 +145,8 @@ class Design(Noun, study="design", example=EXAMPLE):
     @property
     def searches(self) -> dict[str, NDArray[Any]]:
         return {
-            name: self._result.column("searches", name).decoded() for name in ("candidates", "level")
+            name: self._result.column("searches", name).decoded()
+            for name in ("candidates", "level")
         }
 
     @property
@@ -242,7 +243,9 @@ class Design(Noun, study="design", example=EXAMPLE):
         share = f"{100 * self.quantile:.6g} % of the units"
         symbol = ">=" if self.target == "damping" else "<="
         if self.converged is False:
-            levels = ", ".join(f"{x:.4g}" for x in sorted(self.searches["level"], reverse=symbol == ">="))
+            levels = ", ".join(
+                f"{x:.4g}" for x in sorted(self.searches["level"], reverse=symbol == ">=")
+            )
             above += f"; not converged: the searches ended at {levels}; more evaluations or searches would help"
         if self.limit is None:
             return f"{self.target} {symbol} {self.level:.4g} for {share} of the search{above}"
@@ -438,9 +441,9 @@ def design(
 
     A candidate is judged by the `quantile` of the target over uncertain units, at the worst frequency of the band
     and over the attractors that initial states reach. Global searches find the region, and steps down the
-    gradients of the worst units refine it (extra `design`); the searches end when three of them agree. The result is
-    then confirmed by independent samples: each is a unit with random parameters at a random frequency and load of
-    the band.
+    gradients of the worst units refine it (extra `design`); the searches end when three of them agree. The result
+    is then confirmed by independent samples: each is a unit with random parameters at a random frequency and load
+    of the band.
 
     Parameters
     ----------
@@ -500,9 +503,9 @@ def design(
     settling, keep : int
         Load cycles after which a simulation without a period counts as settled, and those then examined.
     rng : int, numpy.random.Generator or None
-        Seed of the random numbers of the searches and of the confirmation, or a generator that a seed is drawn from;
-        None: another seed in each call. The seed that was used is in the case of the result. The units and initial
-        states by which candidates are judged do not depend on it.
+        Seed of the random numbers of the searches and of the confirmation, or a generator from which a seed is
+        drawn; None: another seed in each call. The seed that was used is in the case of the result. The units and
+        initial states by which candidates are judged do not depend on it.
     threads : int, optional
         Default: one for each processor. The result does not depend on it.
     progress : callable, optional

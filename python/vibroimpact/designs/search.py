@@ -60,7 +60,7 @@ class Archive:
 
     @property
     def agree(self) -> bool:
-        """Whether the three best searches ended at the same level, to within `AGREEMENT`: two may do so by chance."""
+        """Whether the three best searches ended within `AGREEMENT` of one level: two may do so by chance."""
         levels = sorted(level for _, level in self.searches)
         return len(levels) > 2 and levels[2] - levels[0] <= AGREEMENT * abs(levels[0])
 

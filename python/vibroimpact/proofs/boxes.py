@@ -396,8 +396,9 @@ def prove_over(
     family: Family, box: Box, sizes: _Array, bounds: bool = True, facing: int = 1
 ) -> None:
     """Fill in what can be proven of a box."""
-    problem = Problem(family, box, facing)
     try:
+        # near resonance the amplitude over a wide box may have no bound
+        problem = Problem(family, box, facing)
         if not enclose(problem, box, sizes):
             box.reason = NO_MOTION
             return

@@ -23,6 +23,17 @@ from .tasks import NAMES, SWEEPS, seconds
 DOI = "10.1016/0022-460X(83)90438-8"
 
 
+#: The note on the last column of the statements.
+PROVEN = (
+    "Proven: by interval arithmetic (<code>prove</code>), which bounds every rounding error. All else is computed "
+    "in double precision."
+)
+NOT_PROVEN = (
+    "Nothing was proven, because python-flint is not installed: "
+    "<code>pip install 'vibroimpact[proof]'</code>."
+)
+
+
 def cells(row: Iterable[Any], tag: str = "td", numbers: int = 99) -> str:
     """A row of a table; cells from column `numbers` on are formatted as numbers."""
     return "<tr>" + "".join(
@@ -92,10 +103,12 @@ def statements(folder: Path) -> str:
     """The statements of the paper and the findings."""
     rows = rows_of(folder)
     lines = [
-        (whole(x["where"]), pretty(x["statement"]), pretty(x["found"]), verdict(x["verdict"]))
+        (whole(x["where"]), pretty(x["statement"]), pretty(x["found"]), verdict(x["verdict"]), pretty(x["proven"]))
         for x in rows
     ]  # fmt: skip
-    return grid(("Where", "What the paper says", "What is found here", "Verdict"), lines)
+    note = PROVEN if any(x["proven"] for x in rows) else NOT_PROVEN
+    header = "Where", "What the paper says", "What is found here", "Verdict", "Proven"
+    return grid(header, lines) + f"<p>{note}</p>"
 
 
 def table_1(folder: Path) -> str:
