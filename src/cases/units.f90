@@ -152,7 +152,7 @@ contains
             why = ''
          else if (own%bare == undecided) then
             why = 'a number without a unit can be read in two ways: write it as ''4 mm'', or give &
-               &units in &system (numbers are in these units) or unit_names (numbers are &
+               &units (numbers are in these units) or, in &system, unit_names (numbers are &
                &dimensionless)'
          else if (len(why) == 0) then
             value = value*in_sizes(wanted, own%sizes)/scale

@@ -231,7 +231,8 @@ def test_names_of_several_points(tool):
 @pytest.mark.parametrize(("words", "output"), [
     (["--r", "1e400"], "--r 1e400: must be a number representable in double precision"),
     (["--r", "-1e999"], "--r -1e999: must be a number representable in double precision"),
-    (["--r", "0.9", "--clearance", "1e-400"], "1e-400: must be a number representable in double precision"),
+    (["--r", "0.9", "--clearance", "1e-400"],
+     "--clearance 1e-400: must be a number representable in double precision"),
     (["--r", "1_0"], "--r 1_0: must be a number"),
     (["--r", "0.9", "--guesses", "1_0"], "--guesses 1_0: must be a whole number")])  # fmt: skip
 def test_numbers_are_repeated_as_typed(words, output, tool):

@@ -181,9 +181,9 @@ def test_an_identified_motion_opens_on_its_chart(page, tmp_path):
     assert f"({found.frequency:.5g} Hz)" in page.text("place")
     d = found.clearance * found.oscillator.units().length
     assert d == pytest.approx(found.d, rel=1e-4)
-    assert f"(d = {d:.5g} m)" in page.text("place")
+    assert f"(d = {1e3 * d:.5g} mm)" in page.text("place")
     peak = found.motion.physical().quantities().x.peak
-    assert f"max|X| = {peak:.4g} m " in page.text("physical")
+    assert f"max|X| = {1e3 * peak:.4g} mm " in page.text("physical")
     still = vi.VirtualRig(
         M=2.7, K=42e3, m=0.11, d=0.5, xi=0.01143, restitution=(0.75, 0.65), F0=6.0, frequency=19.5
     )  # fmt: skip

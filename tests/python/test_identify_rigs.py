@@ -179,7 +179,7 @@ def test_a_chaotic_record_contradicts_what_is_known(name):
     with pytest.warns(vi.PoorFitWarning, match=f"known {name}"):
         found = vi.identify(**given, known=known | wrong)
     right, was = (K / M) ** 0.5 if name == "omega" else true[name], found.values[name]
-    said = float(found.doubts[0].split("the record says ")[1].split()[0])
+    said = float(found.doubts[0].split("the record gives ")[1].split()[0])
     assert (said - was) / (right - was) == pytest.approx(1, abs=0.25)
 
 
@@ -232,9 +232,9 @@ def test_a_virtual_contact_moves_as_much_momentum(quantity):
 def test_a_virtual_rig_with_contacts_gravity_and_an_unknown_filter_is_identified():
     """As measured records are: the same parameters within four stated errors."""
     rig = vi.VirtualRig(**BENCH, contact=6e-4, offset=9.81, known_bandwidth=False, bandwidth=1000.0)
-    record = rig.record(seed=17)
+    record = rig.record(rng=17)
     assert record.bandwidth == {}
-    level = replace(rig, offset=0.0).record(seed=17)
+    level = replace(rig, offset=0.0).record(rng=17)
     assert record.acceleration - level.acceleration == pytest.approx(9.81)
     found = vi.identify(record, known=KNOWN)
     assert found.good

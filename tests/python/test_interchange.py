@@ -157,7 +157,7 @@ def test_missing_columns_are_named(name, results):
                 assert {key, f"{table}.{key}"} & spare
                 assert same(type(results[name]).from_dict(less), results[name])
             else:
-                assert re.match(rf"{table}\.({key}: must be there|columns: must hold)", error)
+                assert re.match(rf"{table}\.({key}: must be there|columns: must have)", error)
 
 
 def refusal(kind, data):

@@ -13,9 +13,9 @@ from .request import Request, request_of
 DESCRIPTION = """Identify the parameters of a rig from records of its load and of the acceleration, velocity or
 displacement of its primary mass, or from impact times alone, for records (.csv, .txt, .wav, .mat,
 .nc, .json by SEP005, .uff), for the &identify cases of namelist files, or for the case given by
-the options. Known values are given in SI units. --xi, --mu and --restitution are initial guesses of the fit;
-those named by --fixed are known. The parameters with their errors and 95 %
-intervals are written to DIR/NAME.csv, or in another format; --plot also draws every step.
+the options. Known values are given in SI units. --xi, --mu and --restitution are initial guesses
+of the fit; those named by --fixed are known. The parameters with their errors and 95 % intervals
+are written to DIR/NAME.csv, or in another format; --plot also draws every step.
 NAME is "identify" for records and for the case of the options."""
 EXAMPLE = (
     "vibroimpact identify --impact-times 0 .01258873 .03434483 --impact-sides LLR --frequency 19.5 "

@@ -32,8 +32,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--units", metavar="UNITS",
-        help="units of length, force and time of the axes, as 'mm N s' or SI, for cases whose &system has mass, "
-        "stiffness and force; by default its own units, with mm for m; or dimensionless",
+        help="units of the axes, as 'mm N s' or SI, or dimensionless; by default those of the &system (mm for m) "
+        "if it has mass and force",
     )  # fmt: skip
 
 
