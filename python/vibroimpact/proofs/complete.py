@@ -94,6 +94,7 @@ def prove_all(
     """
     begin = time.perf_counter()
     checks.instance(osc, "osc", Oscillator)
+    checks.progress(progress)
     r, clearance = checks.number(r, "r"), checks.number(clearance, "clearance")
     max_impacts = checks.integer(max_impacts, "max_impacts", 2, MOST_IMPACTS)
     max_cycles = checks.integer(max_cycles, "max_cycles", 1, MOST_CYCLES)

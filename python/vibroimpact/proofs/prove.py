@@ -156,6 +156,7 @@ def prove_branch(
 ) -> Certificate:
     """As `Branch.prove`."""
     begin = time.perf_counter()
+    checks.progress(progress)
     if branch.of_structure or branch.parameter not in BRANCHED:
         names = ", ".join(BRANCHED)
         raise ParameterError(f"branch = {branch!r}: must be of an Oscillator, along one of {names}")

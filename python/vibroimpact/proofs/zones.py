@@ -45,6 +45,7 @@ def prove_zone(
 ) -> Certificate:
     """As `Zone.prove`."""
     begin = time.perf_counter()
+    checks.progress(progress)
     family = family_of(zone)
     tolerance = checks.to_float(tolerance, "tolerance", "from 1e-5 to 0.1")
     if not 1e-5 <= tolerance <= 0.1:

@@ -109,8 +109,8 @@ module vi_lyapunov_study
       column_type('run', 'dimension', listed=.false., &
       meaning='Kaplan-Yorke dimension; nan unless there are all 2n exponents'), &
       column_type('run', 'identity_error', listed=.false., &
-      meaning='error of the sum of the exponents per unit of time, which is known from damping and &
-      &impacts; nan unless there are all of them and no rest, and friction never sticks'), &
+      meaning='error of the sum of the exponents per unit of time, known from damping and impacts; &
+      &nan unless there are all of them, no rest and no stick'), &
       column_type('run', 'impacts', wholes, listed=.false., &
       meaning='impacts in the cycles averaged over; with stops or friction all events'), &
       column_type('run', 'rests', wholes, listed=.false., &
