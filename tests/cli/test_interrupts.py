@@ -19,7 +19,10 @@ from vibroimpact.commands.command import main
 EQUAL = "&system xi = 0.0114, mu = 0.028, restitution = 0.75, r = 1.04 /\n"
 SHORT = "&lyapunov clearance = 9, cycles = 50, x_dot = 6, z_dot = 9 /\n"
 #: A simulation of discarded cycles, of which no part is kept.
-LONG = "&simulate clearance = 9, discard = 100000000, cycles = 1, x_dot = 6, z_dot = 9 /\n"
+LONG = (
+    "&simulate clearance = 9, discard = 100000000, cycles = 1, x_dot = 6, z_dot = 9, "
+    "max_events = 50000000 /\n"
+)
 
 
 def interrupted(cwd, words, until, later=0.0):
