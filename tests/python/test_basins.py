@@ -406,6 +406,29 @@ def test_a_chaotic_transient_with_many_impacts_is_no_attractor():
     assert (result.labels >= 0).all()
 
 
+def test_labels_do_not_depend_on_rounding_where_transients_are_long():
+    """Each state wanders for 10^4 to 10^6 load cycles; what it ends on does not depend on its last bits."""
+    wall, r, clearance = 0.7189674455988654, 1.4616163504310702, 33.7456669137705
+    osc = vi.Oscillator(xi=0.01154927445245723, mu=0.01757787366661444, restitution=wall)
+    plane = (("y", (-0.45 * clearance, 0.45 * clearance)), ("z_dot", (-17, 17)))
+    states = vi.basins(osc, r, clearance, plane, points=(5, 5)).states.reshape(5, -1)
+    for change in (1, 1 + 1e-14, 1 + 3e-14):
+        result = vi.basins(osc, r, clearance, states=states * change)
+        assert {item.name for item in result.attractors} == {"RL/3", "no impacts"}
+        assert (result.labels >= 0).all()
+
+
+def test_a_transient_of_half_a_million_impacts_is_no_attractor():
+    """Simulations of 25 states reach the only attractor after 10^4 to 3 10^5 load cycles, at random."""
+    osc = vi.Oscillator(
+        xi=0.003936963780311907,
+        mu=0.05835217662897958,
+        restitution=(0.9418246311468366, 0.7301702729389197),
+    )
+    result = vi.basins(osc, 0.8273387806376318, 8.450064820836847, states=9)
+    assert [item.name for item in result.attractors] == ["RRL/1"]
+
+
 def test_a_period_that_is_not_considered_is_not_decided_soon():
     """The motion has a period of 19 load cycles, of which up to 16 are considered."""
     osc = vi.Oscillator(

@@ -295,3 +295,29 @@ def test_a_chaotic_attractor_has_a_positive_exponent():
         positive = exponents.per_cycle[0] > 6 * exponents.error_per_cycle[0]
         assert (exponents.impacts > 0 and positive) == (name == "chaotic")
         assert (exponents.impacts == 0) == (name == "no impacts")
+
+
+def test_a_chaotic_transient_is_no_attractor():
+    """Its states settle after 10^4 to 10^6 load cycles; two algorithms and two orders of rounding agree."""
+    wall, r, clearance = 0.7189674455988654, 1.4616163504310702, 33.7456669137705
+    point = vi.Oscillator(xi=0.01154927445245723, mu=0.01757787366661444, restitution=wall).at(
+        r, clearance
+    )
+    plane = (("q_1", -15.0, 15.0, 4), ("q_dot_1", -17.0, 17.0, 4))
+    found = vi.basins(point.structure, point.load, plane)
+    assert {item.name for item in found.attractors} <= {"2/3", "no impacts"}
+    own = vi.basins(point, (("y", -15.0, 15.0, 4), ("z_dot", -17.0, 17.0, 4)))
+    decided = found.labels >= 0
+    assert decided.sum() >= 13
+    names = [[[*b.attractors][i].kind for i in b.labels[decided]] for b in (found, own)]
+    assert names[0] == names[1]
+
+
+def test_chaotic_attractors_that_are_mirror_images_are_two():
+    """The mirror image of a state on one, half a load period later, is on the other."""
+    r, clearance = 0.92, 14.674134539926223
+    point = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75).at(r, clearance)
+    own = vi.basins(point, states=40)
+    assert [item.kind for item in own.attractors] == ["chaotic"] * 2
+    found = vi.basins(point.structure, point.load, states=12)
+    assert [item.name for item in found.attractors] == ["chaotic (1)", "chaotic (2)"]

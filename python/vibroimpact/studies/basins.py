@@ -59,8 +59,7 @@ class Attractor:
         states reach; "chaotic": the largest exponent is positive by its error; "quasi-periodic": it is zero by
         its error, and no stable motion is found nearby; "no impacts"; "permanent rest", where gaps of a structure
         stay closed or friction sticks for ever, wherever it came to; or "periodic?" where a simulation of an
-        oscillator repeats itself to rounding for long but no stable exact motion was found. All chaotic states of
-        a structure are one attractor, and so are all quasi-periodic ones.
+        oscillator repeats itself to rounding for long but no stable exact motion was found.
     name : str
         Sides and load cycles, as "RL/1", or of a structure impacts and load cycles, as "2/1", and "rest/1" with
         rests; or the kind. With stops or friction all events count as impacts. Equal names get a number.
@@ -349,13 +348,15 @@ def basins(
     until it reaches a periodic motion that Newton's method finds near it, or its largest Lyapunov exponent shows
     that it is chaotic (positive by its error) or quasi-periodic (zero by its error, without a stable motion near
     it). It must then have gone on for many times as long as volumes need to contract and free vibrations to decay,
-    and go on for another million events or 200,000 load cycles, so that no transient is taken for an attractor.
-    All other states remain undecided.
+    and go on for another two million events, and other states with impacts in the same places for as many again,
+    so that no transient is taken for an attractor. All other states remain undecided.
 
     Each state of a structure is simulated until it repeats to rounding near a motion that Newton's method confirms
     as admissible and stable, or for `settling` load cycles. If nothing is decided then, it is followed for longer:
-    its largest Lyapunov exponent shows whether it is chaotic, quasi-periodic, or still settling. Equal motions are
-    one attractor, whatever impact they are counted from.
+    its largest Lyapunov exponent shows whether it is chaotic, quasi-periodic, or still settling. States with
+    events in the same places are then watched for two million events: if one of them settles, they are on a
+    transient, and those that do not settle remain undecided. Equal motions are one attractor, whatever impact they
+    are counted from.
 
     The system is `osc, r, clearance`, or `structure, load`, or a point from `Oscillator.at`.
 

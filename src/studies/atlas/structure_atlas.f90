@@ -10,8 +10,8 @@ module vi_structure_atlas
    use vi_progress, only: add_done_work, add_expected_work, is_stopped
    use vi_status, only: stat
    use vi_structure, only: load_type, structure_type
-   use vi_structure_find, only: chaos => chaotic, random_structure_states, settle_states, &
-      settling_type
+   use vi_settled_states, only: chaos => chaotic, outcome_type, settle_states, settling_type
+   use vi_structure_find, only: random_structure_states
    use vi_structure_found, only: found_list_type
    use vi_structure_path, only: changed, is_odd, opposite_gap, structure_path_type, value_at
    use vi_structure_return, only: settled_type
@@ -113,7 +113,8 @@ contains
       type(load_type) :: load
       type(found_list_type) :: list
       real(wp) :: states(2*size(path%structure%mass, 1), 2)
-      integer :: kinds(1), labels(1), status(1), ready
+      type(outcome_type) :: one(1)
+      integer :: ready
 
       point%at = modulo(0.5_wp + number/[plastic, plastic**2], 1.0_wp)
       call changed(path, point%at, structure, load)
@@ -121,23 +122,22 @@ contains
       point%outcome = not_settled
       if (ready /= stat%ok) return
       call settle_states(structure, load, 0.0_wp, states(:, 2:), settling_type(request%settling, &
-         max(longest, request%max_cycles), request%max_events, 1), list, labels, kinds, status, &
-         progress)
-      if (status(1) == stat%not_computed) then
+         max(longest, request%max_cycles), request%max_events, 1, .false.), list, one, progress)
+      if (one(1)%status == stat%not_computed) then
          point%outcome = 0
-      else if (labels(1) > 0) then
-         point%motion = list%motions(labels(1))
+      else if (one(1)%label > 0) then
+         point%motion = list%motions(one(1)%label)
          point%outcome = beyond
          if (size(point%motion%gaps) <= request%max_impacts .and. point%motion%cycles <= &
             request%max_cycles) point%outcome = periodic
          if (size(point%motion%resting) > 0) point%outcome = with_rest
-      else if (kinds(1) == chaos) then
+      else if (one(1)%kind == chaos) then
          point%outcome = chaotic
-      else if (any(status(1) == [stat%no_impacts, stat%permanent_rest])) then
+      else if (any(one(1)%status == [stat%no_impacts, stat%permanent_rest])) then
          point%outcome = no_impacts
-      else if (status(1) == stat%event_limit) then
+      else if (one(1)%status == stat%event_limit) then
          point%outcome = event_limit
-      else if (any(status(1) == [stat%not_stable, stat%no_convergence, stat%singular])) then
+      else if (any(one(1)%status == [stat%not_stable, stat%no_convergence, stat%singular])) then
          point%outcome = not_confirmed
       end if
    end subroutine settle_at

@@ -2,11 +2,12 @@
 module vi_attractor_list
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_attractor_basin, only: decide, event_limited, not_reached
+   use vi_attractor_cells, only: group_type, owner_of
    use vi_attractor_known, only: alike, chaotic, identify, is_free, known_type, no_impacts, &
       periodic, quasi_periodic, repeating, shortest_period, within
    use vi_attractor_neighbourhood, only: find_neighbourhoods
    use vi_attractor_target, only: target_state, target_type
-   use vi_attractor_wandering, only: find_cells, group_of, group_type, measure_kind, search_near
+   use vi_attractor_wandering, only: find_cells, group_of, measure_kind, search_near
    use vi_chains, only: settle_chains
    use vi_event_symbols, only: symbol_endings
    use vi_forced_system, only: event_type, forced_system_type, initial_state, state_type
@@ -37,9 +38,11 @@ module vi_attractor_list
    !! next, and those after which it is left undecided; decay of a disturbance, as a logarithm, by
    !! which a motion that is approached must have been reached.
    integer, parameter :: first_average = 4000, most_followed = 200000
-   !> Events for which a motion that seems chaotic or quasi-periodic must go on, within
-   !! `most_followed` load cycles: a chaotic transient ends at random.
-   real(wp), parameter :: watched = 1.0e6_wp
+   !> Events for which a motion that seems chaotic or quasi-periodic must go on, and its most load
+   !! cycles: a chaotic transient ends at random. Other states in the same cells that are watched
+   !! as long again, all together.
+   real(wp), parameter :: watched = 2.0e6_wp
+   integer, parameter :: watched_cycles = 4000000, most_peers = 7
    real(wp), parameter :: decay = 40
    !> Load cycles after which a motion that repeats itself to rounding, but is not confirmed, counts
    !! as
@@ -54,8 +57,8 @@ module vi_attractor_list
       integer :: max_cycles = 16, max_events = 10000000, threads = 1
       integer :: n = 0
       type(known_type), allocatable :: known(:)
-      !> Cells of the attractors that are not periodic.
-      type(group_type), allocatable :: groups(:)
+      !> Cells of the attractors that are not periodic, and those of transients.
+      type(group_type), allocatable :: groups(:), transients(:)
    end type attractor_list_type
 
 contains
@@ -79,7 +82,7 @@ contains
       integer, allocatable :: open_ones(:), found(:), counts(:)
       integer :: i, known, round
 
-      allocate (list%known(most_attractors), list%groups(0))
+      allocate (list%known(most_attractors), list%groups(0), list%transients(0))
       labels = 0
       events = 0
       allocate (ends, source=starts)
@@ -283,7 +286,7 @@ contains
          end do
          call drop_decided(labels, open_ones, ends)
          if (size(open_ones) == 0 .or. undecided == most_undecided) return
-         call follow_on(list, ends(:, 1), before, labels(open_ones(1)), spent, progress)
+         call follow_on(list, ends, before, labels(open_ones(1)), spent, progress)
          if (is_stopped(progress)) return
          if (labels(open_ones(1)) == 0) undecided = undecided + 1
          open_ones = open_ones(2:)
@@ -398,12 +401,12 @@ contains
    !! Motions near it are looked for by Newton's method. Where it does not reach one, the kind of
    !! its
    !! attractor follows from its largest exponent, as soon as this is certain.
-   subroutine follow_on(list, start, before, label, spent, progress)
+   subroutine follow_on(list, starts, before, label, spent, progress)
       !> In and out: the attractors known so far.
       type(attractor_list_type), intent(inout) :: list
-      !> t, x, x', z, z'
-      real(wp), intent(in) :: start(5)
-      !> Load cycles for which it was simulated.
+      !> (5, m) t, x, x', z, z' of the state, and of others that are not decided.
+      real(wp), intent(in) :: starts(:, :)
+      !> Load cycles for which they were simulated.
       integer, intent(in) :: before
       !> The number of the attractor, `event_limited`, or 0 if it cannot be decided.
       integer, intent(out) :: label
@@ -424,7 +427,7 @@ contains
       lost = left
       settled = .false.
       average = first_average
-      end = within(start, list%system%clearance)
+      end = within(starts(:, 1), list%system%clearance)
       do while (spent + average <= most_followed)
          state = initial_state(list%system, end)
          first = state%cycle
@@ -458,13 +461,9 @@ contains
          if (any(kind == [chaotic, quasi_periodic])) then
             ! here, where there are impacts: it may end in a phase without them
             new%state = end
-            call wait_for(list, end, int(min(real(most_followed, wp), min(watched, 1.0_wp*left)* &
-               average/max(1, lost - left))), left, spent, label, progress)
-            if (label /= 0) return
-            if (is_stopped(progress)) return
-            spent = settling
             new%kind = kind
-            call add_group(list, new, left, label, progress)
+            call watch(list, new, starts(:, 2:), int(min(real(watched_cycles, wp), min(watched, &
+               1.0_wp*left)*average/max(1, lost - left))), settling, left, spent, label, progress)
             return
          end if
          if (repeats > 0 .and. before + spent > least_repeated) then
@@ -543,34 +542,124 @@ contains
       end = within(ends(:, 1), list%system%clearance)
    end subroutine wait_for
 
-   !> Adds an attractor that is not periodic, unless its impacts are those of a known one.
-   subroutine add_group(list, new, left, label, progress)
+   !> Watches a motion that is not periodic, and adds its attractor, unless its impacts are those of
+   !! a known one.
+   !!
+   !! It may be a transient, which ends at random: then states in the same cells settle, if this one
+   !! does not.
+   subroutine watch(list, new, others, cycles, settling, left, spent, label, progress)
       !> In and out: the attractors known so far.
       type(attractor_list_type), intent(inout) :: list
       !> The attractor, with a state on it.
       type(known_type), intent(inout) :: new
-      !> In and out: events that the simulation may still have.
-      integer, intent(inout) :: left
-      !> Its number; 0 if it is not decided, or `event_limited`.
+      !> (5, m) t, x, x', z, z' of other states that are not decided.
+      real(wp), intent(in) :: others(:, :)
+      !> Load cycles for which it is watched, and after which any motion nearby has settled.
+      integer, intent(in) :: cycles, settling
+      !> In and out: events that the simulation may still have, and load cycles simulated.
+      integer, intent(inout) :: left, spent
+      !> The number of the attractor that was reached; 0 if it is not decided, or `event_limited`.
       integer, intent(out) :: label
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
       type(group_type) :: own
-      type(group_type), allocatable :: more(:)
       type(state_type) :: state
-      integer :: status
+      real(wp) :: end(5)
+      integer :: known, status
 
+      label = 0
       state = initial_state(list%system, new%state)
-      call find_cells(list%system, state, left, list%groups, own, label, status, progress)
+      call find_cells(list%system, state, left, list%groups, own, known, status, progress)
       if (status == stat%event_limit) label = event_limited
-      if (status /= stat%ok .or. label > 0 .or. size(list%groups) == most_groups) return
+      if (status /= stat%ok) return
+      end = new%state
+      call wait_for(list, end, cycles, left, spent, label, progress)
+      if (is_stopped(progress) .or. label == event_limited) return
+      if (label == 0 .and. owner_of(own, list%transients) == 0) then
+         label = known
+         if (label > 0) return
+         if (.not. peers_settle(list, own, others, cycles, progress)) then
+            spent = settling
+            if (.not. is_stopped(progress)) call add_group(list, new, own, label)
+            return
+         end if
+      end if
+      own%owner = 1
+      call append(list%transients, own)
+   end subroutine watch
+
+   !> Whether other states with impacts in the same cells settle.
+   logical function peers_settle(list, own, others, cycles, progress) result(settle)
+      !> The attractors known so far.
+      type(attractor_list_type), intent(in) :: list
+      !> The cells.
+      type(group_type), intent(in) :: own
+      !> (5, m) t, x, x', z, z' of states that are not decided.
+      real(wp), intent(in) :: others(:, :)
+      !> Load cycles for which they are watched all together.
+      integer, intent(in) :: cycles
+      !> Progress counters, see vi_progress.
+      integer, intent(inout), optional :: progress(3)
+      type(cell_type), allocatable :: found(:)
+      type(group_type) :: groups(1)
+      real(wp), allocatable :: after(:, :), peers(:, :)
+      integer, allocatable :: counts(:), labels(:), places(:)
+      integer :: i
+
+      settle = .false.
+      allocate (places, source=some(size(others, 2), 2*most_peers))
+      if (size(places) == 0) return
+      groups(1) = own
+      groups%owner = 1
+      allocate (peers(5, size(places)))
+      peers = others(:, places)
+      call find_ends(list, peers, 0, impacts_kept, found, progress)
+      places = pack([(i, i=1, size(places))], [(group_of(list%system, found(i)%hits, &
+         found(i)%gaps, groups) == 1, i=1, size(places))])
+      places = places(:min(size(places), most_peers))
+      if (is_stopped(progress)) return
+      if (size(places) == 0) return
+      allocate (labels(size(places)), counts(size(places)), after(5, size(places)))
+      call decide_known(list, peers(:, places), cycles/size(places), labels, counts, after, &
+         progress)
+      settle = any(labels > 0)
+      if (settle) return
+      ! it may be on a motion that is not known yet
+      call find_ends(list, after, 0, 0, found, progress)
+      settle = any(found%status == stat%ok .and. found%cycles > 0)
+   end function peers_settle
+
+   !> Adds an attractor that is not periodic, if there is room.
+   subroutine add_group(list, new, own, label)
+      !> In and out: the attractors known so far.
+      type(attractor_list_type), intent(inout) :: list
+      !> The attractor, with a state on it.
+      type(known_type), intent(inout) :: new
+      !> Its cells.
+      type(group_type), intent(inout) :: own
+      !> Its number; 0 if there is no room.
+      integer, intent(out) :: label
+
+      label = 0
+      if (size(list%groups) == most_groups) return
       call add_described(list, new, label)
       own%owner = label
-      allocate (more(size(list%groups) + 1))
-      more(:size(list%groups)) = list%groups
-      more(size(more)) = own
-      call move_alloc(more, list%groups)
+      call append(list%groups, own)
    end subroutine add_group
+
+   !> Adds a group to others; gfortran 12 would damage an array constructor of groups.
+   pure subroutine append(groups, own)
+      !> In and out: the groups.
+      type(group_type), allocatable, intent(inout) :: groups(:)
+      !> The group.
+      type(group_type), intent(in) :: own
+      type(group_type), allocatable :: more(:)
+
+      allocate (more(size(groups) + 1))
+      more(:size(groups)) = groups
+      more(size(more)) = own
+      call move_alloc(more, groups)
+   end subroutine append
 
    !> The state as t, x, x', z, z'.
    pure function numbers_of(system, state) result(numbers)

@@ -1,12 +1,13 @@
 !> Attractors that are not periodic, distinguished by where their impacts lie.
 module vi_attractor_wandering
    use, intrinsic :: iso_fortran_env, only: int64
+   use vi_attractor_cells, only: best_group, count_impact, group_type, new_group, owner_of
    use vi_attractor_settled, only: advance
    use vi_attractor_known, only: chaotic, known_type, periodic, quasi_periodic, shortest_period
    use vi_exponents, only: average_type, cycles_to_settle, decays, exponents_along, &
       exponents_type, positive, sign_by_error, zero
    use vi_forced_system, only: forced_system_type, event_type, impact_event, state_type
-   use vi_kinds, only: two_pi, wp
+   use vi_kinds, only: wp
    use vi_simulate, only: simulate_on
    use vi_simulated_pair, only: new_simulated_pair, simulated_pair_type
    use vi_status, only: stat
@@ -15,21 +16,16 @@ module vi_attractor_wandering
 
    public :: find_cells, group_of, measure_kind, search_near
 
-   !> Load cycles whose impacts mark the cells of an attractor; number of batches of an average.
-   integer, parameter :: cell_cycles = 4000, batches = 20
+   !> Load cycles whose impacts mark the cells of an attractor; the impacts that are enough, and the
+   !! most load cycles until then; number of batches of an average.
+   integer, parameter :: cell_cycles = 4000, few_impacts = 200, most_cell_cycles = 100000, &
+      batches = 20
    !> Load cycles before which a motion does not count as settled.
    integer, parameter :: least_cycles = 12000
    !> Load cycles of an average with which an exponent may count as zero.
    integer, parameter :: zero_cycles = 16000
-   !> Number of cells of the phase, which is also that of x per clearance, and number of cells of x
-   !! on either side of 0.
-   integer, parameter :: cells = 24, reach = 240
-
-   !> Numbers of impacts of an attractor in coarse cells (phase, x, wall).
-   type, public :: group_type
-      integer :: owner = 0
-      integer :: hits(0:cells - 1, -reach:reach - 1, -1:1) = 0
-   end type group_type
+   !> The numbers of the walls in cells: +1 right, -1 left.
+   integer, parameter :: sides_of_walls(2) = [-1, 1]
 
 contains
 
@@ -45,53 +41,14 @@ contains
       !> Cells of the known attractors.
       type(group_type), intent(in) :: groups(:)
       type(group_type) :: own
-      integer :: i, best, n
+      integer :: i
 
-      owner = 0
-      if (size(groups) == 0) return
+      own = new_group(sides_of_walls)
       do i = 1, size(sides)
-         call mark(own, system, values(2, i), values(3, i), sides(i))
+         call count_impact(own, values(2, i), values(3, i)/system%clearance, sides(i))
       end do
-      call compare(own, groups, best, n)
-      if (n == 1) owner = groups(best)%owner
+      owner = owner_of(own, groups)
    end function group_of
-
-   !> Compares a trajectory with the known attractors.
-   pure subroutine compare(own, groups, best, n)
-      !> Impacts of the trajectory.
-      type(group_type), intent(in) :: own
-      !> Impacts of the known attractors.
-      type(group_type), intent(in) :: groups(:)
-      !> Place of the attractor whose cells have most of them, and number of attractors whose cells
-      !! have more than half of them.
-      integer, intent(out) :: best, n
-      integer :: shared(size(groups)), i
-
-      do i = 1, size(groups)
-         shared(i) = sum(own%hits, mask=groups(i)%hits > 0)
-      end do
-      best = maxloc(shared, 1)
-      n = count(2*shared > sum(own%hits))
-   end subroutine compare
-
-   !> Marks the cell of an impact.
-   pure subroutine mark(group, system, phase, x, side)
-      !> In and out: the cells.
-      type(group_type), intent(inout) :: group
-      !> The forced system.
-      type(forced_system_type), intent(in) :: system
-      !> Load phase (rad), and position of the primary mass.
-      real(wp), intent(in) :: phase, x
-      !> Wall: +1 right, -1 left.
-      integer, intent(in) :: side
-      real(wp) :: place
-
-      place = min(max(x*(cells/system%clearance), -real(reach, wp)), reach - 1.0_wp)
-      associate (hits => group%hits(modulo(floor(phase*(cells/two_pi)), cells), floor(place), &
-         side))
-         hits = hits + 1
-      end associate
-   end subroutine mark
 
    !> The cells in which a long simulation has impacts, and the known attractor with most of them.
    subroutine find_cells(system, state, left, groups, own, owner, status, progress)
@@ -115,24 +72,30 @@ contains
       integer, intent(inout), optional :: progress(3)
       type(event_type) :: events(64)
       type(state_type) :: final
-      integer(int64) :: last
+      integer(int64) :: first, last
       real(wp) :: phase
       integer :: n, i, best
 
       owner = 0
-      last = state%cycle + cell_cycles
+      own = new_group(sides_of_walls)
+      first = state%cycle
+      last = first + cell_cycles
       phase = state%phase
       do
          call simulate_on(system, state, last, phase, events, n, final, left, status, progress)
          do i = 1, n
-            if (events(i)%kind == impact_event) call mark(own, system, events(i)%phase, &
-               events(i)%x, events(i)%side)
+            if (events(i)%kind == impact_event) call count_impact(own, events(i)%phase, &
+               events(i)%x/system%clearance, events(i)%side)
          end do
-         if (status /= stat%more_events) exit
+         if (status == stat%more_events) cycle
+         ! the free mass may drift from wall to wall for long
+         if (status /= stat%ok .or. sum(own%hits) >= few_impacts .or. last - first >= &
+            most_cell_cycles) exit
+         last = last + cell_cycles
       end do
       state = final
       if (size(groups) == 0 .or. status /= stat%ok) return
-      call compare(own, groups, best, n)
+      call best_group(own, groups, best, n)
       if (n > 0) owner = groups(best)%owner
    end subroutine find_cells
 

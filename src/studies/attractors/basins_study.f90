@@ -13,11 +13,11 @@ module vi_basins_study
    use vi_kinds, only: wp
    use vi_pattern, only: starred_symbols
    use vi_progress, only: is_stopped
+   use vi_settled_states, only: chaotic, outcome_type, quasi_periodic, settle_states, settling_type
    use vi_spacing, only: even
    use vi_status, only: stat, status_text
    use vi_structure, only: load_type, structure_type
-   use vi_structure_find, only: chaotic, quasi_periodic, random_structure_states, settle_states, &
-      settling_type
+   use vi_structure_find, only: random_structure_states
    use vi_structure_found, only: found_columns, found_list_type, put_found
    use vi_structure_groups, only: load_frequency, structure_of
    use vi_structure_keys, only: check_start_state, needs_frequency, place_in_state, start_keys
@@ -601,7 +601,8 @@ contains
       type(found_list_type) :: list
       type(line_type), allocatable :: names(:)
       real(wp), allocatable :: states(:, :)
-      integer, allocatable :: kinds(:), labels(:), numbers(:), status(:)
+      type(outcome_type), allocatable :: outcomes(:)
+      integer, allocatable :: labels(:), numbers(:)
       integer :: first, i, lost, n, reached
 
       call structure_of(case, structure, load)
@@ -610,7 +611,7 @@ contains
       first = stat%ok
       associate (s => case%study)
          allocate (states(2*n, count_states(s)))
-         allocate (kinds(size(states, 2)), labels(size(states, 2)), status(size(states, 2)))
+         allocate (outcomes(size(states, 2)))
          if (s%has('states')) then
             call random_structure_states(structure, load, s%whole_number('seed'), states, first)
          else
@@ -625,10 +626,9 @@ contains
          end if
          call settle_states(structure, load, s%number('start'), states, settling_type( &
             s%whole_number('settling'), s%whole_number('max_cycles'), &
-            s%whole_number('max_events'), threads), list, labels, kinds, status, &
-            progress)
+            s%whole_number('max_events'), threads), list, outcomes, progress)
       end associate
-      call number_attractors(list, kinds, status, labels, numbers, names)
+      call number_attractors(list, outcomes, labels, numbers, names)
       reached = count(labels /= not_reached .and. labels /= closed)
       if (is_stopped(progress)) result%cut = whole(count(labels /= not_reached))//' of '// &
          counted(size(labels), 'state')//' were reached'
@@ -640,38 +640,48 @@ contains
       call put_structure_attractors(result, list, labels, numbers, names, n)
       lost = count(labels == undecided .or. labels == event_limited)
       result%empty = count(labels > 0) == 0
-      i = findloc(status /= stat%ok .and. status /= stat%not_computed, .true., 1)
+      i = findloc(outcomes%status /= stat%ok .and. outcomes%status /= stat%not_computed, &
+         .true., 1)
       if (result%empty .and. i == 0) call result%fail('no state settles')
-      if (result%empty .and. i > 0) call result%fail('no state settles: '//status_text(status(i)))
+      if (result%empty .and. i > 0) call result%fail('no state settles: '// &
+         status_text(outcomes(i)%status))
       if (.not. result%empty .and. lost > 0) call result%fail(whole(lost)//' of '// &
          counted(reached, 'state')//' not decided')
    end subroutine run_structure
 
-   !> Numbers the attractors by decreasing share: motions, the one without impacts, all that are
-   !! chaotic, all that are quasi-periodic, and rests that never end.
-   pure subroutine number_attractors(list, kinds, status, labels, numbers, names)
+   !> Numbers the attractors by decreasing share: motions, the one without impacts, those that are
+   !! chaotic or quasi-periodic, and rests that never end.
+   pure subroutine number_attractors(list, outcomes, labels, numbers, names)
       !> The motions on which states settle.
       type(found_list_type), intent(in) :: list
-      !> (states) The kind of a motion that is not periodic, and what became of each.
-      integer, intent(in) :: kinds(:), status(:)
-      !> (states) In: the number of the motion of each, or 0. Out: that of its attractor, or the
-      !! label of states without.
-      integer, intent(inout) :: labels(:)
+      !> (states) What became of each.
+      type(outcome_type), intent(in) :: outcomes(:)
+      !> (states) The number of the attractor of each, or the label of states without.
+      integer, allocatable, intent(out) :: labels(:)
       !> (attractors) The number of the motion of each; 0 if it is none of the list.
       integer, allocatable, intent(out) :: numbers(:)
       !> (attractors) Their names.
       type(line_type), allocatable, intent(out) :: names(:)
-      integer :: counts(list%n + size(other_names)), new(size(counts)), i, j, n
+      integer, allocatable :: counts(:), kinds(:), new(:)
+      integer :: i, j, n
 
-      where (status == stat%no_impacts) labels = list%n + 1
-      where (kinds == chaotic) labels = list%n + 1 + chaotic
-      where (kinds == quasi_periodic) labels = list%n + 1 + quasi_periodic
-      where (status == stat%permanent_rest) labels = list%n + size(other_names)
-      do i = 1, size(counts)
-         counts(i) = count(labels == i)
+      ! attractors that were not told apart are one of each kind
+      allocate (kinds(0:size(other_names) - 1 + maxval([0, outcomes%group])))
+      kinds = [(i, i=0, size(kinds) - 1)]
+      labels = outcomes%label
+      where (outcomes%status == stat%no_impacts) labels = list%n + 1
+      where (outcomes%status == stat%permanent_rest) labels = list%n + size(other_names)
+      do i = 1, size(outcomes)
+         associate (one => outcomes(i))
+            if (one%kind == 0) cycle
+            j = merge(size(other_names) - 1 + one%group, one%kind, one%group > 0)
+            kinds(j) = one%kind
+            labels(i) = list%n + 1 + j
+         end associate
       end do
+      counts = [(count(labels == i), i=1, list%n + size(kinds))]
       n = count(counts > 0)
-      allocate (numbers(n), names(n))
+      allocate (numbers(n), names(n), new(size(counts)))
       do i = 1, n
          j = maxloc(counts, 1)
          counts(j) = 0
@@ -680,14 +690,14 @@ contains
          if (j <= list%n) then
             call name_motion(list%motions(j), names(i)%text)
          else
-            names(i)%text = trim(other_names(j - list%n - 1))
+            names(i)%text = trim(other_names(kinds(j - list%n - 1)))
          end if
       end do
       do i = 1, size(labels)
          if (labels(i) > 0) labels(i) = new(labels(i))
-         if (status(i) == stat%not_computed) labels(i) = not_reached
-         if (status(i) == stat%event_limit) labels(i) = event_limited
-         if (status(i) == stat%gap_closed) labels(i) = closed
+         if (outcomes(i)%status == stat%not_computed) labels(i) = not_reached
+         if (outcomes(i)%status == stat%event_limit) labels(i) = event_limited
+         if (outcomes(i)%status == stat%gap_closed) labels(i) = closed
       end do
       call tell_apart(names)
    end subroutine number_attractors

@@ -1,34 +1,22 @@
-!> Periodic motions of a structure: those on which states settle, and those of all orders of a few
-!! impacts.
+!> Periodic motions of a structure with all orders of a few impacts, and random states from which
+!! others are looked for.
 module vi_structure_find
    use, intrinsic :: iso_fortran_env, only: int64
-   use vi_exponents, only: average_type, cycles_to_settle, exponents_along, exponents_type, &
-      negative, positive, sign_by_error, zero
    use vi_kinds, only: two_pi, wp
-   use vi_motion, only: no
    use vi_philox, only: philox
    use vi_progress, only: add_done_work, add_expected_work, is_stopped
    use vi_restitution, only: table_law
-   use vi_simulated_structure, only: new_simulated_structure, simulated_structure_type
    use vi_status, only: stat
    use vi_structure, only: load_type, structure_type
    use vi_structure_found, only: add_motion, found_list_type
    use vi_structure_period, only: exact, periodic_structure
-   use vi_structure_return, only: is_attractor, settle_on, settled_type
-   use vi_structure_run, only: find_regime, new_run, run_event_type, run_state_type, run_type, &
+   use vi_structure_return, only: settled_type
+   use vi_structure_run, only: new_run, run_event_type, run_state_type, run_type, &
       simulate_structure, start_at, state_now
    implicit none (type, external)
    private
 
-   public :: count_orders, open_gaps, random_structure_states, search_orders, settle_states
-
-   !> How states are simulated.
-   type, public :: settling_type
-      !> Load cycles simulated first, most load cycles of a period, and events until it is given up.
-      integer :: settling = 0, max_cycles = 1, max_events = huge(1)
-      !> Number of OpenMP threads.
-      integer :: threads = 1
-   end type settling_type
+   public :: count_orders, open_gaps, random_structure_states, search_orders
 
    !> Which orders of impacts are tried.
    type, public :: orders_type
@@ -38,225 +26,10 @@ module vi_structure_find
       integer :: seed = 0, threads = 1
    end type orders_type
 
-   !> Kinds of motions that are not periodic.
-   integer, parameter, public :: chaotic = 1, quasi_periodic = 2
-
-   !> Load cycles of the first average of a state that is followed, which doubles from one to the
-   !! next; those after which it is left undecided, with which an exponent may count as zero, and
-   !! before which a motion does not count as settled; batches of an average.
-   integer, parameter :: first_average = 1000, most_followed = 30000, zero_cycles = 8000, &
-      least_cycles = 3000, batches = 20
    !> Tasks between which the list of motions is brought up to date.
    integer, parameter :: block = 512
 
 contains
-
-   !> The motion on which each of some states settles.
-   subroutine settle_states(structure, load, start, states, how, list, labels, kinds, status, &
-      progress)
-      !> The structure and its load, with a frequency > 0.
-      type(structure_type), intent(in) :: structure
-      !> As in `structure`.
-      type(load_type), intent(in) :: load
-      !> Time at the start.
-      real(wp), intent(in) :: start
-      !> (2n, m) Coordinates and velocities.
-      real(wp), intent(in) :: states(:, :)
-      !> How they are simulated.
-      type(settling_type), intent(in) :: how
-      !> In and out: the motions that are known.
-      type(found_list_type), intent(inout) :: list
-      !> (m) The place of the motion in the list; 0 if there is none, or if it is not stable.
-      integer, intent(out) :: labels(:)
-      !> (m) The kind of a motion that is not periodic, with the status `stat%no_period`; otherwise
-      !! 0.
-      integer, intent(out) :: kinds(:)
-      !> (m) As of `settle_on`, and `stat%not_stable`.
-      integer, intent(out) :: status(:)
-      !> Progress counters, see vi_progress.
-      integer, intent(inout), optional :: progress(3)
-      type(run_type) :: run
-      type(settled_type), allocatable :: found(:)
-      integer :: first, i, last, ready
-
-      labels = 0
-      kinds = 0
-      status = stat%not_computed
-      call add_expected_work(size(labels), progress)
-      call new_run(structure, load, run, ready)
-      if (ready /= stat%ok) status = ready
-      if (ready /= stat%ok) return
-      do first = 1, size(labels), block
-         last = min(first + block - 1, size(labels))
-         if (allocated(found)) deallocate (found)
-         allocate (found(first:last))
-         !$omp parallel do schedule(dynamic, 1) num_threads(how%threads)
-         do i = first, last
-            if (.not. is_stopped(progress)) call settle_one(structure, run, start, states(:, i), &
-               how, found(i), kinds(i), status(i), progress)
-            call add_done_work(1, progress)
-         end do
-         !$omp end parallel do
-         do i = first, last
-            if (status(i) /= stat%ok) cycle
-            call add_motion(structure, load, found(i), list, labels(i))
-            if (labels(i) == 0 .or. found(i)%motion%verdicts%stable /= no) cycle
-            labels(i) = 0
-            status(i) = stat%not_stable
-         end do
-      end do
-   end subroutine settle_states
-
-   !> The motion on which a state settles.
-   subroutine settle_one(structure, run, start, state, how, found, kind, status, progress)
-      !> The structure.
-      type(structure_type), intent(in) :: structure
-      !> The structure under its load.
-      type(run_type), intent(in) :: run
-      !> Time at the start; (2n) coordinates and velocities.
-      real(wp), intent(in) :: start, state(:)
-      !> How it is simulated.
-      type(settling_type), intent(in) :: how
-      !> The motion.
-      type(settled_type), intent(out) :: found
-      !> As of `settle_states`.
-      integer, intent(out) :: kind
-      !> As of `settle_on`.
-      integer, intent(out) :: status
-      !> Progress counters, see vi_progress; read to stop.
-      integer, intent(inout), optional :: progress(3)
-      type(run_type) :: own
-      real(wp) :: finish(size(state))
-      integer :: n
-
-      kind = 0
-      n = size(state)/2
-      ! a copy, since regimes are added
-      own = run
-      finish = state
-      call settle_on(structure, own, start, state(:n), state(n + 1:), how%settling, &
-         how%max_cycles, 0, .true., how%max_events, found, status, progress, finish)
-      if (is_decided(found, status)) return
-      call follow_on(structure, own, start, finish, how, found, kind, status, progress)
-   end subroutine settle_one
-
-   !> Whether it is known on what a simulation settles, or that it cannot go on.
-   pure logical function is_decided(found, status)
-      !> The motion.
-      type(settled_type), intent(in) :: found
-      !> As of `settle_on`.
-      integer, intent(in) :: status
-
-      if (status == stat%ok) then
-         is_decided = is_attractor(found)
-      else
-         is_decided = .not. any(status == [stat%no_period, stat%no_convergence, stat%singular, &
-            stat%no_motion])
-      end if
-   end function is_decided
-
-   !> Follows a state on which nothing is decided yet: its motion is chaotic if the largest exponent
-   !! is positive by its error, and quasi-periodic if that is zero by its error and no stable motion
-   !! is near. A negative one tells that it settles.
-   !!
-   !! There is no kind until the motion has gone on for as long as transients may last; the slowest
-   !! vibration may be one with a gap at rest.
-   subroutine follow_on(structure, run, start, state, how, found, kind, status, progress)
-      !> The structure.
-      type(structure_type), intent(in) :: structure
-      !> The structure under its load; regimes are added.
-      type(run_type), intent(inout) :: run
-      !> Time at the start.
-      real(wp), intent(in) :: start
-      !> (2n) In: coordinates and velocities. Out: whole load cycles later.
-      real(wp), intent(inout) :: state(:)
-      !> How it was simulated.
-      type(settling_type), intent(in) :: how
-      !> In and out: the motion.
-      type(settled_type), intent(inout) :: found
-      !> As of `settle_states`.
-      integer, intent(out) :: kind
-      !> In and out: as of `settle_on`; of the last simulation.
-      integer, intent(inout) :: status
-      !> Progress counters, see vi_progress; read to stop.
-      integer, intent(inout), optional :: progress(3)
-      !> How nearly a motion repeats that is approached.
-      real(wp), parameter :: usual = 1.0e-4_wp, loose = 1.0e-2_wp
-      type(exponents_type) :: average
-      type(simulated_structure_type) :: motion
-      real(wp) :: here(size(state)), slowest
-      integer :: cycles, least, left, n, settling, sign_of_it, spent, ended
-
-      kind = 0
-      call find_slowest(run, slowest)
-      settling = 0
-      n = size(state)/2
-      cycles = first_average
-      spent = how%settling
-      left = how%max_events
-      do while (spent + cycles <= how%settling + most_followed)
-         call new_simulated_structure(run, start, state, left, motion, ended)
-         if (ended == stat%ok) call exponents_along(motion, average_type(0, cycles/batches, &
-            batches, 1), average, ended, progress)
-         if (ended /= stat%ok) exit
-         call state_now(motion%run, motion%state, state(:n), state(n + 1:))
-         spent = spent + cycles
-         left = motion%left
-         sign_of_it = sign_by_error(average%exponents(1)*average%period, average%deviations(1)* &
-            average%period, cycles)
-         least = max(least_cycles, cycles_to_settle(average%contraction*average%period, &
-            slowest*average%period))
-         if (spent >= least .and. sign_of_it == positive) kind = chaotic
-         status = stat%no_period
-         if (kind > 0) return
-         here = state
-         call settle_on(structure, run, start, here(:n), here(n + 1:), 0, how%max_cycles, 0, &
-            .false., left, found, status, progress, state, merge(loose, usual, sign_of_it == &
-            negative))
-         spent = spent + 2*how%max_cycles
-         if (is_decided(found, status)) return
-         ! it settles on what is not looked for, such as a longer period
-         if (sign_of_it == negative .and. spent >= least) settling = settling + 1
-         if (settling == 2) exit
-         if (status == stat%no_period .and. sign_of_it == zero .and. cycles >= zero_cycles .and. &
-            spent >= least) then
-            kind = quasi_periodic
-            status = stat%no_period
-            return
-         end if
-         cycles = 2*cycles
-      end do
-      if (any(ended == [stat%event_limit, stat%not_computed])) status = ended
-   end subroutine follow_on
-
-   !> The rate at which the slowest damped vibration decays, without rest and with each gap at rest.
-   pure subroutine find_slowest(run, slowest)
-      !> The structure under its load; regimes are added.
-      type(run_type), intent(inout) :: run
-      !> The rate; 0 if nothing is damped.
-      real(wp), intent(out) :: slowest
-      real(wp) :: fast
-      integer :: i, j, status
-
-      do i = 1, size(run%structure%openings)
-         ! a rest that is refused does not happen
-         call find_regime(run, [i], j, status)
-      end do
-      slowest = huge(slowest)
-      do i = 1, size(run%regimes)
-         associate (modes => run%regimes(i)%modes)
-            do j = 1, size(modes%damping)
-               ! rounding alone damps nothing
-               if (.not. modes%stiffness(j) > 0 .or. .not. modes%damping(j) > 1.0e-12_wp* &
-                  modes%omega(j)) cycle
-               fast = modes%damping(j) + sqrt(max(0.0_wp, modes%damping(j)**2 - &
-                  modes%stiffness(j)))
-               slowest = min(slowest, modes%damping(j), modes%stiffness(j)/fast)
-            end do
-         end associate
-      end do
-      if (slowest >= huge(slowest)) slowest = 0
-   end subroutine find_slowest
 
    !> Newton's method from random impact times, for all orders of a few impacts.
    subroutine search_orders(structure, load, how, list, failures, progress)

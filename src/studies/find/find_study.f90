@@ -12,10 +12,10 @@ module vi_find_study
    use vi_restitution, only: table_law
    use vi_settled_motion, only: longest, no_impacts, not_stable, settled, unconfirmed, unfinished, &
       wandering
+   use vi_settled_states, only: chaotic, outcome_type, quasi_periodic, settle_states, settling_type
    use vi_status, only: stat, status_text
    use vi_structure, only: load_type, structure_type
-   use vi_structure_find, only: chaotic, count_orders, orders_type, quasi_periodic, &
-      random_structure_states, search_orders, settle_states, settling_type
+   use vi_structure_find, only: count_orders, orders_type, random_structure_states, search_orders
    use vi_structure_found, only: found_columns, found_list_type, put_found
    use vi_structure_groups, only: load_frequency, structure_of
    use vi_structure_keys, only: needs_frequency
@@ -351,7 +351,8 @@ contains
       type(load_type) :: load
       type(found_list_type) :: list
       real(wp), allocatable :: states(:, :)
-      integer, allocatable :: labels(:), others(:), status(:), settled(:), order(:), kinds(:)
+      type(outcome_type), allocatable :: outcomes(:)
+      integer, allocatable :: settled(:), order(:), kinds(:)
       integer :: failures(0:codes), first, i, most_impacts, reached, without
 
       call structure_of(case, structure, load)
@@ -359,7 +360,7 @@ contains
       failures = 0
       associate (s => case%study, n => case%coordinates)
          allocate (states(2*n, s%whole_number('states')))
-         allocate (labels(size(states, 2)), others(size(states, 2)), status(size(states, 2)))
+         allocate (outcomes(size(states, 2)))
          call random_structure_states(structure, load, s%whole_number('seed'), states, first)
          if (size(states, 2) > 0 .and. first /= stat%ok) then
             result%empty = .true.
@@ -369,10 +370,10 @@ contains
          end if
          call settle_states(structure, load, 0.0_wp, states, settling_type(s%whole_number( &
             'settling'), s%whole_number('max_cycles'), s%whole_number('max_events'), threads), &
-            list, labels, others, status, progress)
-         settled = [(count(labels == i), i=1, list%n)]
-         do i = 1, size(status)
-            failures(status(i)) = failures(status(i)) + 1
+            list, outcomes, progress)
+         settled = [(count(outcomes%label == i), i=1, list%n)]
+         do i = 1, size(outcomes)
+            failures(outcomes(i)%status) = failures(outcomes(i)%status) + 1
          end do
          most_impacts = s%whole_number('max_impacts')
          ! events of stops and friction are known from simulations alone
@@ -385,8 +386,8 @@ contains
             list, progress)
       end associate
       settled = [settled, spread(0, 1, list%n - size(settled))]
-      reached = count(status /= stat%not_computed)
-      if (is_stopped(progress)) result%cut = whole(reached)//' of '//counted(size(status), &
+      reached = count(outcomes%status /= stat%not_computed)
+      if (is_stopped(progress)) result%cut = whole(reached)//' of '//counted(size(outcomes), &
          'state')//' and '//whole(sum(failures) - failures(stat%not_computed) - reached)// &
          ' sets of impact times were tried'
       call rank(list, settled, order)
@@ -395,15 +396,18 @@ contains
       call result%put('motions', 'settled', settled(order))
       call result%open('search', '', [integer ::])
       call result%put('search', 'states', [reached])
-      without = count(status == stat%no_impacts .or. status == stat%permanent_rest)
+      without = count(outcomes%status == stat%no_impacts .or. outcomes%status == &
+         stat%permanent_rest)
       call result%put('search', 'without_impacts', [without])
-      call result%put('search', 'chaotic', [count(others == chaotic)])
-      call result%put('search', 'quasi_periodic', [count(others == quasi_periodic)])
-      call result%put('search', 'unsettled', [reached - sum(settled) - without - count(others > 0)])
+      call result%put('search', 'chaotic', [count(outcomes%kind == chaotic)])
+      call result%put('search', 'quasi_periodic', [count(outcomes%kind == &
+         quasi_periodic)])
+      call result%put('search', 'unsettled', [reached - sum(settled) - without - &
+         count(outcomes%kind > 0)])
       call result%put('search', 'guesses', [sum(failures) - failures(stat%not_computed) - reached])
       ! these have columns of their own
       failures([stat%ok, stat%not_computed, stat%no_impacts, stat%permanent_rest]) = 0
-      failures(stat%no_period) = failures(stat%no_period) - count(others > 0)
+      failures(stat%no_period) = failures(stat%no_period) - count(outcomes%kind > 0)
       kinds = pack([(i, i=0, codes)], failures > 0)
       call result%open('failures', 'failure', [size(kinds)])
       call result%put('failures', 'status', kinds)
