@@ -150,19 +150,19 @@ subroutine simulate_bundle(m, xi, mu, walls, r, load, clearance, cycles, most_ev
 end subroutine simulate_bundle
 
 !> What many systems do on the attractors of one initial state each.
-subroutine perform(n, parameters, places, settling, keep, max_events, threads, progress, found, &
-   ends, counts, status)
+subroutine perform(n, parameters, places, settling, keep, max_events, threads, wanted, progress, &
+   found, ends, counts, status)
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use vi_attractor_performance, only: run => perform
    use vi_processor, only: usable_threads
    implicit none (type, external)
    !f2py threadsafe
-   integer(c_int), intent(in) :: n, settling, keep, max_events, threads
+   integer(c_int), intent(in) :: n, settling, keep, max_events, threads, wanted(9)
    integer(c_int), intent(inout) :: progress(3)
    real(c_double), intent(in) :: parameters(6, n), places(4, n)
    real(c_double), intent(out) :: found(9, n), ends(5, n)
    integer(c_int), intent(out) :: counts(2, n), status(n)
 
    call run(parameters, places, settling, keep, max_events, usable_threads(threads), found, &
-      ends, counts, status, progress)
+      ends, counts, status, progress, wanted /= 0)
 end subroutine perform

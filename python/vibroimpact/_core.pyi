@@ -337,6 +337,7 @@ class _Perform(Protocol):
         keep: int,
         max_events: int,
         threads: int,
+        wanted: ArrayLike,
         progress: _Integer,
         n: int = ...,
     ) -> tuple[_Real, _Real, _Integer, _Integer]: ...

@@ -7,7 +7,7 @@ import pytest
 import vibroimpact as vi
 from shared_design import GOOD, OSC, QUICK
 from vibroimpact.designs.problem import OscillatorHost, Problem
-from vibroimpact.designs.search import grid, judged
+from vibroimpact.designs.search import Archive, _judge, _try, grid, judged
 from vibroimpact.results.performance import perform
 from vibroimpact.systems.distribution import uncertain
 
@@ -111,6 +111,36 @@ def test_quantile_and_penalty_of_candidates():
         assert level[i] == pytest.approx(target * (1 + 10 * max(0, excess - 1)), rel=1e-12)
         first = table[:, 0].max(axis=1).max(axis=0)
         assert nominal[i] == pytest.approx(first[0] * (1 + 10 * max(0, first[1] - 1)), rel=1e-12)
+
+
+def test_steps_are_judged_as_candidates_are():
+    """A step that is left out after some frequencies is worse than the best; others have all their figures."""
+    host = OscillatorHost(OSC, None, "attenuation", {}, 120, 16, None)
+    free = {"clearance": (12.0, 45.0)}
+    problem = Problem(
+        host, free, {"restitution": uncertain((0.65, 0.8), "R")}, (1.0, 1.03), uncertain(1.0, "load"), 0.99, False,
+    )  # fmt: skip
+    fine = grid(problem, 4, 7, 2)
+    candidates = np.linspace(13, 44, 8)[:, None]
+    levels = judged(problem, fine, candidates)[1]
+    falling = np.argsort(-levels)
+    archive = Archive()
+    _judge(problem, fine, candidates[falling[:1]], archive)
+    kept = [falling[0]]
+    # one that is better, then the one before it
+    for number in np.column_stack([falling[1:], falling[:-1]]).ravel():
+        better = levels[number] < min(archive.level)
+        before = len(archive.level)
+        assert _try(problem, fine, candidates[number], archive) == better
+        if len(archive.level) > before:
+            kept.append(number)
+        else:
+            assert not better
+        best = archive.values[archive.best][None]
+        target, _ = problem.outcomes(best, fine.shares, fine.nodes, fine.places)
+        np.testing.assert_array_equal(archive.targets, target[0])
+    np.testing.assert_array_equal(archive.level, levels[kept])
+    assert len(levels) <= len(kept) < 2 * len(levels) - 1
 
 
 def test_limits_hold_for_the_design():

@@ -7,7 +7,7 @@ import pytest
 import vibroimpact as vi
 from shared_design import OSC, QUICK
 from vibroimpact.designs.problem import OscillatorHost
-from vibroimpact.results.performance import perform
+from vibroimpact.results.performance import FIGURES, perform
 
 
 def random_systems(n, seed, restitution):
@@ -114,6 +114,18 @@ def test_figures_do_not_depend_on_the_number_of_threads():
     one, three = perform(parameters, places, threads=1), perform(parameters, places, threads=3)
     for name in ("displacement", "rms", "force", "states", "cycles", "status"):
         np.testing.assert_array_equal(getattr(one, name), getattr(three, name))
+
+
+def test_some_figures_are_as_with_all_others():
+    parameters, places = random_systems(30, 5, (0.0, 0.9))
+    whole = perform(parameters, places, 100, 8)
+    for wanted in (("displacement", "amplitude"), ("rms",), ("least_gap", "speed"), ()):
+        some = perform(parameters, places, 100, 8, wanted=wanted)
+        for name in FIGURES:
+            same = getattr(whole, name) if name in wanted else np.full(30, math.nan)
+            np.testing.assert_array_equal(getattr(some, name), same)
+        for name in ("states", "cycles", "impacts", "status"):
+            np.testing.assert_array_equal(getattr(some, name), getattr(whole, name))
 
 
 @pytest.mark.parametrize("name", ["least_speed", "least_gap"])

@@ -88,6 +88,12 @@ class OscillatorHost:
     keep: int
     threads: int | None
 
+    @property
+    def wanted(self) -> tuple[str, ...]:
+        """The figures that target and limits need."""
+        target = ("displacement", "amplitude") if self.target == "attenuation" else (self.target,)
+        return (*target, *self.limits)
+
     def outcome(
         self, values: Mapping[str, _Array], r: _Array, load: _Array, places: _Array,
         progress: door.Progress | None, note: str,
@@ -102,6 +108,7 @@ class OscillatorHost:
             threads=self.threads,
             progress=progress,
             note=note,
+            wanted=self.wanted,
         )
         if self.target == "attenuation":
             target = found.displacement / found.amplitude
@@ -129,7 +136,9 @@ class OscillatorHost:
         """As for all hosts."""
         one = {name: np.array([value]) for name, value in values.items()}
         numbers = parameters_of(self.osc, self.clearance, one, np.array([r]), np.array([load]))
-        found = perform(numbers, place[:, None], self.settling, self.keep, threads=1)
+        found = perform(
+            numbers, place[:, None], self.settling, self.keep, threads=1, wanted=("multiplier",)
+        )
         if self.target not in SLOPED or found.cycles[0] == 0 or found.impacts[0] == 0:
             return None
         r, clearance, xi, mu, right, left = numbers[:, 0].tolist()

@@ -38,6 +38,8 @@ class Archive:
         Whether Ctrl-C ended the searches.
     judged_again : bool
         Whether the candidates are those of searches by fewer units.
+    targets : ndarray (nodes, units, states) or None
+        Targets of the best candidate.
     """
 
     values: list[_Array] = field(default_factory=list)
@@ -49,6 +51,7 @@ class Archive:
     searches: list[tuple[int, float]] = field(default_factory=list)
     stopped: bool = False
     judged_again: bool = False
+    targets: _Array | None = None
 
     def add(self, other: Archive) -> None:
         """Adds the candidates of a further search."""
@@ -121,7 +124,11 @@ def grids(problem: Problem, order: Order) -> tuple[Grid, Grid]:
 def judged(problem: Problem, grid: Grid, candidates: _Array) -> tuple[_Array, ...]:
     """Levels of candidates (n, free) for the unit without deviations and for all units, with penalties; the level
     of the excess, and the greatest target."""
-    target, excess = problem.outcomes(candidates, grid.shares, grid.nodes, grid.places)
+    return levels_of(problem, *problem.outcomes(candidates, grid.shares, grid.nodes, grid.places))
+
+
+def levels_of(problem: Problem, target: _Array, excess: _Array) -> tuple[_Array, ...]:
+    """As `judged`, from targets and excesses (candidates, nodes, units, states)."""
     found = []
     for units in (slice(1), slice(None)):
         over = problem.levels(excess[:, :, units])
@@ -245,10 +252,46 @@ def _promising(
 
 def _judge(problem: Problem, fine: Grid, candidates: _Array, archive: Archive) -> None:
     """Adds candidates to the archive."""
-    found = judged(problem, fine, candidates)
+    outcomes = problem.outcomes(candidates, fine.shares, fine.nodes, fine.places)
+    _add(problem, candidates, *outcomes, archive)
+
+
+def _add(
+    problem: Problem, candidates: _Array, target: _Array, excess: _Array, archive: Archive
+) -> None:
+    """Adds candidates with known targets and excesses to the archive."""
+    before = len(archive.level)
     archive.values.extend(candidates)
+    found = levels_of(problem, target, excess)
     for name, numbers in zip(("nominal", "level", "excess", "worst"), found, strict=True):
         getattr(archive, name).extend(map(float, numbers))
+    if archive.best >= before:
+        archive.targets = target[archive.best - before]
+
+
+def _try(problem: Problem, fine: Grid, candidate: _Array, archive: Archive) -> bool:
+    """Adds a candidate to the archive and tells whether it is the best one.
+
+    The frequencies at which the best one so far is worst come first: the level is that of the worst frequency, so
+    that a candidate which is above the best level there needs no look at the others. It is not added.
+    """
+    assert archive.targets is not None
+    order = np.argsort(-archive.targets.max(axis=(1, 2)), kind="stable")
+    first = len(order) // 3
+    parts = []
+    for some in (order[:first], order[first:]):
+        if len(some) == 0:
+            continue
+        parts.append(problem.outcomes(candidate[None], fine.shares, fine.nodes[some], fine.places))
+        level = levels_of(problem, *parts[-1])[1][0]
+        # a penalty raises levels above 0
+        if len(parts) == 1 and first and 0 < min(archive.level) < level:
+            return False
+    back = np.argsort(order)
+    target, excess = (np.concatenate(both, axis=1)[:, back] for both in zip(*parts, strict=True))
+    best = archive.best
+    _add(problem, candidate[None], target, excess, archive)
+    return archive.best != best
 
 
 def descend(
@@ -263,14 +306,13 @@ def descend(
     linprog = scipy("optimize", "a design", "design").linprog
 
     radius = 0.05
-    active = active_slopes(problem, fine, archive.values[archive.best], archive)
+    active = active_slopes(problem, fine, archive)
     for step in range(steps):
         if active is None or radius < 1e-4:
             return
         if progress is not None:
             progress(0.8 + 0.2 * step / steps, "steps down the gradient")
-        best = archive.best
-        here = archive.values[best]
+        here = archive.values[archive.best]
         values, slopes = active
         k = len(here)
         reach = np.where([name in problem.whole for name in problem.free], 0, radius * (high - low))
@@ -281,24 +323,25 @@ def descend(
         )  # fmt: skip
         if solved.status != 0 or np.max(np.abs(solved.x[:k]) / (high - low)) < 1e-6:
             return
-        _judge(problem, fine, (here + solved.x[:k])[None], archive)
-        if archive.best == best:
-            radius *= 0.3
-        else:
+        if _try(problem, fine, here + solved.x[:k], archive):
             radius *= 1.5
-            active = active_slopes(problem, fine, archive.values[archive.best], archive)
+            active = active_slopes(problem, fine, archive)
+        else:
+            radius *= 0.3
 
 
 def active_slopes(
-    problem: Problem, fine: Grid, here: _Array, archive: Archive, most: int = 6
+    problem: Problem, fine: Grid, archive: Archive, most: int = 6
 ) -> tuple[_Array, _Array] | None:
-    """Targets of the worst units of a candidate, and their derivatives by the free parameters.
+    """Targets of the worst units of the best candidate, and their derivatives by the free parameters.
 
     None where they have no periodic motions that can be followed. The archive takes the sensitivities of the
     worst.
     """
     archive.sensitivity = {}
-    target, _ = problem.outcomes(here[None], fine.shares, fine.nodes, fine.places)
+    here = archive.values[archive.best]
+    assert archive.targets is not None
+    target = archive.targets[None]
     level = problem.levels(target)[0]
     order = np.argsort(np.where(target[0] <= level, -target[0], np.inf), axis=None)[: 4 * most]
     values: list[float] = []

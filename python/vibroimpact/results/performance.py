@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -69,10 +70,15 @@ class Performance:
     status: NDArray[np.int32]
 
 
+def _marks(wanted: tuple[str, ...]) -> NDArray[np.int32]:
+    """Which figures are wanted, as the core takes it."""
+    return np.array([name in wanted for name in FIGURES], dtype=np.int32)
+
+
 def perform(
     parameters: NDArray[np.float64], places: NDArray[np.float64], settling: int = 400, keep: int = 64,
     max_events: int = 1_000_000, threads: int | None = None, progress: door.Progress | None = None,
-    note: str = "",
+    note: str = "", wanted: Iterable[str] = FIGURES,
 ) -> Performance:  # fmt: skip
     """The figures of many systems.
 
@@ -90,6 +96,8 @@ def perform(
         Default: one for each processor. The result does not depend on it.
     progress : callable, optional
         As for the studies; `note` is the task it is told.
+    wanted : iterable of str
+        The figures that are computed, keys of `FIGURES`; the others are NaN.
 
     Raises
     ------
@@ -99,7 +107,8 @@ def perform(
     count = os.cpu_count() or 1 if threads is None else threads
     (found, states, counts, status), complete = stoppable(
         _core.perform, np.asfortranarray(parameters), np.asfortranarray(places), settling, keep, max_events,
-        checks.integer(count, "threads", 1, 1024), counters=new_counters(), progress=progress, note=note,
+        checks.integer(count, "threads", 1, 1024), _marks(tuple(wanted)),
+        counters=new_counters(), progress=progress, note=note,
     )  # fmt: skip
     if not complete:
         raise KeyboardInterrupt

@@ -485,7 +485,7 @@ def limit_probability(
                 told.part(i + begin / count, points[0].size, "points", length)
                 done = perform(
                     np.repeat(here[:, part], tries, axis=1), places[:, part.start * tries : part.stop * tries],
-                    cycles, 64, events, threads, told.inner, "simulate",
+                    cycles, 64, events, threads, told.inner, "simulate", figures_of(limits),
                 )  # fmt: skip
                 blocks.append(judged(done, limits, tries))
         except KeyboardInterrupt:
@@ -510,6 +510,11 @@ def limit_probability(
     if stopped:
         raise StudyInterrupted(found)
     return found
+
+
+def figures_of(limits: Mapping[str, float]) -> set[str]:
+    """The figures that `judged` needs."""
+    return {"displacement", "amplitude"} | set(limits) if "attenuation" in limits else set(limits)
 
 
 def judged(done: Performance, limits: Mapping[str, float], tries: int) -> NDArray[np.bool_]:

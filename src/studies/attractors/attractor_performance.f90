@@ -5,6 +5,7 @@
 !! last load cycles.
 module vi_attractor_performance
    use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_quiet_nan, ieee_value
+   use, intrinsic :: iso_fortran_env, only: int64
    use vi_attractor_known, only: known_type, shortest_period
    use vi_attractor_settled, only: advance, segments_between
    use vi_attractor_spread, only: placed_state
@@ -17,8 +18,9 @@ module vi_attractor_performance
    use vi_oscillation, only: combination, derivatives, square_integral
    use vi_oscillator, only: oscillator_type
    use vi_progress, only: add_done_work, add_expected_work, is_stopped
+   use vi_simulate, only: simulate_on, state_after, state_later
    use vi_status, only: stat
-   use vi_trajectory, only: primary_segment
+   use vi_trajectory, only: later, primary_segment
    implicit none (type, external)
    private
 
@@ -49,7 +51,7 @@ contains
 
    !> The figures of many systems, each from one initial state.
    subroutine perform(parameters, places, settling, keep, max_events, threads, found, ends, &
-      counts, status, progress)
+      counts, status, progress, wanted)
       !> (6, n): r, D, xi, mu, R1, R2
       real(wp), intent(in) :: parameters(:, :)
       !> (4, n): initial state, as in `placed_state`
@@ -59,7 +61,8 @@ contains
       integer, intent(in) :: settling, keep
       !> Largest number of events of a simulation, and number of OpenMP threads.
       integer, intent(in) :: max_events, threads
-      !> (figures, n): rows as above, with the unit of length F0/K; NaN where it failed.
+      !> (figures, n): rows as above, with the unit of length F0/K; NaN where it failed, and in rows
+      !! that are not wanted.
       real(wp), intent(out) :: found(:, :)
       !> (5, n): t, x, x', z, z' of a state on the attractor; NaN where it failed.
       real(wp), intent(out) :: ends(:, :)
@@ -70,10 +73,16 @@ contains
       integer, intent(out) :: status(:)
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
+      !> (figures): rows that are computed; all by default. Extremes and integrals over chaotic
+      !! motions take longer than their simulation.
+      logical, intent(in), optional :: wanted(:)
       type(event_type), allocatable :: events(:)
       type(forced_system_type) :: system
+      logical :: rows(figures)
       integer :: j
 
+      rows = .true.
+      if (present(wanted)) rows = wanted
       call add_expected_work(size(status), progress)
       status = stat%not_computed
       counts = 0
@@ -88,8 +97,9 @@ contains
             system = new_forced_system(oscillator_type(c(3), c(4), c(5:6)), c(1), 1.0_wp, c(2))
          end associate
          call perform_one(system, placed_state(system%osc%xi, system%r, system%load, &
-            system%clearance, places(:, j)), settling, keep, max_events, events, found(:, j), &
-            ends(:, j), counts(:, j), status(j), progress)
+            system%clearance, places(:, j)), settling, keep, max_events, rows, events, &
+            found(:, j), ends(:, j), counts(:, j), status(j), progress)
+         found(:, j) = merge(found(:, j), ieee_value(1.0_wp, ieee_quiet_nan), rows)
          call add_done_work(1, progress)
       end do
       !$omp end do
@@ -97,14 +107,16 @@ contains
    end subroutine perform
 
    !> The figures of one system from one initial state.
-   subroutine perform_one(system, start, settling, keep, max_events, events, found, end, counts, &
-      status, progress)
+   subroutine perform_one(system, start, settling, keep, max_events, wanted, events, found, end, &
+      counts, status, progress)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> t, x, x', z, z'
       real(wp), intent(in) :: start(5)
       !> As in `perform`.
       integer, intent(in) :: settling, keep, max_events
+      !> (figures): rows that are computed.
+      logical, intent(in) :: wanted(figures)
       !> Room for events.
       type(event_type), intent(inout) :: events(:)
       !> Out: as in `perform`.
@@ -133,14 +145,8 @@ contains
       ! without impacts only the dashpot ends the transient
       do while (done < settling .or. (quiet .and. done < longest_decay .and. &
          done*system%osc%xi < decayed*system%r))
-         quiet = .true.
-         do i = 1, chunk
-            call advance(system, state, mark, 1.0_wp, events, n, left, status, progress)
-            if (status /= stat%ok) return
-            quiet = quiet .and. n == 0
-            marks(1:) = marks(:2*longest - 1)
-            marks(0) = mark
-         end do
+         call pass_chunk(system, state, mark, marks, events, quiet, left, status, progress)
+         if (status /= stat%ok) return
          done = done + chunk
          filled = min(filled + chunk, 2*longest)
          do k = 1, filled/2
@@ -149,24 +155,89 @@ contains
             ! a motion that is approached from both sides in turn looks like one of twice its period
             do i = 1, k
                if (modulo(k, i) /= 0) cycle
-               call refine(system, mark, i, events, found, end, counts, good)
+               call refine(system, mark, i, wanted, events, found, end, counts, good)
                if (good) return
             end do
             exit
          end do
       end do
-      call examine_cycles(system, state, mark, keep, left, events, found, counts, status, progress)
+      call examine_cycles(system, state, mark, keep, left, wanted, events, found, counts, status, &
+         progress)
       if (status == stat%ok) end = numbers_of(system, mark)
    end subroutine perform_one
 
+   !> Passes some load cycles, and notes the state after each.
+   !!
+   !! A simulation that ends after each cycle would search the flight twice that goes on there. The
+   !! states in between follow from the events, as they would have been at an end.
+   subroutine pass_chunk(system, state, mark, marks, events, quiet, left, status, progress)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> In and out: at the start of the last flight or rest before the mark; the mark.
+      type(state_type), intent(inout) :: state, mark
+      !> In and out: the last marks, the latest first.
+      type(state_type), intent(inout) :: marks(0:)
+      !> Room for events.
+      type(event_type), intent(inout) :: events(:)
+      !> Whether there was no event.
+      logical, intent(out) :: quiet
+      !> Events that are left.
+      integer, intent(inout) :: left
+      !> Status.
+      integer, intent(out) :: status
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
+      type(state_type) :: begin, here, final
+      integer(int64) :: cycle
+      real(wp) :: phase
+      integer :: i, j, n, before
+
+      before = left
+      begin = state
+      call later(mark, real(chunk, wp), cycle, phase)
+      call simulate_on(system, state, cycle, phase, events, n, final, left, status, progress)
+      if (status == stat%ok) then
+         quiet = n == 0
+         here = begin
+         j = 0
+         do i = 1, chunk
+            call later(mark, real(i, wp), cycle, phase)
+            do while (j < n)
+               if (events(j + 1)%cycle > cycle .or. (events(j + 1)%cycle == cycle .and. &
+                  events(j + 1)%phase > phase)) exit
+               j = j + 1
+               here = state_after(system, events(j))
+            end do
+            marks(1:) = marks(:ubound(marks, 1) - 1)
+            marks(0) = state_later(system, here, cycle, phase)
+         end do
+         mark = final
+         return
+      end if
+      if (status /= stat%more_events) return
+      ! there is room for the events of a cycle, or for the last ones of it
+      left = before
+      state = begin
+      quiet = .true.
+      do i = 1, chunk
+         call advance(system, state, mark, 1.0_wp, events, n, left, status, progress)
+         if (status /= stat%ok) return
+         quiet = quiet .and. n == 0
+         marks(1:) = marks(:ubound(marks, 1) - 1)
+         marks(0) = mark
+      end do
+   end subroutine pass_chunk
+
    !> The figures of the stable periodic motion near a state.
-   pure subroutine refine(system, mark, cycles, events, found, end, counts, good)
+   pure subroutine refine(system, mark, cycles, wanted, events, found, end, counts, good)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> The state.
       type(state_type), intent(in) :: mark
       !> Load cycles of one or more periods.
       integer, intent(in) :: cycles
+      !> As in `perform`.
+      logical, intent(in) :: wanted(figures)
       !> Room for events.
       type(event_type), intent(inout) :: events(:)
       !> Out: as in `perform`.
@@ -185,15 +256,15 @@ contains
       call over_period(system, known%targets(1), none, events, n, good)
       if (.not. good) return
       begin = target_state(system, known%targets(1), none)
-      call measure(system, begin, two_pi*known%cycles/system%r, events(:n), found, good)
+      call measure(system, begin, two_pi*known%cycles/system%r, events(:n), wanted, found, good)
       end = numbers_of(system, begin)
       found(multiplier) = known%largest
       counts = [known%cycles, count(events(:n)%kind == impact_event)]
    end subroutine refine
 
    !> The figures over the next load cycles.
-   subroutine examine_cycles(system, state, mark, keep, left, events, found, counts, status, &
-      progress)
+   subroutine examine_cycles(system, state, mark, keep, left, wanted, events, found, counts, &
+      status, progress)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> In: state at the start of the last flight or rest before the mark. Out: at the end.
@@ -204,6 +275,8 @@ contains
       integer, intent(in) :: keep
       !> Events that are left.
       integer, intent(inout) :: left
+      !> As in `perform`.
+      logical, intent(in) :: wanted(figures)
       !> Room for events.
       type(event_type), intent(inout) :: events(:)
       !> Out: as in `perform`.
@@ -229,7 +302,7 @@ contains
          begin = final
          call advance(system, state, final, 1.0_wp, events, n, left, status, progress)
          if (status /= stat%ok) exit
-         call measure(system, begin, two_pi/system%r, events(:n), part, good)
+         call measure(system, begin, two_pi/system%r, events(:n), wanted, part, good)
          if (.not. good) status = stat%budget
          if (.not. good) exit
          found(:force) = max(found(:force), part(:force))
@@ -245,7 +318,7 @@ contains
    end subroutine examine_cycles
 
    !> The figures between a state and a later time.
-   pure subroutine measure(system, begin, lapse, events, found, complete)
+   pure subroutine measure(system, begin, lapse, events, wanted, found, complete)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> The state.
@@ -254,6 +327,8 @@ contains
       real(wp), intent(in) :: lapse
       !> Events in between.
       type(event_type), intent(in) :: events(:)
+      !> As in `perform`.
+      logical, intent(in) :: wanted(figures)
       !> As in `perform`, except the multiplier.
       real(wp), intent(inout) :: found(:)
       !> False if a search ran out of steps.
@@ -277,9 +352,10 @@ contains
          ! where rest begins at the instant of an impact, no flight lies in between
          if (.not. times(i + 1) > times(i)) cycle
          x = primary_segment(system, starts(:, i), resting(i), times(i + 1) - times(i))
-         square = square + square_integral(x%oscillation_type, x%duration)
+         if (wanted(rms)) square = square + square_integral(x%oscillation_type, x%duration)
          other = x
          do j = 1, 3
+            if (.not. wanted(rows(j))) cycle
             other%oscillation_type = combination(x%oscillation_type, w(:, j))
             call raise(other, found(rows(j)), complete)
          end do
@@ -297,7 +373,7 @@ contains
          end associate
       end do
       do i = 0, size(events)
-         if (.not. times(i + 1) > times(i)) cycle
+         if (.not. (wanted(least_gap) .and. times(i + 1) > times(i))) cycle
          call narrow(system, starts(:, i), times(i + 1) - times(i), found(least_gap), complete)
       end do
       ! accumulations and rests have other boundaries

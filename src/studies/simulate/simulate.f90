@@ -18,7 +18,7 @@ module vi_simulate
    implicit none (type, external)
    private
 
-   public :: fly_on, simulate, simulate_cycles, simulate_on
+   public :: fly_on, simulate, simulate_cycles, simulate_on, state_after, state_later
    public :: forced_system_type, event_type, new_forced_system, state_time, state_type
    public :: impact_event, stick_event, release_event
 
@@ -179,6 +179,34 @@ contains
       end do
       state = final
    end subroutine simulate_cycles
+
+   !> The state just after an event, as `simulate` has it there, but for the departure speed.
+   pure function state_after(system, event) result(state)
+      !> The forced system, and the event.
+      type(forced_system_type), intent(in) :: system
+      type(event_type), intent(in) :: event
+      type(state_type) :: state
+
+      state = state_type(event%cycle, event%phase, event%x, event%x_dot_after, event%x &
+         + event%side*(0.5_wp*system%clearance), event%z_dot_after, event%side, 0.0_wp, &
+         event%kind == stick_event, event%kind == release_event)
+   end function state_after
+
+   !> The state at a time before which there is no further event.
+   pure function state_later(system, state, cycle, phase) result(later)
+      !> The forced system, and the state after the last event.
+      type(forced_system_type), intent(in) :: system
+      type(state_type), intent(in) :: state
+      !> Whole load cycles at that time, and the load phase beyond them (rad).
+      integer(int64), intent(in) :: cycle
+      real(wp), intent(in) :: phase
+      type(state_type) :: later
+
+      later = state
+      call move_on(system, time_left(system, state, cycle, phase), later)
+      later%cycle = cycle
+      later%phase = phase
+   end function state_later
 
    !> Time from a state to the end.
    pure real(wp) function time_left(system, state, last_cycle, last_phase)
