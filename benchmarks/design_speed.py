@@ -54,7 +54,7 @@ def rows():
             "design: search for 2 parameters, 16 uncertain units, warm", "s", search, 1.0, grid,
             f"grid of {SIDE}x{SIDE} by response, nominal unit", same,
         ),
-        row(f"design: confirmation by {SAMPLES} samples", "s", sure),
+        row(f"design: confirmation by {SAMPLES} samples", "s", sure, 5.0),
     ]  # fmt: skip
 
 
