@@ -29,8 +29,8 @@ module vi_structure_return
    implicit none (type, external)
    private
 
-   public :: confirmed_cycles, is_attractor, is_steady, one_cycle, repetition, self_excited, &
-      settle, settle_arrays, settle_on, shorten, some_cycles
+   public :: confirmed_cycles, is_attractor, is_steady, keep_period, one_cycle, repetition, &
+      self_excited, settle, settle_arrays, settle_on, shorten, some_cycles
 
    !> Largest number of events of a period.
    integer, parameter, public :: most_events = 2000
@@ -574,17 +574,15 @@ contains
       real(wp), intent(in) :: section
       !> In: the events of the period. Out: those of the motion.
       type(run_event_type), intent(inout) :: events(:)
-      !> Their number.
+      !> In: their number. Out: of no use.
       integer, intent(inout) :: n
       !> In: with its cycles. Out: the motion.
       type(settled_type), intent(inout) :: found
       !> As in `settle`.
       integer, intent(out) :: status
-      integer, parameter :: most_steps = 30
-      type(run_state_type) :: state, begun, at
-      real(wp), allocatable :: p(:, :), a(:, :), step(:), s(:), image(:), q(:), rate(:)
-      real(wp) :: wait, elapsed, change, before, scale(2), largest
-      integer :: i, m, steps
+      type(run_state_type) :: at
+      real(wp) :: s(2*size(run%structure%mass, 1)), wait, elapsed
+      integer :: i
 
       at = first
       elapsed = section
@@ -604,62 +602,95 @@ contains
          call one_cycle(run, at, found%cycles, elapsed, events, n, status)
          if (status /= stat%ok) return
       end do
-      m = size(run%structure%mass, 1)
-      allocate (p(2*m, 2*m), a(2*m, 2*m), step(2*m), s(2*m), image(2*m), q(m), rate(m))
-      call state_now(run, at, s(:m), s(m + 1:))
+      call state_now(run, at, s(:size(s)/2), s(size(s)/2 + 1:))
+      call close_period(run, elapsed, .false., s, events, found, status)
+      if (status == stat%ok .and. has_elements(run%structure)) call doubt_marginal(found%motion)
+   end subroutine by_return
+
+   !> The motion by Newton's method for a state to which a period returns, and for the period T of
+   !! the run where it is unknown.
+   subroutine close_period(run, section, free, s, events, found, status, progress)
+      !> In and out: regimes are added; the period of its load is changed if it is free.
+      type(run_type), intent(inout) :: run
+      !> Time within the cycle at which the period begins and ends.
+      real(wp), intent(in) :: section
+      !> Whether the period is unknown.
+      logical, intent(in) :: free
+      !> (2n) In: coordinates and velocities nearly at the beginning. Out: those of the motion.
+      real(wp), intent(inout) :: s(:)
+      !> Room for events.
+      type(run_event_type), intent(inout) :: events(:)
+      !> In: with its cycles. Out: the motion.
+      type(settled_type), intent(inout) :: found
+      !> As of `settle_on` or `self_excited`.
+      integer, intent(out) :: status
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
+      integer, parameter :: most_steps = 30
+      type(structure_type) :: structure
+      type(load_type) :: load
+      type(run_state_type) :: begun, state
+      real(wp) :: p(size(s), size(s)), step(size(s)), change, before, largest, period
+      integer :: m, n, steps
+
+      m = size(s)/2
+      period = run%period
       before = huge(1.0_wp)
       do steps = 0, most_steps
-         call start_at(run, elapsed, s(:m), s(m + 1:), state, status)
+         n = 0
+         call start_at(run, section, s(:m), s(m + 1:), begun, status)
          ! the step led into a gap
          if (status == stat%gap_closed) status = stat%no_convergence
          if (status /= stat%ok) return
-         begun = state
-         call one_cycle(run, state, found%cycles, elapsed, events, n, status)
+         state = begun
+         call one_cycle(run, state, found%cycles, section, events, n, status, progress)
          if (status /= stat%ok) return
          if (size(run%regimes(state%regime)%resting) + size(run%regimes(begun%regime)%resting) &
             > 0) status = stat%no_convergence
          if (status /= stat%ok) return
          call derivative_of_run(run, begun, events(:n), state, p, largest, &
             found%motion%verdicts%law, status)
-         call state_now(run, state, image(:m), image(m + 1:))
-         scale = [maxval(abs(s(:m))), maxval(abs(s(m + 1:)))]
-         scale = max(scale, tiny(1.0_wp))
-         step = s - image
-         found%motion%residual = max(maxval(abs(step(:m)))/scale(1), maxval(abs(step(m + 1:)))/ &
-            scale(2))
+         call state_now(run, state, step(:m), step(m + 1:))
+         step = s - step
+         found%motion%residual = maxval(abs(step)/scales(s))
          if (status == stat%zero_approach .and. has_elements(run%structure) .and. &
-            found%motion%residual <= exact_acceptance) then
+            found%motion%residual <= exact_acceptance .and. .not. free) then
             ! a motion at which the period has no derivative
             p = ieee_value(1.0_wp, ieee_quiet_nan)
             exit
          end if
          if (status /= stat%ok) return
-         if (found%motion%residual <= 4*epsilon(1.0_wp)) exit
-         ! positions and velocities are compared by their scales
-         a = p
-         do i = 1, 2*m
-            a(i, i) = a(i, i) - 1
-         end do
-         a(:m, m + 1:) = a(:m, m + 1:)*(scale(2)/scale(1))
-         a(m + 1:, :m) = a(m + 1:, :m)*(scale(1)/scale(2))
-         step(:m) = step(:m)/scale(1)
-         step(m + 1:) = step(m + 1:)/scale(2)
-         call solve(a, step, status)
+         ! where more than the phase is free, the step tells
+         if (found%motion%residual <= 4*epsilon(1.0_wp) .and. .not. free) exit
+         call newton_step(run, begun, state, s, p, free, step, period, change, status)
          if (status /= stat%ok) return
-         change = maxval(abs(step))
+         if (found%motion%residual <= 4*epsilon(1.0_wp)) exit
          if (change <= 1.0e-7_wp .and. change >= before) exit
          before = change
-         s(:m) = s(:m) + scale(1)*step(:m)
-         s(m + 1:) = s(m + 1:) + scale(2)*step(m + 1:)
+         s = s + step
+         if (.not. free) cycle
+         structure = run%structure
+         load = run%load
+         load%frequency = two_pi/period
+         call new_run(structure, load, run, status)
+         if (status /= stat%ok) return
       end do
-      if (steps > most_steps) then
-         status = stat%no_convergence
-         return
-      end if
-      status = stat%ok
-      call keep_period(run, begun, events(:n), state, p, largest, .false., found)
-      if (has_elements(run%structure)) call doubt_marginal(found%motion)
-   end subroutine by_return
+      status = merge(stat%ok, stat%no_convergence, steps <= most_steps)
+      if (status == stat%ok) call keep_period(run, begun, events(:n), state, p, largest, free, &
+         found)
+   end subroutine close_period
+
+   !> The largest coordinate and the largest velocity of a state, by which others are compared.
+   pure function scales(s) result(scale)
+      !> (2n) Coordinates and velocities.
+      real(wp), intent(in) :: s(:)
+      real(wp) :: scale(size(s))
+      integer :: m
+
+      m = size(s)/2
+      scale(:m) = max(maxval(abs(s(:m))), tiny(1.0_wp))
+      scale(m + 1:) = max(maxval(abs(s(m + 1:))), tiny(1.0_wp))
+   end function scales
 
    !> Keeps a period that returns to its beginning, and gives the verdicts on it.
    subroutine keep_period(run, begun, events, state, p, largest, free, found)
@@ -719,23 +750,27 @@ contains
       integer, intent(out) :: status
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
-      integer, parameter :: most_steps = 30
       type(run_type) :: run
-      type(run_state_type) :: begun, state
+      type(load_type) :: own
+      type(run_state_type) :: state
       type(run_event_type), allocatable :: events(:)
-      real(wp), allocatable :: p(:, :), s(:), image(:), step(:)
-      real(wp) :: before, change, largest, period, wait
-      integer :: n, steps
+      real(wp), allocatable :: s(:)
+      real(wp) :: period, wait
+      integer :: n
 
       frequency = 0
-      allocate (events(most_events), s(2*size(q)), image(2*size(q)), step(2*size(q)), &
-         p(2*size(q), 2*size(q)))
+      allocate (events(most_events), s(2*size(q)))
       s = [q, rate]
       period = guess
       status = stat%ok
       if (.not. period > 0) call find_period(structure, load, duration, events, s, period, status, &
          progress)
-      if (status == stat%ok) call simulate_period()
+      if (status /= stat%ok) return
+      own = load
+      own%frequency = two_pi/period
+      call new_run(structure, own, run, status)
+      if (status == stat%ok) call start_at(run, 0.0_wp, s(:size(q)), s(size(q) + 1:), state, status)
+      if (status == stat%ok) call one_cycle(run, state, 1, 0.0_wp, events, n, status, progress)
       if (status /= stat%ok) return
       found%cycles = 1
       if (n == 0) status = stat%no_impacts
@@ -750,98 +785,63 @@ contains
       end associate
       if (status /= stat%ok) return
       call state_now(run, state, s(:size(q)), s(size(q) + 1:))
-      before = huge(1.0_wp)
-      do steps = 0, most_steps
-         call simulate_period()
-         ! the step led into a gap
-         if (status == stat%gap_closed) status = stat%no_convergence
-         if (status /= stat%ok) return
-         if (size(run%regimes(state%regime)%resting) + size(run%regimes(begun%regime)%resting) &
-            > 0) status = stat%no_convergence
-         if (status /= stat%ok) return
-         call derivative_of_run(run, begun, events(:n), state, p, largest, &
-            found%motion%verdicts%law, status)
-         if (status /= stat%ok) return
-         call state_now(run, state, image(:size(q)), image(size(q) + 1:))
-         step = s - image
-         call solve_free(run, begun, state, s, p, step, period, found%motion%residual, change, &
-            status)
-         if (status /= stat%ok) return
-         if (found%motion%residual <= 4*epsilon(1.0_wp)) exit
-         if (change <= 1.0e-7_wp .and. change >= before) exit
-         before = change
-         s = s + step
-      end do
-      if (steps > most_steps) status = stat%no_convergence
+      call close_period(run, 0.0_wp, .true., s, events, found, status, progress)
       if (status /= stat%ok) return
       frequency = run%load%frequency
-      call keep_period(run, begun, events(:n), state, p, largest, .true., found)
       if (size(found%resting) > 0) found%rests = found%rests - found%motion%phases(1)
       found%motion%phases = found%motion%phases - found%motion%phases(1)
-
-   contains
-
-      !> Simulates a period from the present state.
-      subroutine simulate_period()
-         type(load_type) :: own
-
-         own = load
-         own%frequency = two_pi/period
-         n = 0
-         call new_run(structure, own, run, status)
-         if (status == stat%ok) call start_at(run, 0.0_wp, s(:size(q)), s(size(q) + 1:), begun, &
-            status)
-         if (status /= stat%ok) return
-         state = begun
-         call one_cycle(run, state, 1, 0.0_wp, events, n, status, progress)
-      end subroutine simulate_period
-
    end subroutine self_excited
 
-   !> A step of Newton's method for a state and its period.
-   pure subroutine solve_free(run, begun, state, s, p, step, period, residual, change, status)
+   !> A step of Newton's method for a state, and for its period if that is free.
+   pure subroutine newton_step(run, begun, state, s, p, free, step, period, change, status)
       !> The run.
       type(run_type), intent(in) :: run
       !> The states at the beginning and the end of the period.
       type(run_state_type), intent(in) :: begun, state
       !> (2n) Coordinates and velocities at the beginning, and (2n, 2n) the derivative of the end.
       real(wp), intent(in) :: s(:), p(:, :)
+      !> Whether the period is free.
+      logical, intent(in) :: free
       !> (2n) In: s - phi_T(s). Out: the step.
       real(wp), intent(inout) :: step(:)
       !> In and out: T.
       real(wp), intent(inout) :: period
-      !> The relative residual, and the largest relative step.
-      real(wp), intent(out) :: residual, change
+      !> The largest relative step.
+      real(wp), intent(out) :: change
       !> `stat%ok`; `stat%singular` where more than the phase is free, `stat%no_convergence` where
       !! T would not be positive.
       integer, intent(out) :: status
-      real(wp) :: a(size(s) + 1, size(s) + 1), x(size(s) + 1), scale(size(s))
+      real(wp), dimension(size(s) + merge(1, 0, free)) :: x
+      real(wp) :: a(size(x), size(x)), scale(size(s))
       real(wp), dimension(size(s)/2) :: acceleration
       integer :: i, m
 
       m = size(s)/2
-      scale(:m) = max(maxval(abs(s(:m))), tiny(1.0_wp))
-      scale(m + 1:) = max(maxval(abs(s(m + 1:))), tiny(1.0_wp))
-      residual = maxval(abs(step)/scale)
-      x(:2*m) = step/scale
-      x(2*m + 1) = 0
+      ! positions and velocities are compared by their scales
+      scale = scales(s)
       a = 0
+      x = 0
+      x(:2*m) = step/scale
       do i = 1, 2*m
-         a(:2*m, i) = p(:, i)*scale(i)/scale
+         a(:2*m, i) = p(:, i)
          a(i, i) = a(i, i) - 1
       end do
-      call accelerations(run%regimes(state%regime), 0.0_wp, state%x, state%v, acceleration)
-      a(:2*m, 2*m + 1) = period*[s(m + 1:) - step(m + 1:), acceleration]/scale
-      call accelerations(run%regimes(begun%regime), 0.0_wp, begun%x, begun%v, acceleration)
-      a(2*m + 1, :2*m) = period*[s(m + 1:), acceleration]/scale
+      a(:m, m + 1:2*m) = a(:m, m + 1:2*m)*(scale(2*m)/scale(1))
+      a(m + 1:2*m, :m) = a(m + 1:2*m, :m)*(scale(1)/scale(2*m))
+      if (free) then
+         call accelerations(run%regimes(state%regime), 0.0_wp, state%x, state%v, acceleration)
+         a(:2*m, 2*m + 1) = period*[s(m + 1:) - step(m + 1:), acceleration]/scale
+         call accelerations(run%regimes(begun%regime), 0.0_wp, begun%x, begun%v, acceleration)
+         a(2*m + 1, :2*m) = period*[s(m + 1:), acceleration]/scale
+      end if
       call solve(a, x, status)
       change = maxval(abs(x))
       if (status /= stat%ok) return
-      if (.not. x(2*m + 1) > -1) status = stat%no_convergence
-      if (status /= stat%ok) return
       step = scale*x(:2*m)
+      if (.not. free) return
+      if (.not. x(2*m + 1) > -1) status = stat%no_convergence
       period = period*(1 + x(2*m + 1))
-   end subroutine solve_free
+   end subroutine newton_step
 
    !> Simulates without a load for some time, and finds the period with which the last events
    !! repeat.
