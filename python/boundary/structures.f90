@@ -74,9 +74,9 @@ end subroutine sample_structure
 !!
 !! A row of `numbers` is mean, rms, least and greatest value, one of `parts` the complex amplitudes
 !! of the harmonics; the rows are coordinates, velocities, accelerations and forces of springs and
-!! dashpots. `energies` are the work of the load, the losses of dashpots and where rests begin, and
-!! the change of energy. With `share` less than 1, nothing was computed: so much of the window would
-!! not be too long.
+!! dashpots. `energies` are the work of the load and of belts, the losses of dashpots and where
+!! rests begin, the change of energy, and the loss of friction. With `share` less than 1, nothing
+!! was computed: so much of the window would not be too long.
 subroutine structure_quantities(n, gaps, width, harmonics, samples, m, matrices, directions, &
    gap_values, frequency, loads, constant, step, record, starts, labels, window, orders, numbers, &
    parts, energies, share, status)
@@ -89,7 +89,7 @@ subroutine structure_quantities(n, gaps, width, harmonics, samples, m, matrices,
    real(c_double), intent(in) :: matrices(n, n, 3), directions(n, gaps), gap_values(width, gaps), &
       frequency, loads(n, 2, harmonics), constant(n), step, record(n, samples), &
       starts(2*n + 1, m), window(2)
-   real(c_double), intent(out) :: numbers(4*n, 4), energies(4), share
+   real(c_double), intent(out) :: numbers(4*n, 4), energies(5), share
    complex(c_double_complex), intent(out) :: parts(4*n, orders)
    integer(c_int), intent(out) :: status
 

@@ -153,3 +153,31 @@ def check_parts(s, load, middles, tolerance):
         assert kept.events["time"] == pytest.approx(second.events["time"], abs=tolerance)
         t = np.linspace(middle, 40, 50)
         assert kept.sample(t)[0] == pytest.approx(whole.sample(t)[0], abs=tolerance)
+
+
+def with_elements():
+    """Structures with stops and friction, each under a load that makes it settle on a motion of general events."""
+    ring = vi.Structure(
+        [1.0, 0.5], [[0.1, 0.0], [0.0, 0.05]], [[2.0, -1.0], [-1.0, 1.5]],
+        [vi.Gap([1, 0], 0.6, 0.7), vi.Stop([0, -1], 0.8, stiffness=30, damping=0.4)],
+        [vi.Friction([1, -1], 0.05)],
+    )  # fmt: skip
+    slot = [vi.Gap([-1, 1], 18.5, 0.75), vi.Gap([1, -1], 18.5, 0.75)]
+    damper = vi.Structure([1, 0.042], [0.01, 0], [1, 0], slot, [vi.Friction([-1, 1], 0.01)])
+    return {
+        "stop": (one_stop(1.0, stiffness=100, damping=1), vi.Load(1.0, cosine=[1.0])),
+        "force": (
+            one_stop(0.5, stiffness=20, damping=2, release="force"),
+            vi.Load(1.3, cosine=[1.0]),
+        ),
+        "reversals": (
+            vi.Structure([1.0], [0.0], [1.0], friction=[vi.Friction([1.0], 0.3)]),
+            vi.Load(0.8, cosine=[1.0]),
+        ),
+        "stick": (
+            vi.Structure([1.0], [0.02], [1.0], friction=[vi.Friction([1.0], 0.6)]),
+            vi.Load(0.4, cosine=[1.0]),
+        ),
+        "damper": (damper, vi.Load(0.94, sine=[1.0, 0.0])),
+        "all": (ring, vi.Load(1.1, cosine=[1.0, 0.2], sine=[0.0, 0.3])),
+    }

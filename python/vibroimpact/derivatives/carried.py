@@ -21,6 +21,7 @@ from ..results.parameters import (
     CONSTANT,
     COSINE,
     FREQUENCY,
+    LAW,
     MATRICES,
     OPENING,
     RESTITUTION,
@@ -31,7 +32,7 @@ from ..results.parameters import (
 )
 from ..systems.record import Record
 from ..systems.restitution import to_columns
-from ..systems.structure import Load, Structure
+from ..systems.structure import Friction, Gap, Load, Stop, Structure
 from .gradient import FOLD, NOT_SMOOTH
 
 if TYPE_CHECKING:
@@ -47,10 +48,11 @@ SINGULAR, DEFECT = 1e10, 1e-5
 #: coordinate, at a touch; instants of a flight between which it is sought.
 TOUCHING, TOUCH, NODES = 1e-9, 1e-12, 32
 #: Codes of the core's vi_status.
-COINCIDENT = 28
+NOT_EXACT, COINCIDENT = 27, 28
 #: The kinds of entries by the words of names.
 WORDS = {name: kind for kind, name in MATRICES.items()} | {
     "opening": OPENING, "restitution": RESTITUTION, "frequency": FREQUENCY, "constant": CONSTANT, "load": COSINE,
+    "contact": LAW, "slip": LAW,
 }  # fmt: skip
 
 
@@ -77,7 +79,7 @@ class Along:
         self.by_frequency = rates[places[:, 0] == FREQUENCY][0]
         touched, sizes = touch_of(run)
         self.sizes = np.repeat(sizes, run.structure.coordinates)
-        self.before = [*core_arrays(run.structure, run.load), places.T, rates, of_record]
+        self.before = [*core_arrays(run.structure, run.load, True), places.T, rates, of_record]
         self.after = [
             *run._segments(), np.append(0, run.events["speed"]), run.end, first + 1, touched + 1, self.sizes
         ]  # fmt: skip
@@ -92,17 +94,20 @@ class Along:
 
 
 def checked(structure: Structure, load: Load | Record | None, parameters: Any) -> list[Wanted]:
-    """A list of parameters; by default frequency, load, and all openings and coefficients of restitution."""
+    """A list of parameters; by default frequency, load, and those of all gaps, stops and friction."""
     if parameters is None:
         each = range(len(structure.gaps))
         driven = isinstance(load, Record) or len(plain_load(structure, load).sine) > 0
         parameters = ["frequency"] if isinstance(load, Load) and load.frequency else []
         parameters += ["load"] if driven else []
         parameters += [f"opening_{j}" for j in each]
-        parameters += [
-            f"restitution_{j}" for j in each
-            if "restitution" in to_columns(structure._rigid()[j].restitution)
-        ]  # fmt: skip
+        for j, part in enumerate(structure._parts):
+            if isinstance(part, Gap) and "restitution" in to_columns(part.restitution):
+                parameters.append(f"restitution_{j}")
+            elif isinstance(part, Stop) and part.stiffness:
+                parameters.append(f"contact_{j}")
+            elif isinstance(part, Friction) and part.slip:
+                parameters.append(f"slip_{j}")
     if isinstance(parameters, str) or not isinstance(parameters, Sequence):
         raise ParameterTypeError(f"parameters = {parameters!r}: must be a list of parameters")
     for one in parameters:
@@ -127,7 +132,7 @@ def motion_gradient(motion: Motion, parameters: Sequence[Wanted] | None) -> Grad
     if not wanted:
         raise ParameterError(f"parameters = {parameters!r}: must name at least one")
     names = names_of(wanted)
-    run = motion._run()
+    run, hits = period_of(motion)
     along = Along(run, wanted, int(motion.gaps[0]))
     still = np.zeros((2 * n, 1 + len(names)))
     _, finals, products, *_ = along.carried(still)
@@ -137,8 +142,6 @@ def motion_gradient(motion: Motion, parameters: Sequence[Wanted] | None) -> Grad
     inverse = inverse_of(structure, motion, matrix, scale)
     values, _, products, *_ = along.carried(scale[:, None] * (inverse @ (finals / scale[:, None])))
     by_matrix = (products * (scale / scale[:, None])[..., None])[..., 1:].transpose(2, 0, 1)
-    # the impact at the end of the period is the first one
-    hits = np.roll(np.flatnonzero(run.events["kind"] == "impact"), 1)
     tables = values[:, hits, 1:].transpose(1, 0, 2)
     found: dict[str, _Array] = {
         "phases": motion.phases, "speeds": motion.speeds, "impulses": motion.impulses,
@@ -152,10 +155,40 @@ def motion_gradient(motion: Motion, parameters: Sequence[Wanted] | None) -> Grad
         "phases": ("impact",), "speeds": ("impact",), "impulses": ("impact",), "q": ("impact", "coordinate"),
         "q_dot": ("impact", "coordinate"), "multipliers": ("multiplier",), "stability_margin": (),
     }  # fmt: skip
-    of = f"a motion of a structure with {count} impact{'s' if count != 1 else ''} in {motion.cycles} cycles"
+    word = "impact" if structure._is_rigid else "event"
+    of = f"a motion of a structure with {count} {word}{'s' if count != 1 else ''} in {motion.cycles} cycles"
     return Gradient(
         of, names, found, {name: frozen(table) for name, table in slopes.items()}, dimensions, status
     )  # fmt: skip
+
+
+def period_of(motion: Motion) -> tuple[Trajectory, NDArray[np.int64]]:
+    """A period of a motion, and the places of its events there.
+
+    It begins just after the first impact, and with stops or friction in the middle of the longest flight, where no
+    function of an event is near its limit.
+    """
+    if motion.structure._is_rigid:
+        run = motion._run()
+        # the impact at the end of the period is the first one
+        return run, np.roll(np.flatnonzero(run.events["kind"] == "impact"), 1)
+    if motion.self_excited:
+        raise ParameterError(
+            f"{motion!r}: must have a load with a frequency to have derivatives, not be self-excited"
+        )
+    if len(motion.rests):
+        raise ParameterError(
+            f"{motion!r}: must have no rests to have derivatives, since it has stops or friction"
+        )
+    run = motion._from_flight()
+    if len(run.events) != len(motion.phases):
+        raise_status(NOT_EXACT)
+    since = np.mod(motion.phases - run.start * motion.load.frequency, 2 * np.pi * motion.cycles)
+    hits = np.empty(len(since), np.int64)
+    hits[np.argsort(since, kind="stable")] = np.arange(len(since))
+    if (run.events["gap"][hits] != motion.gaps).any():
+        raise_status(NOT_EXACT)
+    return run, hits
 
 
 def by_name(columns: _Array, n: int, names: Sequence[str]) -> dict[str, _Array]:
@@ -172,9 +205,12 @@ def by_name(columns: _Array, n: int, names: Sequence[str]) -> dict[str, _Array]:
 
 def trajectory_gradient(run: Trajectory, parameters: Any) -> Gradient:
     """The derivatives of a trajectory of a structure."""
-    run.structure._rigid()
     if not run.complete:
         raise ParameterError(f"{run!r}: must be complete to have derivatives")
+    if not run.structure._is_rigid and (run._resting() or (run.events["kind"] == "stick").any()):
+        raise ParameterError(
+            f"{run!r}: must have no rests to have derivatives, since it has stops or friction"
+        )
     structure, load, n, count = run.structure, run.load, run.structure.coordinates, len(run.events)
     own = ("start", *(f"q_{i}" for i in range(n)), *(f"q_dot_{i}" for i in range(n)))
     initial = own
@@ -209,7 +245,9 @@ def trajectory_gradient(run: Trajectory, parameters: Any) -> Gradient:
     opening = opening_at_start(along, initial)
     if opening.any():
         parting = ", ".join(np.array([*initial, *names])[opening])
-        status[parting] = "a gap rests at the start, and would open or be less than closed"
+        status[parting] = (
+            "a gap that rests at the start would open or be less than closed, or friction that sticks would slip"
+        )
         columns[..., opening] = final[:, opening] = np.nan
     slopes = by_name(columns, n, ("time", "speed", "impulse", "q", "q_dot"))
     slopes |= {"final_time": times, "final_q": final[:n], "final_q_dot": final[n:]}
@@ -235,6 +273,15 @@ def opening_at_start(along: Along, initial: Sequence[str]) -> _Array:
     rows = [structure.gaps[j].direction for j in along.run._resting()]
     used = np.any(np.reshape(rows, (-1, structure.coordinates)), axis=0)
     by_state = [name != "start" and used[int(name.split("_")[-1])] for name in initial]
+    # friction that sticks keeps its speed
+    for friction in structure.friction:
+        speed = friction.direction @ along.run.initial_state[1]
+        scale = np.abs(friction.direction) @ np.abs(along.run.initial_state[1])
+        if abs(speed - friction.speed) > 1e-12 * (scale + abs(friction.speed)):
+            continue
+        for i, name in enumerate(initial):
+            if name.startswith("q_dot"):
+                by_state[i] |= friction.direction[int(name.split("_")[-1])] != 0
     return np.append(by_state, along.opens[1:]).astype(bool)
 
 
@@ -242,7 +289,9 @@ def touch_of(run: Trajectory) -> tuple[int, _Array]:
     """Number of the event after the first flight in which a gap closes without an impact, -1 if none does; and the
     largest coordinate and velocity at the events and between them: at impacts all coordinates may be 0."""
     gaps, times = run.structure.gaps, run.events["time"]
-    directions = np.array([gap.direction for gap in gaps]).reshape(len(gaps), -1)
+    directions = np.reshape(
+        [gap.direction for gap in gaps], (len(gaps), run.structure.coordinates)
+    ).astype(float)
     openings = np.array([gap.opening for gap in gaps])[:, None]
     edges = np.concatenate([[run.start], times, [run.end]])
     shares = np.concatenate([[1e-6], (np.arange(NODES) + 0.5) / NODES, [1 - 1e-6]])
@@ -299,8 +348,10 @@ def inverse_of(structure: Structure, motion: Motion, matrix: _Array, scale: _Arr
     left, sizes, right = np.linalg.svd(np.eye(len(matrix)) - matrix)
     shifts = sizes < sizes[0] / SINGULAR
     changes = scale * right[shifts]
-    used = np.array([structure.gaps[j].direction for j in np.unique(motion.gaps)])
-    closing = changes[:, : structure.coordinates] @ used.T / (scale[0] * np.abs(used).max())
+    gaps = [j for j in np.unique(motion.gaps).tolist() if j < len(structure.gaps)]
+    used = np.reshape([structure.gaps[j].direction for j in gaps], (-1, structure.coordinates))
+    largest = np.abs(used).max(initial=1e-300)
+    closing = changes[:, : structure.coordinates] @ used.T / (scale[0] * largest)
     if (np.abs(closing) > 1e-6).any():
         raise_status(FOLD)
     kept = ~shifts
@@ -371,12 +422,13 @@ def named_rates(structure: Structure, name: str, places: _Array, values: _Array)
     word = parts[1] if parts else ""
     numbers = [int(part) for part in parts[2].split("_")[1:]] if parts else []
     kind = WORDS.get(word)
-    allowed = {OPENING: (0, 1), RESTITUTION: (0, 1)} | dict.fromkeys(MATRICES, (0, 2))
+    allowed = {OPENING: (0, 1), RESTITUTION: (0, 1), LAW: (0, 1)} | dict.fromkeys(MATRICES, (0, 2))
     if kind is None or len(numbers) not in allowed.get(kind, (0,)):
         raise ParameterError(
             f"parameters: {name!r} must be 'frequency', 'load', 'constant', 'mass', 'damping', 'stiffness' "
-            "(factors), 'opening', 'restitution' (of all gaps), 'opening_J', 'restitution_J', 'mass_I_J', "
-            "'damping_I_J' or 'stiffness_I_J', all from 0, or (name, function, value)"
+            "(factors), 'opening', 'restitution' (of all gaps), 'contact' (stiffness of all stops), 'slip' (of "
+            "all friction), 'opening_J', 'restitution_J', 'contact_J', 'slip_J', 'mass_I_J', 'damping_I_J' or "
+            "'stiffness_I_J', all from 0, or (name, function, value)"
         )
     here = places[:, 0] == kind
     if kind == COSINE:
@@ -387,12 +439,27 @@ def named_rates(structure: Structure, name: str, places: _Array, values: _Array)
         here &= places[:, 1] == numbers[0]
     factor = kind in (CONSTANT, COSINE) or (kind in MATRICES and not numbers)
     rates = np.where(here, values if factor else 1.0, 0.0)
+    if kind == LAW:
+        rates = rates_of_law(structure, Stop if word == "contact" else Friction, places, rates)
     if not rates.any():
         raise ParameterError(f"parameters: {name!r}: there is nothing that it could change")
     if kind == RESTITUTION:
         for j in places[here, 1].tolist():
-            if "restitution" not in to_columns(structure._rigid()[j].restitution):
+            if "restitution" not in to_columns(structure.gaps[j].restitution):
                 raise ParameterError(
                     f"parameters: {name!r} has no derivative: the restitution of gap {j} is a table"
                 )
     return rates
+
+
+def rates_of_law(
+    structure: Structure, kind: type, places: NDArray[np.int64], rates: _Array
+) -> _Array:
+    """The derivatives of numbers of stops by a stiffness, or of friction by a slip level, with its stick level."""
+    found = np.zeros(len(rates))
+    for i, (_, j, number) in enumerate(places.tolist()):
+        part = structure._parts[j] if rates[i] else None
+        if isinstance(part, kind):
+            stick = part.stick / part.slip if isinstance(part, Friction) and part.slip else 0.0
+            found[i] = (1.0, stick, 0.0)[number]
+    return found

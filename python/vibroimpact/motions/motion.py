@@ -72,7 +72,8 @@ IMPACTS_OF_STRUCTURE = {"gaps": "gap", "phases": "phase", "speeds": "speed", "im
 RESTS = np.dtype([("gap", "i4"), ("begin", "f8"), ("end", "f8")])
 #: The keys of a &motion of a &structure.
 REQUEST = (
-    "kind", "cycles", "gaps", "phases", "settling", "max_cycles", "q", "q_dot", "start", "duration", "period",
+    "kind", "cycles", "gaps", "phases", "kinds", "settling", "max_cycles", "q", "q_dot", "start", "duration",
+    "period",
 )  # fmt: skip
 #: The codes of the verdicts in tables.
 CODES = {True: 1, False: 0, None: -1}
@@ -429,7 +430,8 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         True
         """
         if self.of_structure:
-            return self._run().quantities(harmonics=harmonics)
+            run = self._run() if self.structure._is_rigid else self._from_flight()
+            return run.quantities(harmonics=harmonics)
         events = self.events
         starts, resting = segments(events, self.clearance)
         window = (starts[0, 0], starts[0, 0] + self.period)
@@ -571,8 +573,9 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
             'opening_J', 'restitution_J' (of gap J); 'mass_I_J', 'damping_I_J', 'stiffness_I_J' (an entry, with its
             mirror image). Of a `PowerLaw` the restitution is R0. Or tuples (name, function, value) of a smooth
             function that gives (Structure, Load), and the value of its argument at the motion; the function is
-            called within 5 % of it (within 0.05 of 0). By default frequency, load, and all openings and
-            coefficients of restitution.
+            called within 5 % of it (within 0.05 of 0). 'contact' or 'contact_J' is the stiffness of stops, 'slip'
+            or 'slip_J' the slip level of friction, with the stick level in proportion. By default frequency, load,
+            and all openings, coefficients of restitution, stiffnesses of stops and slip levels.
 
         Returns
         -------
@@ -753,7 +756,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         frequency = result.column("motion", "frequency").decoded().item()
         structure, load = structure_of(result, frequency, True)
         assert load is not None
-        request = request_of(result, "motion", REQUEST, {"gaps", "phases", "q", "q_dot"})
+        request = request_of(result, "motion", REQUEST, {"gaps", "phases", "kinds", "q", "q_dot"})
         check_gap_numbers(result, structure)
         return of_tables(result, structure, load, "motion", None, None, request)
 
@@ -820,6 +823,14 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         start = float(self.phases[0] / self.load.frequency)
         return simulate_structure(
             self.structure, self.load, duration=self.period, state=(self.q, self.q_dot), start=start
+        )
+
+    def _from_flight(self) -> Trajectory:
+        """Of a structure with stops or friction: the period from the middle of its longest flight, in which each
+        event comes once."""
+        start, state = self._run()._between_events()
+        return simulate_structure(
+            self.structure, self.load, duration=self.period, state=state, start=start
         )
 
     def _facts(self) -> dict[str, str]:

@@ -103,12 +103,12 @@ class Quantities:
         ``side`` and ``jump`` (of the acceleration of the primary mass), too. Of impacts that accumulate, the last
         and smallest are not listed; energies and harmonics contain them.
     work : float
-        Energy that the load puts in, with its constant part.
-    damping_loss, impact_loss : float
-        Energy that the dashpots and the impacts take.
+        Energy that the load puts in, with its constant part, and the belts.
+    damping_loss, impact_loss, friction_loss : float
+        Energy that the dashpots (those of stops too), the impacts and dry friction take.
     energy_change : float
-        Energy of masses and springs at the end less that at the start; 0 for a motion, and in any case
-        ``work - damping_loss - impact_loss``.
+        Energy of masses and springs (those of stops too) at the end less that at the start; 0 for a motion, and in
+        any case ``work - damping_loss - impact_loss - friction_loss``.
     of_structure : bool
         Whether its system is a `Structure` with its load, and not an `Oscillator`.
     """
@@ -123,6 +123,7 @@ class Quantities:
     work: float
     damping_loss: float
     impact_loss: float
+    friction_loss: float
     energy_change: float
     of_structure: bool
     #: The unit of each, in the dimensionless ones of an oscillator.
@@ -131,7 +132,7 @@ class Quantities:
         "x": "F0/K", "x_dot": "omega F0/K", "x_ddot": "omega^2 F0/K",
         "transmitted": "F0", "time": "1/omega", "speed": "omega F0/K", "impulse": "F0/omega",
         "loss": "F0^2/K", "jump": "omega^2 F0/K", "work": "F0^2/K", "damping_loss": "F0^2/K",
-        "impact_loss": "F0^2/K", "energy_change": "F0^2/K",
+        "impact_loss": "F0^2/K", "friction_loss": "F0^2/K", "energy_change": "F0^2/K",
     }  # fmt: skip
 
     @property
@@ -183,11 +184,11 @@ def integrated(
     q, q_dot, q_ddot, transmitted = (
         Signal(*[*numbers[i : i + n].T, parts[i : i + n, :orders]]) for i in range(0, 4 * n, n)
     )
-    work, damping, resting, change = energies.tolist()
+    work, damping, resting, change, friction = energies.tolist()
     return Quantities(
         whole, whole * frequency / (2 * math.pi) if frequency else math.nan, q, q_dot, q_ddot,
         transmitted if of_structure else transmitted.of(0), impacts, work, damping,
-        math.fsum([*impacts["loss"], resting]), change, of_structure,
+        math.fsum([*impacts["loss"], resting]), friction, change, of_structure,
     )  # fmt: skip
 
 

@@ -339,7 +339,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         if self.of_structure:
             return structure_quantities(
                 self,
-                core_arrays(self.structure, self.load),
+                core_arrays(self.structure, self.load, True),
                 self._segments(),
                 (first, end),
                 harmonics,

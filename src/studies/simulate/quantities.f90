@@ -6,10 +6,12 @@ module vi_quantities
    use vi_kinds, only: wp
    use vi_modes, only: advance
    use vi_moments, only: moments_of, numbers_in, rate_of, rates_in, vector_at
+   use vi_restitution, only: pushing_law, stop_law
    use vi_status, only: stat
-   use vi_structure, only: load_type, regime_type, state_of, structure_type, to_pairs
+   use vi_structure, only: is_absorbed, load_type, regime_type, state_of, structure_type, to_pairs
    use vi_structure_record, only: forces_at, set_forces
-   use vi_structure_run, only: find_regime, new_run, run_type, stick_event
+   use vi_structure_run, only: find_regime, let_go_event, new_run, press_event, run_type, &
+      stick_event
    use vi_structure_trajectory, only: find_parts, find_start, pass_label
    implicit none (type, external)
    private
@@ -32,8 +34,9 @@ module vi_quantities
       real(wp), allocatable :: numbers(:, :)
       !> (4n, orders) Integrals of the signals times e^(-i k Omega t).
       complex(wp), allocatable :: harmonics(:, :)
-      !> Work of the load, losses of dashpots and of velocities where rests begin, change of energy.
-      real(wp) :: energies(4) = 0
+      !> Work of the load and of belts, losses of dashpots and of velocities where rests begin,
+      !! change of energy, and the loss of friction.
+      real(wp) :: energies(5) = 0
       !> Length in the shortest time scales.
       real(wp) :: units = 0
    end type sums_type
@@ -60,9 +63,9 @@ contains
       !> (4n, orders) Complex amplitudes at the multiples of the load frequency; those of q''
       !! contain the impulses.
       complex(wp), intent(out) :: harmonics(:, :)
-      !> Work of the load, losses of dashpots and of velocities where rests begin, and the change of
-      !! energy.
-      real(wp), intent(out) :: energies(4)
+      !> Work of the load and of belts, losses of dashpots and of velocities where rests begin, the
+      !! change of energy, and the loss of friction.
+      real(wp), intent(out) :: energies(5)
       !> The part of the window that would not be too long; less than 1 if nothing was computed.
       real(wp), intent(out) :: share
       !> `stat%ok`, or as in `sample_structure_arrays`.
@@ -108,19 +111,24 @@ contains
             call add_jump(load%frequency*begin, rate - before, sums)
             if (labels(1, j) == stick_event) sums%energies(3) = sums%energies(3) + 0.5_wp* &
                dot_product(before - rate, matmul(structure%mass, before + rate))
+            ! a stop that does not touch relaxes by its dashpot
+            if (labels(1, j) == let_go_event) sums%energies(2) = sums%energies(2) &
+               + energy_of_stop(structure, labels(2, j), q)
+            if (labels(1, j) == press_event) sums%energies(2) = sums%energies(2) &
+               - energy_of_stop(structure, labels(2, j), q)
          else
             call pass(run, number, begin, window(1), .false., q, rate, sums)
             begin = window(1)
-            sums%energies(4) = -energy(structure, q, rate)
+            sums%energies(4) = -energy(structure, resting, q, rate)
          end if
          if (end > begin .or. .not. whole > 0) call pass(run, number, begin, end, .true., q, rate, &
             sums)
       end do
       share = longest/max(longest, sums%units)
       if (share < 1) return
-      call settle(structure, sums)
+      call settle(run, sums)
       energies = sums%energies
-      energies(4) = energies(4) + energy(structure, q, rate)
+      energies(4) = energies(4) + energy(structure, resting, q, rate)
       numbers = sums%numbers
       harmonics = sums%harmonics
       if (.not. whole > 0) then
@@ -151,16 +159,39 @@ contains
       end associate
    end subroutine add_jump
 
-   !> The energy of masses and springs.
-   pure real(wp) function energy(structure, q, rate)
-      !> The structure.
+   !> The energy of masses and springs, those of stops that press too.
+   pure real(wp) function energy(structure, closed, q, rate)
+      !> The structure, and what is closed.
       type(structure_type), intent(in) :: structure
+      integer, intent(in) :: closed(:)
       !> (n) Coordinates and velocities.
       real(wp), intent(in) :: q(:), rate(:)
+      integer :: i
 
       energy = 0.5_wp*(dot_product(rate, matmul(structure%mass, rate)) + dot_product(q, &
          matmul(structure%stiffness, q)))
+      do i = 1, size(closed)
+         if (closed(i) > 0) energy = energy + energy_of_stop(structure, closed(i), q)
+      end do
    end function energy
+
+   !> The energy of a stop that presses; 0 of other elements.
+   pure real(wp) function energy_of_stop(structure, number, q) result(energy)
+      !> The structure, and the number of the element.
+      type(structure_type), intent(in) :: structure
+      integer, intent(in) :: number
+      !> (n) Coordinates.
+      real(wp), intent(in) :: q(:)
+      real(wp) :: depth
+
+      energy = 0
+      if (structure%laws(number)%kind /= stop_law .and. structure%laws(number)%kind /= &
+         pushing_law) return
+      depth = dot_product(structure%directions(:, number), q) - structure%openings(number)
+      associate (numbers => structure%laws(number)%numbers)
+         energy = depth*(numbers(3) + 0.5_wp*numbers(1)*depth)
+      end associate
+   end function energy_of_stop
 
    !> Passes a part of a flight or rest, interval by interval of a record.
    pure subroutine pass(run, number, begin, end, counts, q, rate, sums)
@@ -227,7 +258,7 @@ contains
          if (sums%units > longest) return
          phase = run%load%frequency*elapsed
          if (number /= sums%number .or. run%load%step > 0) then
-            call settle(run%structure, sums)
+            call settle(run, sums)
             call set_signals(run, number, cycle, elapsed, sums)
          end if
          allocate (squares(size(sums%squares, 1), size(sums%squares, 1)), &
@@ -298,26 +329,73 @@ contains
    end subroutine set_signals
 
    !> Applies the signals to the integrals in a regime.
-   pure subroutine settle(structure, sums)
-      !> The structure.
-      type(structure_type), intent(in) :: structure
+   pure subroutine settle(run, sums)
+      !> The run.
+      type(run_type), intent(in) :: run
       !> In and out: the sums.
       type(sums_type), intent(inout) :: sums
       real(wp), allocatable :: products(:, :), rates(:, :)
       integer :: n
 
       if (.not. allocated(sums%signals)) return
-      n = size(structure%mass, 1)
+      n = size(run%structure%mass, 1)
       products = matmul(sums%signals, sums%squares)
       rates = matmul(products(n + 1:2*n, :), transpose(sums%signals(n + 1:2*n, :)))
       sums%numbers(:, 1) = sums%numbers(:, 1) + products(:, size(products, 2) - 1)
       sums%numbers(:, 2) = sums%numbers(:, 2) + sum(products*sums%signals, 2)
       sums%harmonics = sums%harmonics + matmul(sums%signals, sums%parts)
       sums%energies(:2) = sums%energies(:2) + [sum(products(n + 1:2*n, :)*sums%forces), &
-         sum(structure%damping*rates)]
+         sum(run%structure%damping*rates)]
+      if (run%structure%has_stops .or. run%structure%has_friction) call add_elements(run, &
+         products, rates, sums)
       sums%squares = 0
       sums%parts = 0
    end subroutine settle
+
+   !> Adds what stops, friction and belts take and give in a regime.
+   !!
+   !! Friction that slips takes h |s|. It acts on the structure with -h sgn(s) D, of which the belt
+   !! gives -h sgn(s) V; one that sticks is given -phi V by the force phi that holds it.
+   pure subroutine add_elements(run, products, rates, sums)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> (4n, b) Integrals of the signals times b; (n, n) those of products of velocities.
+      real(wp), intent(in) :: products(:, :), rates(:, :)
+      !> In and out: the sums.
+      type(sums_type), intent(inout) :: sums
+      real(wp) :: slid, time
+      integer :: j, k, n, one, row
+
+      n = size(run%structure%mass, 1)
+      one = size(products, 2) - 1
+      time = sums%squares(one, one)
+      associate (regime => run%regimes(sums%number), structure => run%structure)
+         do j = 1, size(structure%openings)
+            associate (numbers => structure%laws(j)%numbers, direction => structure%directions(:, &
+               j), closed => any(regime%closed == j))
+               if (structure%elastic(j)) then
+                  if (closed) sums%energies(2) = sums%energies(2) + numbers(2)*dot_product( &
+                     direction, matmul(rates, direction))
+               else if (structure%rubs(j)) then
+                  k = findloc(regime%held, j, dim=1)
+                  if (k > 0) then
+                     row = structure%channels + k
+                     sums%energies(1) = sums%energies(1) - numbers(3)*dot_product([ &
+                        regime%position(row, :), regime%velocity(row, :), &
+                        regime%ripple(row, :)%re, -regime%ripple(row, :)%im, &
+                        regime%row_offset(row)], sums%squares(:one, one))
+                  else if (.not. is_absorbed(structure, j, regime%resting)) then
+                     slid = dot_product(direction, products(n + 1:2*n, one)) - numbers(3)*time
+                     if (any(regime%closed == -j)) slid = -slid
+                     sums%energies(5) = sums%energies(5) + numbers(1)*slid
+                     sums%energies(1) = sums%energies(1) - merge(-1, 1, any(regime%closed == -j)) &
+                        *numbers(1)*numbers(3)*time
+                  end if
+               end if
+            end associate
+         end do
+      end associate
+   end subroutine add_elements
 
    !> The least and greatest values of the signals in a part: at nodes close together, and where
    !! cubics through values and slopes turn between them, from the closed form there.

@@ -2,18 +2,20 @@
 !!
 !! Between events the state, with the load as further coordinates, moves by a matrix exponential. At
 !! the events changes follow the closed forms of impacts, of the ends of accumulations and of
-!! releases (saltation). All of it is analytic: imaginary parts of 1e-30 of parameters and of the
-!! start give the derivatives of the state at each event, and of the matrix that carries changes
-!! there, without errors of differences.
+!! changes of the regime (saltation). All of it is analytic: imaginary parts of 1e-30 of parameters
+!! and of the start give the derivatives of the state at each event, and of the matrix that carries
+!! changes there, without errors of differences.
 module vi_structure_gradient
    use vi_columns, only: solve_columns
    use vi_kinds, only: wp
    use vi_restitution, only: power_law, restitution_at, table_law
    use vi_status, only: stat
-   use vi_structure, only: check_structure, load_type, new_load, new_structure, structure_type
+   use vi_structure, only: check_structure, factor_along, is_absorbed, load_type, new_load, &
+      new_structure, structure_type
    use vi_structure_path, only: set_entry
-   use vi_structure_run, only: impact_event, release_event, stick_event
-   use vi_structure_trajectory, only: pass_label, resting_at_start
+   use vi_structure_run, only: halt_event, impact_event, leave_event, let_go_event, press_event, &
+      release_event, slip_up_event, stick_event, touch_event
+   use vi_structure_trajectory, only: closed_at_start, pass_label
    implicit none (type, external)
    private
 
@@ -31,8 +33,10 @@ module vi_structure_gradient
       complex(wp), allocatable, dimension(:, :) :: damping, directions, mobility
       !> (n, 2n) Accelerations by the state, and (n, n) by forces.
       complex(wp), allocatable, dimension(:, :) :: by_state, by_force
-      !> (gaps) Openings, R at speed 0, effective masses.
+      !> (gaps) Openings, R at speed 0, effective masses; (3, gaps) the numbers of stops and
+      !! friction.
       complex(wp), allocatable, dimension(:) :: openings, first, effective
+      complex(wp), allocatable :: numbers(:, :)
       !> (n, 1 + 2 harmonics) Constant force, cosines and sines.
       complex(wp), allocatable :: forces(:, :)
       !> The structure, with its laws of restitution, and the load.
@@ -52,8 +56,8 @@ module vi_structure_gradient
       !> Of a period, the clock of which shows the load phase, the gap of the impact just before the
       !! start; 0 of any other motion.
       integer :: first = 0
-      !> The gaps that rest at the start.
-      integer, allocatable :: resting(:)
+      !> What is closed at the start, as in `regime_type`.
+      integer, allocatable :: closed(:)
       !> The event after the first flight in which a gap closes without an impact, 0 if none does;
       !! (2n) the largest coordinate n times, and the largest velocity.
       integer :: touched = 0
@@ -92,10 +96,12 @@ contains
       !> `stat%ok` or `stat%singular`.
       integer, intent(out) :: status
       complex(wp), allocatable :: right(:, :)
-      integer :: i, n
+      integer :: i, k, n
 
       n = size(structure%mass, 1)
       system%structure = structure
+      system%numbers = reshape([((with(structure%laws(i)%numbers(k), by%laws(i)%numbers(k)), k=1, &
+         3), i=1, size(structure%openings))], [3, size(structure%openings)])
       system%load = load
       system%damping = with(structure%damping, by%damping)
       system%directions = with(structure%directions, by%directions)
@@ -194,21 +200,75 @@ contains
       end do
    end subroutine set_contacts
 
-   !> The matrix of the rate of the state and the load, and the contact forces of gaps that rest by
-   !! them.
-   pure subroutine set_rate(system, resting, interval, rate, contact, status)
+   !> The gaps that rest, and then the friction that sticks.
+   pure function held_of(structure, closed) result(held)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> What is closed.
+      integer, intent(in) :: closed(:)
+      integer, allocatable :: held(:), resting(:)
+      logical :: sticks(size(closed))
+      integer :: i
+
+      allocate (resting, source=pack(closed, closed > 0))
+      if (structure%has_stops .or. structure%has_friction) resting = pack(resting, .not. &
+         (structure%elastic(resting) .or. structure%rubs(resting)))
+      do i = 1, size(closed)
+         sticks(i) = closed(i) > 0
+         if (sticks(i)) sticks(i) = structure%rubs(closed(i))
+         ! along a gap at rest it is part of what the gap does
+         if (sticks(i)) sticks(i) = .not. is_absorbed(structure, closed(i), resting)
+      end do
+      allocate (held, source=[resting, pack(closed, sticks)])
+   end function held_of
+
+   !> Adds what stops that press and friction that slips do to the rate of the velocities.
+   pure subroutine add_elements(system, closed, rate)
       !> The system.
       type(system_type), intent(in) :: system
-      !> The gaps, and the number of the interval of a record.
-      integer, intent(in) :: resting(:), interval
-      !> (2n + load, 2n + load), and (gaps, 2n + load).
+      !> What is closed.
+      integer, intent(in) :: closed(:)
+      !> (2n + load, 2n + load) In and out: the matrix of the rate.
+      complex(wp), intent(inout) :: rate(:, :)
+      integer :: j, n
+
+      n = size(system%by_force, 1)
+      do j = 1, size(system%openings)
+         associate (structure => system%structure, force => system%mobility(:, j), &
+            numbers => system%numbers(:, j), row => system%directions(:, j), &
+            constant => rate(n + 1:2*n, 2*n + 1))
+            if (structure%elastic(j)) then
+               if (all(closed /= j)) cycle
+               rate(n + 1:2*n, :n) = rate(n + 1:2*n, :n) - numbers(1)*outer(force, row)
+               rate(n + 1:2*n, n + 1:2*n) = rate(n + 1:2*n, n + 1:2*n) &
+                  - numbers(2)*outer(force, row)
+               constant = constant + (numbers(1)*system%openings(j) - numbers(3))*force
+            else if (structure%rubs(j)) then
+               if (any(closed == j)) cycle
+               if (is_absorbed(structure, j, held_of(structure, closed))) cycle
+               constant = constant + merge(1, -1, any(closed == -j))*numbers(1)*force
+            end if
+         end associate
+      end do
+   end subroutine add_elements
+
+   !> The matrix of the rate of the state and the load, and the contact forces of gaps that rest,
+   !! and of friction that sticks, by them.
+   pure subroutine set_rate(system, closed, interval, rate, contact, status)
+      !> The system.
+      type(system_type), intent(in) :: system
+      !> What is closed, and the number of the interval of a record.
+      integer, intent(in) :: closed(:), interval
+      !> (2n + load, 2n + load), and (held, 2n + load).
       complex(wp), allocatable, intent(out) :: rate(:, :), contact(:, :)
       !> `stat%ok` or `stat%singular`.
       integer, intent(out) :: status
       complex(wp), allocatable, dimension(:, :) :: forces, kicks, rows
+      integer, allocatable :: held(:)
       integer :: h, i, n, harmonics
 
       n = size(system%by_force, 1)
+      allocate (held, source=held_of(system%structure, closed))
       harmonics = size(system%load%sine, 2)
       if (.not. system%load%step > 0) then
          allocate (forces, source=system%forces)
@@ -229,10 +289,11 @@ contains
       end do
       rate(n + 1:2*n, :2*n) = system%by_state
       rate(n + 1:2*n, 2*n + 1:) = matmul(system%by_force, forces)
-      call set_contacts(system, resting, rows, kicks)
+      call add_elements(system, closed, rate)
+      call set_contacts(system, held, rows, kicks)
       allocate (contact, source=matmul(rows, rate(n + 1:2*n, :)))
       status = stat%ok
-      if (size(resting) > 0) call solve_complex(matmul(rows, kicks), contact, status)
+      if (size(held) > 0) call solve_complex(matmul(rows, kicks), contact, status)
       rate(n + 1:2*n, :) = rate(n + 1:2*n, :) - matmul(kicks, contact)
       if (system%load%step > 0) rate(2*n + 2, 2*n + 1) = 1
       do h = 1, harmonics
@@ -424,7 +485,7 @@ contains
       complex(wp) :: impulse, slope, speed
       real(wp) :: clock, closing, end, high, later, left, low, parting, residual, size_of, struck, &
          struck_later, touched(size(system%openings))
-      integer, allocatable :: resting(:)
+      integer, allocatable :: closed(:)
       integer :: gap, i, interval, kind, left_gap, n, number
       logical :: forced
 
@@ -452,7 +513,7 @@ contains
       parting = 0
       left_gap = 0
       allocate (after, source=start)
-      resting = events%resting
+      closed = events%closed
       status = stat%ok
       do i = 1, number + 1
          low = events%starts(1, i)
@@ -470,15 +531,16 @@ contains
             if (carried%code /= stat%ok) return
          else if (kind == stick_event) then
             ! small changes rest from the last impact on
-            call pass_label([kind, gap], resting)
-            call stop_on(system, resting, gap, carried%state, carried%matrix, status)
+            call pass_label([kind, gap], closed)
+            call stop_on(system, held_of(system%structure, closed), gap, carried%state, &
+               carried%matrix, status)
             if (status /= stat%ok) return
          end if
          moved = 0*start
          turned = 0*carried%matrix
          do
             call next_part(system%load, low, end, interval, high)
-            call set_rate(system, resting, interval, rate, contact, status)
+            call set_rate(system, closed, interval, rate, contact, status)
             if (status /= stat%ok) return
             whole = [carried%state, load_at(system, low*system%pace%re, interval)]
             if (i == 1 .and. .not. low > events%starts(1, 1)) carried%first_rate = matmul( &
@@ -515,13 +577,18 @@ contains
                residual = left + aimag(sum(condition(:2*n)*moved))
                by_start = left_by + matmul(condition(:2*n), turned)
             end if
-         else if (kind == release_event) then
-            condition = contact(findloc(resting, gap, 1), :)
+         else if (kind /= stick_event) then
+            call set_condition(system, closed, [kind, gap], contact, condition)
             residual = aimag(sum(condition*whole))
             by_start = matmul(condition(:2*n), carried%matrix)
-            forced = abs(real(sum(condition*whole))) > exact*sum(abs(condition)*abs(whole))
+            size_of = sum(abs(condition)*abs(whole))
+            if (kind /= release_event) size_of = sum(abs(condition(:2*n))*events%sizes) &
+               + sum(abs(condition(2*n + 1:)*whole(2*n + 1:)))
+            forced = abs(real(sum(condition*whole))) > exact*size_of .and. (kind == release_event &
+               .or. kind >= halt_event)
+            if (kind >= halt_event .and. .not. abs(struck - clock) > 0) forced = .true.
             if (forced) then
-               ! its force jumped, at an impact or at the end of a record
+               ! what holds it, or its speed, jumped at another event or at the end of a record
                later = 0
                row = 0*row
                if (.not. abs(struck - clock) > 0) later = struck_later
@@ -531,8 +598,8 @@ contains
          if (kind /= stick_event .and. .not. forced) then
             closing = real(sum(condition*matmul(rate, whole)))
             size_of = touching*sum(abs(condition)*abs(matmul(rate, whole)))
-            if (kind == impact_event) size_of = touching*sum(abs(condition(:n))*events%sizes(n + &
-               1:))/system%pace%re
+            if (any(kind == [impact_event, touch_event, leave_event])) size_of = &
+               touching*sum(abs(condition(:n))*events%sizes(n + 1:))/system%pace%re
             if (.not. (left_gap == gap .and. abs(parting) < 10*size_of) .and. &
                .not. abs(closing) > size_of) carried%code = stat%graze
             if (carried%code /= stat%ok) return
@@ -552,9 +619,6 @@ contains
          if (kind == impact_event) then
             touched(gap) = later
             touched_by(:, gap) = row
-            struck = clock
-            struck_later = later
-            struck_by = row
             speed = sum(system%directions(:, gap)*whole(n + 1:2*n))
             by_speed = matmul(system%directions(:, gap), matrix(n + 1:, :))
             call strike(system, gap, speed, impulse, slope)
@@ -563,6 +627,17 @@ contains
             carried%values(2:3, i) = [speed, impulse]
             carried%slopes(2, :, i) = by_speed
             carried%slopes(3, :, i) = slope*by_speed
+         else if (kind >= touch_event .and. kind < halt_event) then
+            speed = sum(system%directions(:, gap)*whole(n + 1:2*n))
+            speed = sign(1.0_wp, speed%re)*speed
+            carried%values(2, i) = speed
+            carried%slopes(2, :, i) = sign(1.0_wp, real(sum(system%directions(:, gap)*whole(n &
+               + 1:2*n))))*matmul(system%directions(:, gap), matrix(n + 1:, :))
+         end if
+         if (kind == impact_event .or. (kind > release_event .and. .not. forced)) then
+            struck = clock
+            struck_later = later
+            struck_by = row
          end if
          carried%values(4:, i) = whole(:2*n)
          carried%slopes(4:, :, i) = matrix
@@ -573,8 +648,8 @@ contains
             ! back to the fixed time of the event, with the rate after it
             whole(:2*n) = cmplx(recorded, aimag(whole(:2*n)), wp)
          end associate
-         if (kind == release_event) call pass_label([kind, gap], resting)
-         call set_rate(system, resting, interval, rate, contact, status)
+         if (kind /= stick_event .and. kind > 0) call pass_label([kind, gap], closed)
+         call set_rate(system, closed, interval, rate, contact, status)
          if (status /= stat%ok) return
          after = matmul(rate, whole)
          matrix = matrix - outer(after(:2*n), row)
@@ -590,6 +665,50 @@ contains
          carried%state = whole(:2*n) - i_unit*later*after(:2*n)
       end do
    end subroutine carry_changes
+
+   !> The function of the state and the load that is 0 at an event.
+   pure subroutine set_condition(system, closed, label, contact, condition)
+      !> The system.
+      type(system_type), intent(in) :: system
+      !> What is closed before it, and its kind and gap.
+      integer, intent(in) :: closed(:), label(2)
+      !> As of `set_rate`.
+      complex(wp), intent(in) :: contact(:, :)
+      !> (2n + load)
+      complex(wp), intent(out) :: condition(:)
+      integer :: i, n
+
+      n = size(system%by_force, 1)
+      condition = 0
+      associate (gap => label(2), row => system%directions(:, label(2)), &
+         numbers => system%numbers(:, label(2)), constant => condition(2*n + 1), &
+         held => held_of(system%structure, closed))
+         select case (label(1))
+         case (touch_event, leave_event)
+            condition(:n) = row
+            constant = -system%openings(gap)
+         case (let_go_event, press_event)
+            condition(:n) = numbers(1)*row
+            condition(n + 1:2*n) = numbers(2)*row
+            constant = numbers(3) - numbers(1)*system%openings(gap)
+         case (release_event)
+            condition = contact(findloc(held, gap, 1), :)
+            do i = 1, size(system%openings)
+               ! friction along it holds, too
+               constant = constant + abs(factor_along(system%structure, i, gap)) &
+                  *system%numbers(2, i)
+            end do
+         case default
+            if (any(held == gap)) then
+               condition = contact(findloc(held, gap, 1), :)
+               constant = constant - merge(1, -1, label(1) == slip_up_event)*numbers(2)
+            else
+               condition(n + 1:2*n) = row
+               constant = -numbers(3)
+            end if
+         end select
+      end associate
+   end subroutine set_condition
 
    !> The derivatives of a simulated motion by its start and by parameters.
    pure subroutine gradient_arrays(structure, load, entries, by_entries, by_record, by_start, &
@@ -622,7 +741,7 @@ contains
       type(load_type) :: load_by
       type(system_type) :: system
       type(carried_type) :: carried
-      logical :: rests(size(structure%openings))
+      integer, allocatable :: held(:)
       integer :: i, j, n, number
 
       n = size(structure%mass, 1)
@@ -637,13 +756,16 @@ contains
       checked = structure
       call check_structure(checked, status)
       if (status /= stat%ok) return
-      call resting_at_start(structure, load, events%starts(:, 1), rests, status)
+      call closed_at_start(structure, load, events%starts(:, 1), events%closed, status)
       if (status /= stat%ok) return
-      events%resting = pack([(j, j=1, size(rests))], rests)
+      allocate (held, source=held_of(checked, events%closed))
       number = size(events%labels, 2) - 1
       do i = 0, ubound(by_entries, 2)
          by = new_structure(reshape([(0.0_wp, j=1, 3*n*n)], [n, n, 3]), 0*structure%directions, &
-            reshape([(0.0_wp, j=1, 2*size(rests))], [2, size(rests)]))
+            reshape([(0.0_wp, j=1, 2*size(structure%openings))], [2, size(structure%openings)]))
+         do j = 1, size(structure%openings)
+            by%laws(j)%numbers = 0
+         end do
          load_by = new_load(0.0_wp, reshape([(0.0_wp, j=1, 2*size(load%sine))], [n, 2, &
             size(load%sine, 2)]), 0*load%constant)
          do j = 1, size(entries, 2)
@@ -651,8 +773,17 @@ contains
                by_entries(j, i))
          end do
          associate (q => events%starts(2:n + 1, 1), rate => events%starts(n + 2:, 1))
-            opens(i) = any(rests .and. (abs(matmul(q, by%directions) - by%openings) &
-               + abs(matmul(rate, by%directions)) > 0))
+            do j = 1, size(held)
+               associate (k => held(j))
+                  if (checked%rubs(k)) then
+                     opens(i) = opens(i) .or. abs(dot_product(rate, by%directions(:, k)) &
+                        - by%laws(k)%numbers(3)) > 0
+                  else
+                     opens(i) = opens(i) .or. abs(dot_product(q, by%directions(:, k)) &
+                        - by%openings(k)) + abs(dot_product(rate, by%directions(:, k))) > 0
+                  end if
+               end associate
+            end do
          end associate
          call new_system(checked, load, by, load_by, by_record(i), events%first > 0, system, status)
          if (status /= stat%ok) return

@@ -15,8 +15,8 @@ module vi_structure_trajectory
    implicit none (type, external)
    private
 
-   public :: complete_rests, find_parts, find_start, pass_label, resting_at_start, &
-      sample_structure_arrays, simulate_structure_arrays, simulate_structure_case
+   public :: closed_at_start, complete_rests, find_parts, find_start, pass_label, &
+      resting_at_start, sample_structure_arrays, simulate_structure_arrays, simulate_structure_case
 
    !> Events between two looks at the progress counters.
    integer, parameter :: chunk = 256
@@ -403,6 +403,24 @@ contains
       if (status == stat%ok) call find_start(run, start, number, status)
       if (status == stat%ok) rests(run%regimes(number)%resting) = .true.
    end subroutine resting_at_start
+
+   !> What is closed from the start of a trajectory.
+   pure subroutine closed_at_start(structure, load, start, closed, status)
+      !> As of `resting_at_start`.
+      type(structure_type), intent(in) :: structure
+      type(load_type), intent(in) :: load
+      real(wp), intent(in) :: start(:)
+      !> The set, as in `regime_type`.
+      integer, allocatable, intent(out) :: closed(:)
+      !> As of `resting_at_start`.
+      integer, intent(out) :: status
+      type(run_type) :: run
+      integer :: number
+
+      call new_run(structure, load, run, status)
+      if (status == stat%ok) call find_start(run, start, number, status)
+      if (status == stat%ok) closed = run%regimes(number)%closed
+   end subroutine closed_at_start
 
    !> Fills in the states at which rests begin and end in a motion of which the impacts are known.
    !!

@@ -1,0 +1,139 @@
+"""Derivatives of motions and trajectories of structures with stops and friction, against differences."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from shared_structures import with_elements
+
+CASES = with_elements()
+QUANTITIES = ("phases", "speeds", "impulses", "q", "q_dot")
+
+
+def changed(structure, load, name, step):
+    """A structure and its load after a step of a parameter."""
+    word, *numbers = name.split("_")
+    parts = list(structure._parts)
+    if word in ("frequency", "load"):
+        more = step if word == "frequency" else 0.0
+        factor = 1.0 if word == "frequency" else 1 + step
+        return structure, vi.Load(
+            load.frequency + more, sine=factor * load.sine, cosine=factor * load.cosine
+        )
+    j = int(numbers[0])
+    if word == "slip":
+        slip = parts[j].slip + step
+        parts[j] = replace(parts[j], slip=slip, stick=parts[j].stick * slip / parts[j].slip)
+    else:
+        field = {"contact": "stiffness"}.get(word, word)
+        parts[j] = replace(parts[j], **{field: getattr(parts[j], field) + step})
+    gaps, friction = parts[: len(structure.gaps)], parts[len(structure.gaps) :]
+    matrices = (structure.mass, structure.damping, structure.stiffness)
+    return vi.Structure(*matrices, gaps, friction), load
+
+
+def settled(structure, load):
+    return vi.exact(structure, load, vi.simulate(structure, load, cycles=500))
+
+
+def rows(motion, like):
+    """The quantities of the events of a motion, from the one that is first in another motion."""
+    whole = 2 * np.pi * like.cycles
+    apart = [
+        np.mod(np.roll(motion.phases, -k) - like.phases + whole / 2, whole) - whole / 2
+        for k in range(len(like.phases))
+    ]
+    k = min(range(len(apart)), key=lambda i: np.abs(apart[i]).max())
+    states = np.roll(motion.states, -k, axis=0)
+    return {
+        "phases": like.phases + apart[k], "speeds": np.roll(motion.speeds, -k),
+        "impulses": np.roll(motion.impulses, -k), "q": states[:, 0], "q_dot": states[:, 1],
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_motion_against_differences_of_exact(name):
+    motion = settled(*CASES[name])
+    gradient = motion.gradient()
+    assert set(gradient.parameters) >= {"frequency", "load"}
+    step = 1e-5
+    for parameter in gradient.parameters:
+        ends = [
+            vi.exact(*changed(*CASES[name], parameter, sign * step), motion) for sign in (1, -1)
+        ]
+        up, down = (rows(end, motion) for end in ends)
+        for quantity in QUANTITIES:
+            slope = (up[quantity] - down[quantity]) / (2 * step)
+            apart = np.abs(gradient[quantity, parameter] - slope).max()
+            assert apart < 2e-6 * max(1, np.abs(slope).max()), (parameter, quantity)
+        largest = [np.abs(end.multipliers).max() for end in ends]
+        slope = (largest[1] - largest[0]) / (2 * step)
+        assert gradient["stability_margin", parameter] == pytest.approx(slope, rel=1e-5, abs=1e-5)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_trajectory_against_differences(name):
+    structure, load = CASES[name]
+    n = structure.coordinates
+    start = np.array([np.full(n, 0.1), 0.23 * (1 + np.arange(n))])
+
+    def end(parameter, step):
+        state = start.copy()
+        if parameter.startswith("q"):
+            state[int(parameter.startswith("q_dot")), int(parameter[-1])] += step
+            return np.ravel(vi.simulate(structure, load, cycles=3, state=state).final_state)
+        run = vi.simulate(*changed(structure, load, parameter, step), cycles=3, state=start)
+        return np.ravel(run.final_state)
+
+    run = vi.simulate(structure, load, cycles=3, state=start)
+    gradient = run.gradient()
+    assert not gradient.status
+    step = 1e-6
+    for parameter in gradient.parameters:
+        if parameter == "start":
+            continue
+        slope = (end(parameter, step) - end(parameter, -step)) / (2 * step)
+        own = np.append(gradient["final_q", parameter], gradient["final_q_dot", parameter])
+        assert np.abs(own - slope).max() < 1e-6 * max(1, np.abs(slope).max()), parameter
+
+
+def test_numbers_by_a_function():
+    """Any number of an element is a parameter as a function: a dashpot, a preload, the speed of a belt."""
+    load = vi.Load(1.3, cosine=[1.0])
+
+    def system(c=2.0, preload=0.1, speed=0.3):
+        stop = vi.Stop([1], 0.5, stiffness=20, damping=c, preload=preload)
+        belt = vi.Friction([1], slip=0.1, stick=0.15, speed=speed)
+        return vi.Structure([1.0], [0.1], [1.0], [stop], [belt]), load
+
+    motion = settled(*system())
+    wanted = [
+        ("c", lambda c: system(c=c), 2.0), ("preload", lambda p: system(preload=p), 0.1),
+        ("speed", lambda v: system(speed=v), 0.3), "contact", "slip",
+    ]  # fmt: skip
+    gradient = motion.gradient(wanted)
+    for name, function, value in wanted[:3]:
+        up, down = (rows(vi.exact(*function(value + h), motion), motion) for h in (1e-6, -1e-6))
+        for quantity in QUANTITIES:
+            slope = (up[quantity] - down[quantity]) / 2e-6
+            assert gradient[quantity, name] == pytest.approx(slope, abs=1e-6), (name, quantity)
+    assert np.array_equal(
+        gradient["q", "contact"], motion.gradient(["contact_0"])["q", "contact_0"]
+    )
+
+
+def test_what_has_no_derivative():
+    """Friction that sticks at the start keeps its speed; rests and self-excited motions are refused."""
+    structure, load = CASES["stick"]
+    run = vi.simulate(structure, load, cycles=2, state=([0.1], [0.0]))
+    gradient = run.gradient(["q_0", "q_dot_0", "slip_0"])
+    assert np.isnan(gradient["final_q", "q_dot_0"]).all()
+    assert np.isfinite(gradient["final_q", "q_0"]).all()
+    assert "friction that sticks would slip" in next(iter(gradient.status.values()))
+    belt = vi.Structure([1], [0], [1], friction=[vi.Friction([1], 0.6, stick=1.0, speed=0.2)])
+    motion = vi.exact(belt, vi.Load.none(), vi.simulate(belt, duration=100))
+    with pytest.raises(vi.ParameterError, match="not be self-excited"):
+        motion.gradient()
+    with pytest.raises(vi.ParameterError, match="there is nothing that it could change"):
+        settled(structure, load).gradient(["contact"])
