@@ -167,7 +167,7 @@ def test_saved_and_loaded(tmp_path):
 
 
 def test_namelist_of_a_motion(tmp_path):
-    """The case of a motion gives it again; other kinds of &motion refuse stops."""
+    """The case of a motion gives it again; other kinds of &motion need the kinds of the events."""
     s = one_stop(0.5, stiffness=4)
     motion = settled(s, vi.Load(0.7, cosine=[1.0]))
     case = tmp_path / "motion.nml"
@@ -180,7 +180,7 @@ def test_namelist_of_a_motion(tmp_path):
     for name in ("phase", "speed", "impulse"):
         assert table[name] == pytest.approx(getattr(motion, f"{name}s"), abs=1e-12)
     case.write_text(case.read_text().split("&motion")[0] + "&motion gaps = 0, phases = 0.3 /\n")
-    with pytest.raises(vi.ParameterError, match="it is 'settled' with a &stop or a &friction"):
+    with pytest.raises(vi.ParameterError, match="it goes with a &stop or a &friction"):
         vi.read_namelist(case)
 
 

@@ -13,10 +13,19 @@ from ..base import checks
 from ..base.errors import ParameterError
 from ..base.interrupt import with_stack
 from ..base.status import NO_MOTION, raise_status
+from ..results import door
 from ..systems.oscillator import Oscillator, Pattern, of_numbers, plain_pattern
 from ..systems.structure import Load, Structure, check_load
 from ..systems.verbs import every_system, physical_arguments
-from .motion import MOST_PHASE, Motion, Motions, motion_of_oscillator, motion_of_structure, rests_of
+from .motion import (
+    MOST_PHASE,
+    Motion,
+    Motions,
+    MotionSet,
+    motion_of_oscillator,
+    motion_of_structure,
+    rests_of,
+)
 from .trajectory import core_arrays
 
 __all__ = ["equispaced", "equispaced_batch", "linear_system", "periodic", "periodic_batch"]
@@ -34,9 +43,17 @@ def periodic_structure(
     gaps: Sequence[int],
     cycles: int = 1,
     full: bool = False,
+    kinds: Sequence[str] | None = None,
 ) -> Motion:
     """As `periodic`, of a structure."""
     checks.truth(full, "full")
+    checks.instance(structure, "structure", Structure)
+    if not structure._is_rigid:
+        return motion_from_events(structure, load, phases, gaps, cycles, full, kinds)
+    if kinds is not None:
+        raise ParameterError(
+            f"kinds = {kinds!r}: must be left out, since without stops or friction all events are impacts"
+        )
     numbers, phases, cycles = gap_pattern(structure, load, phases, gaps, cycles)
     for i in np.unique(numbers).tolist():
         if not isinstance(structure.gaps[i].restitution, float):
@@ -49,15 +66,44 @@ def periodic_structure(
     )
 
 
+def motion_from_events(
+    structure: Structure, load: Load, phases: Any, gaps: Any, cycles: int, full: bool, kinds: Any
+) -> Motion:
+    """The motion of a structure with stops or friction from the instants of its events."""
+    numbers, phases, cycles = gap_pattern(structure, load, phases, gaps, cycles, stops=True)
+    if full:
+        raise ParameterError(
+            f"full = {full!r}: must be left out with stops or friction, where the state is always unknown"
+        )
+    wanted = (
+        "one of impact, touch, leave, let_go, press, halt, slip_up and slip_down for each event, "
+        "since the structure has stops or friction"
+    )
+    try:
+        words = [str(kind) for kind in kinds]
+    except TypeError:
+        raise ParameterError(f"kinds = {kinds!r}: must be {wanted}") from None
+    if isinstance(kinds, str) or len(words) != len(numbers):
+        raise ParameterError(f"kinds = {kinds!r}: must be {wanted}")
+    keys = {
+        "kind": "periodic", "cycles": cycles, "gaps": numbers.tolist(), "phases": phases.tolist(), "kinds": words
+    }  # fmt: skip
+    found = door.run_groups(
+        MotionSet, [*structure._groups(), *load._groups()], keys, True, little=True
+    )
+    found.require()
+    return found.parts()[0]
+
+
 def gap_pattern(
-    structure: Any, load: Any, phases: Any, gaps: Any, cycles: Any
+    structure: Any, load: Any, phases: Any, gaps: Any, cycles: Any, stops: bool = False
 ) -> tuple[NDArray[np.int32], _Array, int]:
-    """Checks the arguments that describe a motion of a structure."""
-    check_load(structure, load, frequency=True)
+    """Checks the arguments that describe a motion of a structure, which has stops only where it may."""
+    check_load(structure, load, frequency=True, stops=stops)
     cycles = checks.integer(cycles, "cycles", 1, 10_000)
     wanted = "gap numbers from 0, one an impact, 1 to 1000 of them"
     array = np.array(checks.real_array(gaps, "gaps", wanted))
-    many = len(structure.gaps)
+    many = len(structure._parts)
     if array.ndim != 1 or not 1 <= array.size <= 1000 or (array != np.round(array)).any():
         raise ParameterError(f"gaps = {gaps!r}: must be {wanted}")
     if not ((array >= 0) & (array < many)).all():
@@ -124,6 +170,7 @@ def periodic(
     gaps: Sequence[int],
     cycles: int = 1,
     full: bool = False,
+    kinds: Sequence[str] | None = None,
 ) -> Motion: ...
 
 
@@ -148,6 +195,11 @@ def periodic(
     the equations, instead of eliminating it by the periodic response of each mode. For a motion both give the
     same; for other phases they minimise different residuals. The system is overdetermined (DGELS), and the motion
     is consistent only if its `residual` is one of rounding.
+
+    With stops or friction, phases and gaps are those of all events, and `kinds` has a word for each: 'impact' of a
+    gap; 'touch', 'leave', 'let_go' and 'press' of a stop; 'halt', 'slip_up' and 'slip_down' of friction, whose
+    numbers follow those of gaps and stops. Multipliers are NaN unless the motion is consistent, and it is
+    admissible if a simulation passes the same events.
 
     Parameters
     ----------

@@ -25,7 +25,8 @@ LARGEST, LARGEST_MODAL = 1e100, 1e40
 MOST_OUTPUTS = 100
 #: The verbs that take stops and friction.
 WITH_ELEMENTS = (
-    "simulate, exact, find, branch, zone, chart, response, bifurcation_diagram, lyapunov and basins"
+    "simulate, periodic, exact, find, branch, zone, chart, response, bifurcation_diagram, lyapunov"
+    " and basins"
 )
 
 
@@ -326,8 +327,8 @@ class Structure(ByValue):
         A vector (n,) is a diagonal.
     gaps : sequence of Gap or Stop
     friction : sequence of Friction
-        `simulate`, `exact`, `find`, `branch`, `zone`, `chart`, `response`, `bifurcation_diagram`, `lyapunov` and
-        `basins` take stops and friction; the other verbs do not, yet.
+        `simulate`, `periodic`, `exact`, `find`, `branch`, `zone`, `chart`, `response`, `bifurcation_diagram`,
+        `lyapunov` and `basins` take stops and friction; the other verbs do not, yet.
     outputs : mapping of str to array_like (n,), optional
         Displacements of interest by name, each as a row that gives it from the coordinates. Trajectories and
         motions are sampled at them; responses, bifurcation diagrams, plots and CSV files show them by name.

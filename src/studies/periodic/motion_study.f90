@@ -13,7 +13,8 @@ module vi_motion_study
    use vi_result, only: rows_of
    use vi_stability, only: leading_kind
    use vi_status, only: stat, status_text
-   use vi_structure, only: load_type, structure_type
+   use vi_presumed_events, only: kinds_of, presume, sequence_fault
+   use vi_structure, only: check_structure, load_type, structure_type
    use vi_structure_found, only: derivative_columns, impact_columns
    use vi_structure_groups, only: complete_coordinates, load_frequency, most_coordinates, &
       record_end, structure_of
@@ -182,7 +183,12 @@ module vi_motion_study
       &that repeat best'), &
       key_type('gaps', a_whole, most=most_impacts, low=0.0_wp, never=settled, why=simulated, &
       takes='the number of a gap, from 0, for each impact, 1 to 1000 of them', &
-      meaning='gaps of the impacts in order'), &
+      meaning='gaps of the impacts in order; of all events with stops or friction'), &
+      key_type('kinds', a_word, most=most_impacts, may_miss=.true., never=settled, why=simulated, &
+      words='impact touch leave let_go press halt slip_up slip_down', &
+      takes='the kind of each event in gaps: impact of a gap; touch, leave, let_go, press of a &
+      &stop; halt, slip_up, slip_down of friction, which has the numbers after gaps and stops', &
+      meaning='with stops or friction: what happens in each event'), &
       key_type('phases', most=most_impacts, or='phases_over_pi', never=settled, why=simulated, &
       takes='one number for each impact, increasing, within less than a period of each other', &
       unit='rad', meaning='load phases of the impacts'), &
@@ -629,24 +635,79 @@ contains
          call complete_coordinates(group, 'q_dot', case%coordinates)
          return
       end if
-      if (has_elements(case)) then
-         call group%refuse('kind', 'it is ''settled'' with a &stop or a &friction')
-         return
-      end if
       if (.not. group%has('cycles')) call group%set('cycles', [1.0_wp])
-      gaps = count([(case%parts(i)%name == 'gap', i=1, size(case%parts))])
+      gaps = count([(case%parts(i)%name /= 'load', i=1, size(case%parts))])
       if (any(group%numbers('gaps') >= gaps)) then
          call group%refuse('gaps', 'the structure has '//counted(gaps, 'gap'))
          return
       end if
       call check_structure_phases(group)
-      if (.not. group%is('kind', 'periodic')) return
+      if (len(group%fault) == 0) call check_kinds(case, group)
+      if (len(group%fault) > 0 .or. .not. group%is('kind', 'periodic')) return
       do i = 1, gaps
+         if (case%parts(i)%name /= 'gap') cycle
          if (.not. any(nint(group%numbers('gaps')) == i - 1)) cycle
          if (.not. case%parts(i)%is('law', 'constant')) call group%refuse('kind', &
             '''exact'' where the restitution of a gap depends on the speed')
       end do
    end subroutine check_structure_motion
+
+   !> Checks the kinds of events of a structure with stops or friction.
+   subroutine check_kinds(case, group)
+      !> The case; its structure is used.
+      type(case_type), intent(in) :: case
+      !> In and out: the group.
+      type(values_type), intent(inout) :: group
+      type(structure_type) :: structure
+      type(load_type) :: load
+      character(9), parameter :: words_of_friction(3) = [character(9) :: 'halt', 'slip_up', &
+         'slip_down']
+      character(:), allocatable :: text
+      integer :: i, status
+
+      if (.not. has_elements(case)) then
+         if (group%has('kinds')) call group%refuse('kinds', &
+            'all events are impacts without a &stop or a &friction; leave it out')
+         return
+      end if
+      associate (phases => group%numbers('phases'), n => size(group%numbers('gaps')))
+         if (.not. group%has('kinds')) then
+            call group%refuse('kinds', 'it goes with a &stop or a &friction')
+         else if (group%count_words('kinds') /= n) then
+            call group%refuse('kinds', counted(n, 'event')//' are in gaps')
+         else
+            do i = 2, n
+               if (phases(i) > phases(i - 1)) cycle
+               if (any(words_of_friction == group%word('kinds', i)) .and. any([words_of_friction, &
+                  'impact   '] == group%word('kinds', i - 1))) cycle
+               call group%refuse('phases', 'of events at once, all after the first must be of &
+                  &friction')
+            end do
+         end if
+      end associate
+      if (len(group%fault) > 0) return
+      call structure_of(case, structure, load)
+      call check_structure(structure, status)
+      ! a fault of the structure is found when it is used
+      if (status /= stat%ok) return
+      call sequence_fault(structure, nint(group%numbers('gaps')) + 1, kinds_in(group), text)
+      if (len(text) > 0) call group%refuse('kinds', text)
+   end subroutine check_kinds
+
+   !> The kinds of the events of a group.
+   function kinds_in(group) result(kinds)
+      !> The group.
+      type(values_type), intent(in) :: group
+      integer, allocatable :: kinds(:)
+      character(24), allocatable :: words(:)
+      integer :: i
+
+      allocate (words(group%count_words('kinds')))
+      do i = 1, size(words)
+         words(i) = group%word('kinds', i)
+      end do
+      kinds = kinds_of(words)
+   end function kinds_in
 
    !> Whether a motion is one without a periodic load, whose period is unknown.
    logical function is_free(case, group)
@@ -773,6 +834,10 @@ contains
          call settle(structure, load, group%number('start'), group%numbers('q'), &
             group%numbers('q_dot'), group%whole_number('settling'), &
             group%whole_number('max_cycles'), cycles, found, status, progress)
+      else if (has_elements(case)) then
+         call presume(structure, load, nint(group%numbers('gaps')) + 1, kinds_in(group), &
+            group%numbers('phases'), group%whole_number('cycles'), refined .or. &
+            group%is('kind', 'exact'), found, status, progress)
       else
          found%gaps = nint(group%numbers('gaps')) + 1
          found%cycles = group%whole_number('cycles')
