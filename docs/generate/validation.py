@@ -172,7 +172,70 @@ def ball():
     return lines
 
 
-def written(text, names=("one_wall", "bifurcations", "chain", "ball")):
+def two_masses(t):
+    """Positions of two masses of 5 with a spring of 1e4 between them, and the speed of the first one.
+
+    The force 3e3 acts on the second one until 0.2; friction on the first one is at most 3e3 while it sticks, and
+    2e3 while it slips.
+    """
+    omega, slip, change = math.sqrt(2000.0), math.pi / 2 / math.sqrt(2000.0), 0.2
+    if t <= slip:
+        return 0.0, 0.3 * (1 - math.cos(omega * t)), 0.0
+    # mean and difference of the positions, and their rates
+    mean, mean_rate, apart, apart_rate = 0.15, 0.15 * omega, 0.3, 0.3 * omega
+    fast, begin = math.sqrt(4000.0), slip
+    for end, force in ((min(t, change), 3e3), (t, 0.0)):
+        step, level = max(0.0, end - begin), (force + 2e3) / 2e4
+        pull = (force - 2e3) / 10
+        mean += mean_rate * step + pull * step**2 / 2
+        mean_rate += pull * step
+        c, s = math.cos(fast * step), math.sin(fast * step)
+        apart, apart_rate = (
+            level + (apart - level) * c + apart_rate / fast * s,
+            apart_rate * c - (apart - level) * fast * s,
+        )
+        begin = max(begin, end)
+    return mean - apart / 2, mean + apart / 2, mean_rate - apart_rate / 2
+
+
+def elements():
+    """An elastic stop and dry friction beside closed forms."""
+    mass = vi.Structure([100], [0], [1e4], [vi.Stop([1], 0, stiffness=1e6)])
+    run = vi.simulate(mass, duration=1, state=([0], [1]))
+    times, omega = run.events["time"], math.sqrt(1.01e4)
+    depth = run.sample([times[1] / 2])[0][0, 0]
+    rows = [
+        ("end of the first contact", math.pi / omega, times[1]),
+        ("largest depth", 1 / omega, depth),
+        ("largest force", 1e6 / omega, 1e6 * depth),
+        ("beginning of the second contact", math.pi / omega + math.pi / 10, times[2]),
+    ]
+    slider = vi.Structure([1], [0], [1e4], friction=[vi.Friction([1], slip=1)])
+    run = vi.simulate(slider, duration=1, state=([0.85e-3], [0]))
+    rows += [
+        (f"extreme {i + 1} (10⁻³)", 0.85 * (-1) ** (i + 1) + 0.2 * (i + 1) * (-1) ** i, 1e3 * x)
+        for i, x in enumerate(run.states[:, 0, 0].tolist())
+    ]
+    rows.append(("time at which it rests", math.pi / 25, run.events["time"][-1]))
+    pair = vi.Structure(
+        [5, 5], [0, 0], [[1e4, -1e4], [-1e4, 1e4]], friction=[vi.Friction([1, 0], 2e3, stick=3e3)]
+    )
+    run = vi.simulate(pair, vi.Record(0.1, [[0.0, 3e3]] * 3), duration=0.34)
+    first, last = run.events["time"].tolist()
+    rest = zero(lambda t: two_masses(t)[2], 0.315)
+    rows += [
+        ("first mass begins to slip", math.pi / 2 / math.sqrt(2000), first),
+        ("it sticks again", rest, last),
+    ]
+    for t, i in ((0.02, 1), (0.15, 0), (0.15, 1)):
+        rows.append((f"x{i + 1}({t})", two_masses(t)[i], run.sample([t])[0][i, 0]))
+    lines = ["| quantity | closed form | here | difference |", "|---|---|---|---|"]
+    for name, known, value in rows:
+        lines.append(row(name, f"{known:.12g}", float(value)))
+    return lines
+
+
+def written(text, names=("one_wall", "bifurcations", "chain", "ball", "elements")):
     """The page with some of its tables computed again."""
 
     def table(found):
