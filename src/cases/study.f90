@@ -34,6 +34,8 @@ module vi_study
       character(72) :: meaning = ''
       !> Whether its structures may have stops and friction.
       logical :: takes_elements = .false.
+      !> Whether walls of its structures may move.
+      logical :: takes_walls = .false.
       !> Whether there is a load; without one there is no frequency ratio.
       logical :: has_load = .true.
       !> Whether the frequency ratio is a part of its result; &system has none then.

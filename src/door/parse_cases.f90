@@ -15,8 +15,8 @@ module vi_parse_cases
    use vi_parse, only: parse_subscript, repeats
    use vi_processor, only: has_memory
    use vi_status, only: stat, status_text
-   use vi_structure_groups, only: element_besides_gaps, most_coordinates, read_parts, &
-      read_structure
+   use vi_structure_groups, only: element_besides_gaps, has_moving_wall, most_coordinates, &
+      read_parts, read_structure
    use vi_sweep, only: sweep_keys
    use vi_study, only: join_groups, place_of_study, study_type
    use vi_study_list, only: list_studies
@@ -405,6 +405,12 @@ contains
             case%coordinates = system%coordinates
             case%parts = system%parts
             call element_besides_gaps(case, element)
+            if (has_moving_wall(case) .and. .not. study%takes_walls) then
+               call join_groups(pack(studies%name, studies%takes_walls), names)
+               message = '&'//trim(study%name)//': does not take moving walls, cosine or sine of &
+                  &&gap or &stop; must be '//names
+               return
+            end if
             if (len(element) > 0 .and. .not. study%takes_elements) then
                call join_groups(pack(studies%name, studies%takes_elements), names)
                message = '&'//trim(study%name)//': does not take the &'//element//' of this &

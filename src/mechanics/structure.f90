@@ -25,7 +25,7 @@ module vi_structure
    private
 
    public :: check_structure, factor_along, find_narrow, inputs_of, is_absorbed, is_extreme, &
-      new_load, new_regime, new_structure, project, restitution_of, state_of, to_pairs
+      new_load, new_regime, new_structure, opening_at, project, restitution_of, state_of, to_pairs
 
    !> The shortest time scale, and the sizes of lengths and masses, for which the powers in bounds
    !! on derivatives up to the 21st are represented; an opening from which on a gap never closes.
@@ -67,6 +67,10 @@ module vi_structure
       logical :: has_friction = .false.
       !> (gaps) The channel of the force of each stop that cannot pull; else 0.
       integer, allocatable :: push(:)
+      !> (harmonics, gaps) Walls that move: the opening of gap j is e_j + the sum over h of
+      !! Re(motion(h, j) e^(i h Omega t)), with Omega of the load. Whether any wall does.
+      complex(wp), allocatable :: motion(:, :)
+      logical :: moves = .false.
    end type structure_type
 
    !> A load f(t) = sum over h of cosine_h cos(h Omega t) + sine_h sin(h Omega t), plus a constant.
@@ -152,9 +156,11 @@ contains
    pure function new_structure(matrices, directions, gap_values) result(structure)
       !> (n, n, 3) M, C and K; (n, gaps) G_j; (2, gaps) opening and restitution of each gap, or with
       !! laws (3 or more, gaps): opening, and kind and numbers of its law as in `new_restitution`.
+      !! Where a wall moves with H harmonics, 10 H is added to the kind, and their cosines and sines
+      !! in turns come before the numbers.
       real(wp), intent(in) :: matrices(:, :, :), directions(:, :), gap_values(:, :)
       type(structure_type) :: structure
-      integer :: j
+      integer :: harmonics(size(gap_values, 2)), h, j
 
       allocate (structure%mass, source=matrices(:, :, 1))
       allocate (structure%damping, source=matrices(:, :, 2))
@@ -162,16 +168,43 @@ contains
       allocate (structure%directions, source=directions)
       allocate (structure%openings, source=gap_values(1, :))
       allocate (structure%laws(size(gap_values, 2)), structure%restitution(size(gap_values, 2)))
+      harmonics = 0
+      if (size(gap_values, 1) > 2) harmonics = nint(gap_values(2, :))/10
+      structure%moves = any(harmonics > 0)
+      allocate (structure%motion(maxval([0, harmonics]), size(harmonics)), source=(0.0_wp, 0.0_wp))
       do j = 1, size(gap_values, 2)
          if (size(gap_values, 1) == 2) then
             structure%laws(j) = new_restitution(real(constant_law, wp), gap_values(2:, j))
          else
-            structure%laws(j) = new_restitution(gap_values(2, j), gap_values(3:, j))
+            structure%laws(j) = new_restitution(gap_values(2, j) - 10*harmonics(j), &
+               gap_values(3 + 2*harmonics(j):, j))
+            do h = 1, harmonics(j)
+               structure%motion(h, j) = cmplx(gap_values(1 + 2*h, j), -gap_values(2 + 2*h, j), wp)
+            end do
          end if
          structure%restitution(j) = structure%laws(j)%numbers(1)
          if (is_element(structure%laws(j))) structure%restitution(j) = 0
       end do
    end function new_structure
+
+   !> The opening of a gap at q = 0 and an instant, with its first two derivatives by time.
+   pure function opening_at(structure, gap, phase, frequency) result(opening)
+      !> The structure, and the number of the gap.
+      type(structure_type), intent(in) :: structure
+      integer, intent(in) :: gap
+      !> Load phase (rad), and Omega.
+      real(wp), intent(in) :: phase, frequency
+      real(wp) :: opening(0:2)
+      complex(wp) :: here
+      integer :: h
+
+      opening = [structure%openings(gap), 0.0_wp, 0.0_wp]
+      if (.not. structure%moves) return
+      do h = 1, size(structure%motion, 1)
+         here = structure%motion(h, gap)*cmplx(cos(h*phase), sin(h*phase), wp)
+         opening = opening + [here%re, -h*frequency*here%im, -(h*frequency)**2*here%re]
+      end do
+   end function opening_at
 
    !> Whether a law is that of an elastic stop or of friction, not one of restitution.
    elemental logical function is_element(law)
@@ -241,6 +274,8 @@ contains
       if (any([(is_extreme(structure%mass(i, i)), i=1, size(structure%mass, 1))])) status = &
          stat%extreme_units
       if (status /= stat%ok) return
+      if (.not. allocated(structure%motion)) allocate (structure%motion(0, &
+         size(structure%openings)))
       structure%mobility = structure%directions
       call solve_columns(structure%mass, structure%mobility, status)
       if (status /= stat%ok) status = stat%mass_not_definite
@@ -260,6 +295,9 @@ contains
             if (structure%rubs(i)) cycle
             do j = 1, i - 1
                if (structure%elastic(i) .or. structure%elastic(j) .or. structure%rubs(j)) cycle
+               if (structure%moves) then
+                  if (any(abs(structure%motion(:, [i, j])) > 0)) cycle
+               end if
                if (any(abs(structure%directions(:, i) + structure%directions(:, j)) > 0)) cycle
                if (count(structure%channel(:i - 1) == structure%channel(j)) > 1) cycle
                structure%channel(i) = structure%channel(j)
@@ -351,11 +389,12 @@ contains
       logical, intent(in), optional :: searched
       type(structure_type) :: pressed
       type(load_type) :: pressed_load
-      integer :: i
+      complex(wp) :: force
+      integer :: h, i
 
       regime%closed = closed
       regime%positions = structure%positions
-      if (.not. (structure%has_stops .or. structure%has_friction)) then
+      if (.not. (structure%has_stops .or. structure%has_friction .or. structure%moves)) then
          regime%resting = closed
          regime%held = closed
          call complete_regime(structure, load, regime, status, searched)
@@ -368,6 +407,11 @@ contains
          size(closed))])]
       pressed = structure
       pressed_load = load
+      if (structure%moves) then
+         h = max(size(load%sine, 2), size(structure%motion, 1))
+         pressed_load%cosine = reshape([load%cosine], [size(load%constant), h], pad=[0.0_wp])
+         pressed_load%sine = reshape([load%sine], [size(load%constant), h], pad=[0.0_wp])
+      end if
       do i = 1, size(closed)
          if (closed(i) < 0) cycle
          if (.not. structure%elastic(closed(i))) cycle
@@ -377,6 +421,13 @@ contains
             pressed%damping = pressed%damping + law%numbers(2)*outer(g)
             pressed_load%constant = pressed_load%constant + g*(law%numbers(1)*opening &
                - law%numbers(3))
+            if (.not. structure%moves) cycle
+            do h = 1, size(structure%motion, 1)
+               force = cmplx(law%numbers(1), h*load%frequency*law%numbers(2), wp) &
+                  *structure%motion(h, closed(i))
+               pressed_load%cosine(:, h) = pressed_load%cosine(:, h) + g*force%re
+               pressed_load%sine(:, h) = pressed_load%sine(:, h) - g*force%im
+            end do
          end associate
       end do
       do i = 1, size(structure%openings)
@@ -401,6 +452,10 @@ contains
       if (.not. structure%rubs(friction)) return
       if (structure%rubs(gap) .or. structure%elastic(gap)) return
       if (abs(structure%laws(friction)%numbers(3)) > 0) return
+      if (structure%moves) then
+         ! what rests on a wall that moves slides along with it
+         if (any(abs(structure%motion(:, gap)) > 0)) return
+      end if
       associate (d => structure%directions(:, friction), g => structure%directions(:, gap))
          factor = dot_product(d, g)/dot_product(g, g)
          if (any(abs(d - factor*g) > rounding*maxval(abs(d)))) factor = 0
@@ -447,6 +502,8 @@ contains
       real(wp), allocatable :: basis(:, :), inverse(:, :), forces(:, :), drifts(:, :)
       real(wp), allocatable, dimension(:, :) :: mass, damping, stiffness, pushes
       real(wp), allocatable :: terms(:, :, :), terms_of_mass(:, :)
+      complex(wp) :: carried(size(structure%mass, 1), size(load%sine, 2))
+      complex(wp) :: force(size(structure%mass, 1))
       logical :: with_tables
       integer :: h
 
@@ -493,6 +550,16 @@ contains
          forces(:, 1) = load%constant - matmul(structure%stiffness, regime%offset)
          forces(:, 2:harmonics + 1) = load%cosine
          forces(:, harmonics + 2:) = load%sine
+         call carry_along(structure, regime%held, pushes, carried, status)
+         if (status /= stat%ok) return
+         if (structure%moves) then
+            do h = 1, harmonics
+               force = matmul(structure%stiffness, carried(:, h)) + cmplx(0.0_wp, &
+                  h*load%frequency, wp)*matmul(structure%damping, carried(:, h))
+               forces(:, 1 + h) = forces(:, 1 + h) - force%re
+               forces(:, 1 + harmonics + h) = forces(:, 1 + harmonics + h) + force%im
+            end do
+         end if
          if (size(regime%held) > 0) forces = matmul(transpose(basis), forces)
          call inputs_of(mass, parts%xd, parts%vd, forces, drifts, status)
          if (status /= stat%ok) return
@@ -508,6 +575,9 @@ contains
                matmul(transpose(abs(basis)), abs(load%cosine(:, h)) + abs(load%sine(:, h))), h, &
                status)
             if (status /= stat%ok) return
+            if (.not. structure%moves) cycle
+            regime%steady(:, h) = regime%steady(:, h) + carried(:, h)
+            regime%steady_rate(:, h) = regime%steady(:, h)*cmplx(0.0_wp, h*regime%frequency, wp)
          end do
       end associate
       if (size(regime%held) > size(regime%resting)) then
@@ -543,6 +613,34 @@ contains
       if (status /= stat%ok) return
       if (with_tables) call set_tables(regime)
    end subroutine complete_regime
+
+   !> The motion M^-1 G (G^T M^-1 G)^-1 w with which walls carry what rests on them; what is left is
+   !! free of it, as it does not move along G.
+   pure subroutine carry_along(structure, held, pushes, carried, status)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> The gaps.
+      integer, intent(in) :: held(:)
+      !> As of `constraint`.
+      real(wp), allocatable, intent(in) :: pushes(:, :)
+      !> (n, harmonics)
+      complex(wp), intent(out) :: carried(:, :)
+      !> `stat%ok` or `stat%singular`.
+      integer, intent(out) :: status
+      real(wp), allocatable :: forces(:, :)
+      integer :: h, k
+
+      carried = 0
+      status = stat%ok
+      if (.not. structure%moves .or. size(held) == 0) return
+      call forces_of_held(structure, held, pushes, forces, status)
+      if (status /= stat%ok) return
+      do h = 1, size(structure%motion, 1)
+         do k = 1, size(held)
+            carried(:, h) = carried(:, h) + forces(k, :)*structure%motion(h, held(k))
+         end do
+      end do
+   end subroutine carry_along
 
    !> The forces of held gaps and of friction that sticks, due to forces on the coordinates.
    pure subroutine forces_of_held(structure, held, pushes, forces, status)
@@ -1067,6 +1165,7 @@ contains
             + matmul(of_rate, regime%steady_rate(:, h)) &
             + matmul(of_force, cmplx(load%cosine(:, h), -load%sine(:, h), wp))
       end do
+      if (structure%moves) call add_walls(structure, forces, regime)
       allocate (regime%rate_position(rows, m), regime%rate_velocity(rows, m), &
          regime%rate_offset(rows))
       regime%rate_offset = 0
@@ -1078,6 +1177,46 @@ contains
             + regime%velocity(:, k)*regime%modes%force(k)
       end do
    end subroutine set_rows
+
+   !> Adds the motions of walls to the rows: they are distances to the walls where these are on
+   !! average, less the motions of the walls, and what accelerates the walls presses.
+   pure subroutine add_walls(structure, forces, regime)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> (held, n) As of `forces_of_held`; not set where nothing is held.
+      real(wp), allocatable, intent(in) :: forces(:, :)
+      !> In and out: the regime.
+      type(regime_type), intent(inout) :: regime
+      real(wp), allocatable :: inertia(:, :)
+      integer :: h, j, k
+
+      do h = 1, size(structure%motion, 1)
+         associate (ripple => regime%ripple(:, h), motion => structure%motion(h, :))
+            do j = 1, size(structure%openings)
+               if (structure%rubs(j)) cycle
+               ripple(structure%channel(j)) = ripple(structure%channel(j)) - motion(j)
+               if (structure%push(j) == 0) cycle
+               associate (numbers => structure%laws(j)%numbers, push => structure%push(j))
+                  ripple(push) = ripple(push) - cmplx(numbers(1), h*regime%frequency*numbers(2), &
+                     wp)*motion(j)
+               end associate
+            end do
+         end associate
+      end do
+      if (size(regime%held) == 0) return
+      ! (G^T M^-1 G)^-1
+      inertia = matmul(matmul(forces, structure%mass), transpose(forces))
+      do h = 1, size(structure%motion, 1)
+         do k = 1, size(regime%held)
+            associate (row => structure%channels + k)
+               do j = 1, size(regime%held)
+                  regime%ripple(row, h) = regime%ripple(row, h) + (h*regime%frequency)**2 &
+                     *inertia(k, j)*structure%motion(h, regime%held(j))
+               end do
+            end associate
+         end do
+      end do
+   end subroutine add_walls
 
    !> The limits of a stop, and the row of its force.
    pure subroutine set_stop(structure, j, of_q, of_rate, constant, regime)

@@ -9,7 +9,7 @@
 module vi_structure_map
    use vi_kinds, only: wp
    use vi_status, only: stat
-   use vi_structure, only: regime_type, structure_type
+   use vi_structure, only: opening_at, regime_type, structure_type
    use vi_structure_motion, only: impulse_of, transitions
    implicit none (type, external)
    private
@@ -83,7 +83,7 @@ contains
       real(wp), dimension(size(structure%mass, 1)) :: before, after, jump, turn
       real(wp), dimension(size(regime%modes%stiffness), 2) :: by_position, by_rate, kick, &
          jolt
-      real(wp) :: impulse, slope, closing, approaching
+      real(wp) :: impulse, slope, closing, approaching, opening(0:2)
       integer :: j, m
 
       m = size(x)
@@ -93,9 +93,12 @@ contains
       associate (direction => structure%directions(:, gap), mobility => structure%mobility(:, gap))
          call accelerations(regime, phase, x, v, before)
          call accelerations(regime, phase, x_after, v_after, after)
-         ! dq jumps by -(1 + R) m M^-1 G (G.dq), and dq' by turn (G.dq) - slope M^-1 G (G.dq')
+         ! dq jumps by -(1 + R) m M^-1 G (G.dq), and dq' by turn (G.dq) - slope M^-1 G (G.dq'); the
+         ! acceleration of a wall that moves is taken from that of the approach
          jump = -impulse/speed*mobility
-         turn = (after - before + slope*mobility*dot_product(direction, before))/speed
+         opening = opening_at(structure, gap, phase, regime%frequency)
+         turn = (after - before + slope*mobility*(dot_product(direction, before) - opening(2))) &
+            /speed
          kick(:, 1) = matmul(regime%xd, mobility)
          kick(:, 2) = matmul(regime%vd, mobility)
          jolt(:, 1) = matmul(regime%xq, jump) + matmul(regime%xd, turn)

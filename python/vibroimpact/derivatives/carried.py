@@ -131,6 +131,7 @@ def motion_gradient(motion: Motion, parameters: Sequence[Wanted] | None) -> Grad
     wanted = checked(structure, load, parameters)
     if not wanted:
         raise ParameterError(f"parameters = {parameters!r}: must name at least one")
+    structure._refuse_moving()
     names = names_of(wanted)
     run, hits = period_of(motion)
     along = Along(run, wanted, int(motion.gaps[0]))
@@ -207,6 +208,7 @@ def trajectory_gradient(run: Trajectory, parameters: Any) -> Gradient:
     """The derivatives of a trajectory of a structure."""
     if not run.complete:
         raise ParameterError(f"{run!r}: must be complete to have derivatives")
+    run.structure._refuse_moving()
     if not run.structure._is_rigid and (run._resting() or (run.events["kind"] == "stick").any()):
         raise ParameterError(
             f"{run!r}: must have no rests to have derivatives, since it has stops or friction"

@@ -290,7 +290,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
     @property
     def self_excited(self) -> bool:
         """Whether it has no periodic load, so that its phase is free; its period is 2 pi/load.frequency."""
-        return self.of_structure and not len(self.load.sine)
+        return self.of_structure and not len(self.load.sine) and not self.structure._moves
 
     @property
     def trivial(self) -> int | None:

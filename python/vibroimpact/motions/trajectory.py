@@ -55,7 +55,7 @@ from ..results.systems import (
 from ..results.tables import Result, made
 from ..systems.oscillator import Oscillator, Pattern, Point, of_numbers
 from ..systems.record import Record
-from ..systems.structure import Gap, Load, Structure, check_load, without_none
+from ..systems.structure import Gap, Load, Structure, check_load, opening_at, without_none
 from ..systems.verbs import every_system, physical_arguments
 from .quantities import Quantities, oscillator_quantities, structure_quantities
 
@@ -337,6 +337,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         """
         first, end = self._times(cycles, window)
         if self.of_structure:
+            self.structure._refuse_moving()
             return structure_quantities(
                 self,
                 core_arrays(self.structure, self.load, True),
@@ -814,6 +815,8 @@ def core_arrays(
         frequency, harmonics, constant = 0.0, np.zeros((n, 2, 0)), np.zeros(n)
     else:
         frequency, harmonics, constant = load._arrays()
+        if structure._moves and isinstance(load, Load):
+            frequency = load.frequency
     if isinstance(load, Record):
         step, record = load.step, load.force.T
     return matrices, directions, values, frequency, harmonics, constant, step, record
@@ -887,8 +890,11 @@ def simulate_structure(
         if status == NARROW_GAP:
             _refuse_opening(structure, arguments, q)
         if status == GAP_CLOSED:
+            frequency = getattr(load, "frequency", 0.0)
             apart = [
-                float(gap.opening - gap.direction @ q) if isinstance(gap, Gap) else math.inf
+                float(opening_at(gap, start, frequency) - gap.direction @ q)
+                if isinstance(gap, Gap)
+                else math.inf
                 for gap in structure.gaps
             ]
             i = int(np.argmin(apart))

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ..base import checks
 from ..base.errors import ParameterError
 from ..results.events import Sample
+from ..systems.structure import opening_at
 from .sketch import bodies_of, draw_sketch, has_bodies
 from .style import (
     ABOVE,
@@ -395,7 +396,8 @@ def _draw_openings(ax: Any, run: Trajectory, times: NDArray[Any], q: NDArray[Any
     """The openings of the gaps, where coordinates are no displacements of bodies."""
     begin, end = float(times[0]), float(times[-1])
     for j, gap in enumerate(run.structure.gaps[:OVERLAID]):
-        ax.plot(times, gap.opening - gap.direction @ q, color=COLOURS[j], lw=0.9, label=f"gap {j}")
+        opening = opening_at(gap, times, getattr(run.load, "frequency", 0.0))
+        ax.plot(times, opening - gap.direction @ q, color=COLOURS[j], lw=0.9, label=f"gap {j}")
     events = events_in(run, begin, end)
     for kind, marker, colour in (
         ("impact", "o", IMPACT),

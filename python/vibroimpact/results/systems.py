@@ -123,7 +123,7 @@ def _contact(name: str, part: Mapping[str, Any]) -> Gap | Stop:
     direction = np.atleast_1d(part["direction"])
     if name == "stop":
         return Stop(**{**part, "direction": direction})
-    return Gap(direction, part["opening"], from_columns(part))
+    return Gap(direction, part["opening"], from_columns(part), part.get("cosine"), part.get("sine"))
 
 
 def check_gap_numbers(result: Result, structure: Structure) -> None:
@@ -226,6 +226,13 @@ def structure_of(result: Result, frequency: float, loaded: bool) -> tuple[Struct
     )
     groups = namelist.parts_of(result.case)
     outputs = outputs_of(groups[0][1]) if groups else None
+    # the case alone tells how walls move
+    parts = [part for name, part in groups if name in ("gap", "stop")]
+    if len(parts) == len(gaps):
+        walls: list[dict[str, Any]] = [
+            {name: part.get(name) for name in ("cosine", "sine")} for part in parts
+        ]
+        gaps = [replace(gap, **wall) for gap, wall in zip(gaps, walls, strict=True)]
     structure = Structure(mass, damping, stiffness, gaps, friction, outputs)
     if not loaded:
         return structure, None

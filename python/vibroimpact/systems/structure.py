@@ -23,6 +23,10 @@ MOST = 500
 #: Largest modulus of a number of a matrix; of a frequency, a damping ratio, a mode shape or a direction.
 LARGEST, LARGEST_MODAL = 1e100, 1e40
 MOST_OUTPUTS = 100
+#: Most harmonics of the motion of a wall.
+MOST_HARMONICS = 100
+#: The verbs that take walls that move.
+WITH_WALLS = "simulate, periodic, exact, find, response, bifurcation_diagram, lyapunov and basins"
 #: The verbs that take stops and friction.
 WITH_ELEMENTS = (
     "simulate, periodic, exact, find, branch, zone, chart, response, bifurcation_diagram, lyapunov"
@@ -52,6 +56,23 @@ def _checked_direction(direction: ArrayLike) -> _Array:
     return array
 
 
+def _wall(cosine: ArrayLike | None, sine: ArrayLike | None) -> tuple[_Array, _Array]:
+    """The amplitudes of the motion of a wall, checked, as many of both."""
+    wanted = f"at most {MOST_HARMONICS} numbers from -1e100 to 1e100"
+    parts = []
+    for name, values in {"cosine": cosine, "sine": sine}.items():
+        given = np.zeros(0) if values is None else checks.real_array(values, name, wanted)
+        array = _numbers(np.atleast_1d(given), name, wanted, (-1,))
+        if len(array) > MOST_HARMONICS or (np.abs(array) > LARGEST).any():
+            raise ParameterError(f"{name} = {array.tolist()!r}: must be {wanted}")
+        parts.append(array)
+    most = max(map(len, parts))
+    whole = [np.pad(array, (0, most - len(array))) for array in parts]
+    for array in whole:
+        array.flags.writeable = False
+    return whole[0], whole[1]
+
+
 def _place(direction: ArrayLike, opening: float) -> tuple[_Array, float]:
     """The direction and the opening of a gap or a stop, checked."""
     array = _checked_direction(direction)
@@ -65,6 +86,9 @@ def _place(direction: ArrayLike, opening: float) -> tuple[_Array, float]:
 class Gap(ByValue):
     """A gap that opens and closes: opening - direction.q >= 0.
 
+    Its wall may move with the frequency Omega of the load, by which the opening varies: opening + the sum of
+    cosine_h cos(h Omega t) + sine_h sin(h Omega t).
+
     Parameters
     ----------
     direction : array_like (n,)
@@ -73,21 +97,40 @@ class Gap(ByValue):
         Its opening at q = 0; negative if it is closed there.
     restitution : float, PowerLaw or TabulatedRestitution
         Coefficient of restitution, 0 to 1, or a law of it over the approach speed.
+    cosine, sine : float or array_like (H,), optional
+        Amplitudes of the harmonics 1 to H of the opening.
 
     Raises
     ------
     ParameterError, ParameterTypeError
         If an argument is not as described.
+
+    Examples
+    --------
+    A ball on a table that vibrates, under gravity; upwards is positive, and the table moves by 0.1 sin(20 t):
+
+    >>> import vibroimpact as vi
+    >>> table = vi.Gap([-1], 0.0, restitution=0.7, sine=0.1)
+    >>> ball = vi.Structure(mass=[1], damping=[0], stiffness=[0], gaps=[table])
+    >>> run = vi.simulate(ball, vi.Load(20.0, constant=[-9.81]), cycles=50, state=([0.5], [0]))
+    >>> bool(run.states[0, 0, 0] > -0.1)
+    True
     """
 
     direction: _Array
     opening: float
     restitution: Restitution = 1.0
+    cosine: _Array = field(default_factory=lambda: np.zeros(0))
+    sine: _Array = field(default_factory=lambda: np.zeros(0))
 
     def __init__(
-        self, direction: ArrayLike, opening: float, restitution: Restitution = 1.0
-    ) -> None:
+        self, direction: ArrayLike, opening: float, restitution: Restitution = 1.0,
+        cosine: ArrayLike | None = None, sine: ArrayLike | None = None,
+    ) -> None:  # fmt: skip
         direction, opening = _place(direction, opening)
+        wall = _wall(cosine, sine)
+        object.__setattr__(self, "cosine", wall[0])
+        object.__setattr__(self, "sine", wall[1])
         object.__setattr__(self, "direction", direction)
         object.__setattr__(self, "opening", opening)
         object.__setattr__(self, "restitution", checked(restitution))
@@ -99,12 +142,13 @@ class Gap(ByValue):
     def _group(self) -> tuple[str, dict[str, Any]]:
         """The group of a namelist that describes it."""
         place = {"direction": self.direction.tolist(), "opening": self.opening}
-        return "gap", place | to_columns(self.restitution)
+        return "gap", place | _motion_of(self) | to_columns(self.restitution)
 
     def __repr__(self) -> str:
         r = self.restitution
         law = f"{r!r}" if isinstance(r, Law) else f"{r:g}"
-        return f"Gap({self.direction.tolist()}, {self.opening:g}, restitution={law})"
+        shown = [f"restitution={law}", *(f"{k}={v}" for k, v in _motion_of(self).items())]
+        return f"Gap({self.direction.tolist()}, {self.opening:g}, {', '.join(shown)})"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -124,6 +168,8 @@ class Stop(ByValue):
     release : "gap" or "force"
         Where contact ends. "gap": where d returns to 0; a dashpot pulls before. "force": the force is never below
         0, so that contact ends where it vanishes; it begins again where the force rises, even at a depth.
+    cosine, sine : float or array_like (H,), optional
+        Amplitudes of the harmonics of the opening, as of a `Gap`.
 
     Raises
     ------
@@ -148,12 +194,17 @@ class Stop(ByValue):
     damping: float = 0.0
     preload: float = 0.0
     release: Literal["gap", "force"] = "gap"
+    cosine: _Array = field(default_factory=lambda: np.zeros(0))
+    sine: _Array = field(default_factory=lambda: np.zeros(0))
 
     def __init__(
         self, direction: ArrayLike, opening: float, stiffness: float, damping: float = 0.0, preload: float = 0.0,
-        release: Literal["gap", "force"] = "gap",
+        release: Literal["gap", "force"] = "gap", cosine: ArrayLike | None = None, sine: ArrayLike | None = None,
     ) -> None:  # fmt: skip
         direction, opening = _place(direction, opening)
+        wall = _wall(cosine, sine)
+        object.__setattr__(self, "cosine", wall[0])
+        object.__setattr__(self, "sine", wall[1])
         object.__setattr__(self, "direction", direction)
         object.__setattr__(self, "opening", opening)
         wanted = "a number from 0 to 1e100"
@@ -180,15 +231,30 @@ class Stop(ByValue):
         """The group of a namelist that describes it."""
         return "stop", {
             "direction": self.direction.tolist(), "opening": self.opening, "stiffness": self.stiffness,
-            "damping": self.damping, "preload": self.preload, "release": self.release,
+            "damping": self.damping, "preload": self.preload, "release": self.release, **_motion_of(self),
         }  # fmt: skip
 
     def __repr__(self) -> str:
         further = {"damping": self.damping, "preload": self.preload}
         shown = [f"{name}={value:g}" for name, value in further.items() if value]
         shown += ["release='force'"] if self.release == "force" else []
+        shown += [f"{name}={values}" for name, values in _motion_of(self).items()]
         place = f"{self.direction.tolist()}, {self.opening:g}, stiffness={self.stiffness:g}"
         return f"Stop({', '.join([place, *shown])})"
+
+
+def _motion_of(part: Gap | Stop | Friction) -> dict[str, list[float]]:
+    """The keys of the motion of a wall, if it moves."""
+    if isinstance(part, Friction):
+        return {}
+    parts = {"cosine": part.cosine, "sine": part.sine}
+    return {name: values.tolist() for name, values in parts.items() if values.any()}
+
+
+def opening_at(part: Gap | Stop, t: Any, frequency: float) -> Any:
+    """The opening at q = 0 at times, which varies where the wall moves."""
+    angles = np.multiply.outer(np.asarray(t), frequency * np.arange(1, len(part.cosine) + 1))
+    return part.opening + np.cos(angles) @ part.cosine + np.sin(angles) @ part.sine
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -539,10 +605,19 @@ class Structure(ByValue):
         directions = np.array([gap.direction for gap in gaps]).T
         constant = [gap.restitution for gap in gaps if isinstance(gap, Gap)]
         openings = [0.0 if isinstance(gap, Friction) else gap.opening for gap in gaps]
-        if len(constant) == len(gaps) and all(isinstance(value, float) for value in constant):
+        plain = all(isinstance(value, float) for value in constant) and not self._moves
+        if len(constant) == len(gaps) and plain:
             values = np.array([openings, constant])
         else:
-            columns = [[opening, *gap._law()] for opening, gap in zip(openings, gaps, strict=True)]
+            columns = []
+            for opening, gap in zip(openings, gaps, strict=True):
+                kind, *numbers = gap._law()
+                wall = (
+                    np.zeros(0)
+                    if isinstance(gap, Friction)
+                    else np.ravel([gap.cosine, gap.sine], "F")
+                )
+                columns.append([opening, kind + 5 * len(wall), *wall.tolist(), *numbers])
             values = np.zeros((max(map(len, columns)), len(gaps)))
             for j, column in enumerate(columns):
                 values[: len(column), j] = column
@@ -587,6 +662,19 @@ class Structure(ByValue):
     def _parts(self) -> tuple[Gap | Stop | Friction, ...]:
         """Gaps and stops, and then friction, as the core numbers them."""
         return (*self.gaps, *self.friction)
+
+    @property
+    def _moves(self) -> bool:
+        """Whether the wall of a gap or a stop moves."""
+        return any(_motion_of(part) for part in self._parts)
+
+    def _refuse_moving(self) -> None:
+        """ParameterError if a wall moves."""
+        for i, part in enumerate(self.gaps):
+            if _motion_of(part):
+                raise ParameterError(
+                    f"gaps[{i}] = {part!r}: must not move here; only {WITH_WALLS} take walls that move"
+                )
 
     @property
     def _is_rigid(self) -> bool:
@@ -781,6 +869,38 @@ class Load(ByValue):
         """Number of coordinates; 0 of no load."""
         return self.constant.size
 
+    def __add__(self, other: Load) -> Load:
+        """The sum of two loads: of one frequency, unless one of them is constant.
+
+        Examples
+        --------
+        >>> import vibroimpact as vi
+        >>> gravity = vi.Load(constant=[0.0, -9.81])
+        >>> gravity + vi.Load(2.0, sine=[1.0, 0.0])
+        <Load of 1 harmonic of Omega = 2 on 2 coordinates>
+        """
+        if not isinstance(other, Load):
+            return NotImplemented
+        if not self.coordinates or not other.coordinates:
+            return self if self.coordinates else other
+        if self.coordinates != other.coordinates:
+            raise ParameterError(
+                f"load for {other.coordinates} coordinates: must be for {self.coordinates} as that to which it is "
+                "added"
+            )
+        frequencies = {load.frequency for load in (self, other) if load.frequency}
+        if len(frequencies) > 1:
+            raise ParameterError(
+                f"frequency = {other.frequency!r}: must be {self.frequency!r} as of the load to which it is added"
+            )
+        parts: dict[str, _Array] = {"constant": self.constant + other.constant}
+        most = max(len(self.sine), len(other.sine))
+        for name in ("sine", "cosine") if most else ():
+            both = [getattr(load, name) for load in (self, other)]
+            first, second = (np.pad(part, ((0, most - len(part)), (0, 0))) for part in both)
+            parts[name] = first + second
+        return Load(max(frequencies, default=None), **parts)
+
     def _groups(self) -> list[tuple[str, dict[str, Any]]]:
         """The group of a namelist that describes it."""
         keys: dict[str, Any] = {"frequency": self.frequency or None}
@@ -826,6 +946,10 @@ def check_load(
     load = without_none(load)
     if not isinstance(load, kinds):
         checks.instance(load, "load", Load)
+    if structure._moves and not getattr(load, "frequency", 0.0):
+        raise ParameterError(
+            f"load = {load!r}: must have a frequency, with which the walls of the structure move"
+        )
     if load is None:
         return
     if load.coordinates != structure.coordinates:

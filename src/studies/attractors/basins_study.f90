@@ -210,6 +210,7 @@ contains
       study%meaning = 'find the attractors at a point and the basin of each'
       study%row = 'states'
       study%takes_elements = .true.
+      study%takes_walls = .true.
       study%check => check_basins
       study%memory => basins_memory
       study%run => run_basins

@@ -177,6 +177,7 @@ contains
       study%meaning = 'sweep a parameter up and down, or from many states'
       study%row = [character(7) :: 'impacts', 'strobes']
       study%takes_elements = .true.
+      study%takes_walls = .true.
       study%check => check_bifurcation
       study%memory => bifurcation_memory
       study%run => run_bifurcation

@@ -145,6 +145,7 @@ contains
       study%meaning = 'compute all Lyapunov exponents at a point or along a line'
       study%row = [character(9) :: 'points', 'exponents']
       study%takes_elements = .true.
+      study%takes_walls = .true.
       study%check => check_lyapunov
       study%memory => lyapunov_memory
       study%run => run_lyapunov

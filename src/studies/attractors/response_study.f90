@@ -131,6 +131,7 @@ contains
       study%meaning = 'follow the size of settled motions along the load frequency'
       study%row = [character(6) :: 'points', 'cells']
       study%takes_elements = .true.
+      study%takes_walls = .true.
       study%check => check_response
       study%memory => response_memory
       study%run => run_response

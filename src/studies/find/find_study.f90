@@ -140,6 +140,7 @@ contains
       study%meaning = 'search for all periodic motions at a point'
       study%row = 'impacts'
       study%takes_elements = .true.
+      study%takes_walls = .true.
       study%check => check_find
       study%memory => find_memory
       study%run => run_find
@@ -377,7 +378,7 @@ contains
          end do
          most_impacts = s%whole_number('max_impacts')
          ! events of stops and friction are known from simulations alone
-         if (any(structure%laws%kind > table_law)) most_impacts = 0
+         if (any(structure%laws%kind > table_law) .or. structure%moves) most_impacts = 0
          call search_orders(structure, load, orders_type(most_impacts, &
             s%whole_number('max_cycles'), s%whole_number('guesses'), s%whole_number('seed'), &
             threads), list, failures, progress)

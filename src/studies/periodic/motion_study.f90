@@ -259,6 +259,7 @@ contains
       study%check => check_case
       study%memory => motion_memory
       study%takes_elements = .true.
+      study%takes_walls = .true.
       study%run => run_motion
    end subroutine declare_motion
 

@@ -149,6 +149,7 @@ contains
       if (.not. present(study)) return
       study%name = 'simulate'
       study%takes_elements = .true.
+      study%takes_walls = .true.
       study%meaning = 'simulate from an initial state'
       study%row = 'events'
       study%check => check_simulate

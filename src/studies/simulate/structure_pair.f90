@@ -58,6 +58,7 @@ contains
 
       if (size(structure%mass, 1) /= 2 .or. size(structure%openings) /= 2) return
       if (structure%channels /= 1 .or. size(load%sine, 2) /= 1 .or. load%step > 0) return
+      if (structure%moves) return
       h = merge(1, 2, structure%stiffness(1, 1) > 0)
       p = 3 - h
       associate (m => structure%mass, c => structure%damping, k => structure%stiffness, &

@@ -14,7 +14,7 @@ module vi_structure_run
    use vi_structure_record, only: pass_intervals, set_forces
    use vi_watch, only: keep_watch
    use vi_structure, only: check_structure, factor_along, is_absorbed, is_extreme, load_type, &
-      new_regime, regime_type, restitution_of, state_of, structure_type, to_pairs
+      new_regime, opening_at, regime_type, restitution_of, state_of, structure_type, to_pairs
    implicit none (type, external)
    private
 
@@ -140,7 +140,7 @@ contains
       integer, intent(out) :: status
       !> Share of the size of a gap that counts as rounding of a state computed elsewhere.
       real(wp), parameter :: rounding = 1.0e-13_wp
-      real(wp) :: gap, phase, speed, scale
+      real(wp) :: gap, phase, speed, scale, opening(0:2)
       integer, allocatable :: closed(:), level(:), halted(:), orders(:), pressed(:), slipping(:)
       integer :: j, n
 
@@ -153,10 +153,12 @@ contains
       state%elapsed = max(0.0_wp, time - real(state%cycle, wp)*run%period)
       allocate (closed(0), level(0), halted(0), pressed(0), slipping(0))
       status = stat%ok
+      phase = run%load%frequency*state%elapsed
       do j = 1, size(run%structure%openings)
          associate (direction => run%structure%directions(:, j))
-            gap = run%structure%openings(j) - dot_product(direction, q)
-            speed = dot_product(direction, rate)
+            opening = opening_at(run%structure, j, phase, run%load%frequency)
+            gap = opening(0) - dot_product(direction, q)
+            speed = dot_product(direction, rate) - opening(1)
             if (run%structure%rubs(j)) then
                speed = speed - run%structure%laws(j)%numbers(3)
                scale = dot_product(abs(direction), abs(rate)) &
@@ -167,7 +169,7 @@ contains
                if (speed < -8*epsilon(1.0_wp)*scale) slipping = [slipping, j]
                cycle
             end if
-            scale = abs(run%structure%openings(j)) + sum(abs(direction))*maxval(abs(q))
+            scale = abs(opening(0)) + sum(abs(direction))*maxval(abs(q))
             if (abs(gap) > rounding*scale) scale = scale + 0.5_wp*sum(abs(direction))* &
                reach_of(run, rate)
             if (gap > rounding*scale) cycle
@@ -175,7 +177,7 @@ contains
             if (gap < -rounding*scale .and. run%structure%elastic(j)) cycle
             if (gap < -rounding*scale) status = stat%gap_closed
             ! a state at the end of a simulation that rests has a speed of rounding
-            scale = dot_product(abs(direction), abs(rate))
+            scale = dot_product(abs(direction), abs(rate)) + abs(opening(1))
             if (abs(speed) > 8*epsilon(1.0_wp)*scale) scale = scale + sum(abs(direction))* &
                reach_of(run, rate)/time_of_motion(run)
             ! a stop that is met with a speed is touched in the first search
@@ -189,8 +191,7 @@ contains
       end do
       if (status /= stat%ok) return
       allocate (state%q(n), state%rate(n), orders(size(closed)))
-      phase = run%load%frequency*state%elapsed
-      pressed = without_force(run%structure, pressed, q, rate)
+      pressed = without_force(run, pressed, phase, q, rate)
       do j = 1, size(closed)
          pressed = merged(pressed, closed(j))
       end do
@@ -215,22 +216,25 @@ contains
    end subroutine start_at
 
    !> Stops that are closed, as a set in which those that would have to pull are negative.
-   pure function without_force(structure, stops, q, rate) result(closed)
-      !> The structure.
-      type(structure_type), intent(in) :: structure
+   pure function without_force(run, stops, phase, q, rate) result(closed)
+      !> The run.
+      type(run_type), intent(in) :: run
       !> The stops.
       integer, intent(in) :: stops(:)
-      !> (n) Coordinates and velocities.
-      real(wp), intent(in) :: q(:), rate(:)
+      !> The load phase (rad), and (n) coordinates and velocities.
+      real(wp), intent(in) :: phase, q(:), rate(:)
       integer, allocatable :: closed(:)
+      real(wp) :: opening(0:2)
       integer :: i, j
 
       allocate (closed(0))
       do i = 1, size(stops)
          j = stops(i)
-         associate (law => structure%laws(j)%numbers, direction => structure%directions(:, j))
-            if (structure%push(j) > 0 .and. law(3) + law(1)*(dot_product(direction, q) &
-               - structure%openings(j)) + law(2)*dot_product(direction, rate) < 0) j = -j
+         opening = opening_at(run%structure, j, phase, run%load%frequency)
+         associate (law => run%structure%laws(j)%numbers, &
+            direction => run%structure%directions(:, j))
+            if (run%structure%push(j) > 0 .and. law(3) + law(1)*(dot_product(direction, q) &
+               - opening(0)) + law(2)*(dot_product(direction, rate) - opening(1)) < 0) j = -j
          end associate
          closed = merged(closed, j)
       end do
@@ -556,15 +560,17 @@ contains
       type(run_event_type), intent(inout) :: event
       !> `stat%ok`, or as in `new_regime`.
       integer, intent(out) :: status
+      real(wp) :: opening(0:2)
 
+      opening = opening_at(run%structure, gap, phase, run%load%frequency)
       associate (before => run%regimes(state%regime)%closed, structure => run%structure)
          if (kind == release_event) then
             call enter(run, opened(structure, before, gap), phase, q, rate, state, status)
          else
             ! without what rounding leaves of its speed
             call enter(run, merged(before, gap), phase, q, rate - structure%mobility(:, gap) &
-               *structure%effective(gap)*dot_product(structure%directions(:, gap), rate), state, &
-               status)
+               *structure%effective(gap)*(dot_product(structure%directions(:, gap), rate) &
+               - opening(1)), state, status)
          end if
       end associate
       if (status /= stat%ok) return
@@ -1264,7 +1270,8 @@ contains
          end if
          call move(run, state, reached%time)
          call state_now(run, state, q, rate)
-         if (closes_another(run, q, rate, gap)) status = stat%coupled_impacts
+         if (closes_another(run, run%load%frequency*state%elapsed, q, rate, gap)) status = &
+            stat%coupled_impacts
          if (status /= stat%ok) return
          if (reached%time > 0) call leave_instant(state)
          ! an impact at the same instant changes how a stop is left
@@ -1334,7 +1341,7 @@ contains
       !! in `new_regime`.
       integer, intent(out) :: status
       integer, allocatable :: closed(:)
-      real(wp) :: phase
+      real(wp) :: phase, wall(0:2)
       integer :: kind, order, sense, number
       logical :: grazes
 
@@ -1386,8 +1393,9 @@ contains
             if (order > 0) call part(run, state, structure%push(number), -1, order)
          end if
          if (size(regime%resting) > 0 .or. allocated(state%touching)) state%unsettled = .true.
+         wall = opening_at(structure, number, phase, run%load%frequency)
          call note(state, kind, number, abs(dot_product(structure%directions(:, number), &
-            state%rate)), 0.0_wp, state%q, state%rate, event)
+            state%rate) - wall(1)), 0.0_wp, state%q, state%rate, event)
          if (row == structure%channel(number)) event%speed = reached%speed
       end associate
    end subroutine pass_stop
@@ -1463,22 +1471,23 @@ contains
    end function are_coupled
 
    !> Whether a gap that is coupled with the one that closes is closing at the same instant.
-   pure logical function closes_another(run, q, rate, gap)
+   pure logical function closes_another(run, phase, q, rate, gap)
       !> The run.
       type(run_type), intent(in) :: run
-      !> (n) Coordinates and velocities just before the impact.
-      real(wp), intent(in) :: q(:), rate(:)
+      !> The load phase (rad), and (n) coordinates and velocities just before the impact.
+      real(wp), intent(in) :: phase, q(:), rate(:)
       !> The gap that closes.
       integer, intent(in) :: gap
-      real(wp) :: speed, opening, size_now
+      real(wp) :: speed, opening, size_now, wall(0:2)
       integer :: i, j, k
 
       closes_another = .false.
       associate (structure => run%structure)
          do i = structure%coupled_begins(gap), structure%coupled_begins(gap + 1) - 1
             j = structure%coupled(i)
-            speed = 0
-            opening = structure%openings(j)
+            wall = opening_at(structure, j, phase, run%load%frequency)
+            speed = -wall(1)
+            opening = wall(0)
             size_now = abs(opening)
             do k = structure%begins(j), structure%begins(j + 1) - 1
                associate (at => structure%at(k), direction => structure%part(k))
@@ -1515,7 +1524,7 @@ contains
       integer, intent(out) :: status
       type(reached_type) :: reached
       real(wp), allocatable :: q(:), rate(:)
-      real(wp) :: d(0:3), closing, duration, longest, lost, phase, time_error, unit
+      real(wp) :: d(0:3), closing, duration, longest, lost, opening(0:2), phase, time_error, unit
       type(pace_type) :: pace
       integer :: gap
 
@@ -1561,8 +1570,9 @@ contains
       end associate
       ! no gap that rests is coupled with this one by mass, or its impact would have been refused
       associate (structure => run%structure)
+         opening = opening_at(structure, gap, phase, run%load%frequency)
          rate = rate - structure%mobility(:, gap)*structure%effective(gap)* &
-            dot_product(structure%directions(:, gap), rate)
+            (dot_product(structure%directions(:, gap), rate) - opening(1))
       end associate
       call enter(run, merged(run%regimes(state%regime)%closed, gap), phase, q, rate, state, status)
       if (status /= stat%ok) return

@@ -14,7 +14,7 @@ module vi_structure_variation
    use vi_kinds, only: wp
    use vi_modes, only: advance
    use vi_status, only: stat
-   use vi_structure, only: factor_along, regime_type, restitution_of, structure_type
+   use vi_structure, only: factor_along, opening_at, regime_type, restitution_of, structure_type
    use vi_structure_map, only: accelerations, apply_flight, apply_impact, from_coordinates, &
       to_coordinates
    use vi_structure_motion, only: impulse_of
@@ -264,7 +264,7 @@ contains
       real(wp), parameter :: rounding = 1.0e-12_wp
       real(wp), dimension(size(run%structure%mass, 1)) :: before, after, jump
       real(wp), allocatable :: p(:, :), x(:), v(:), closing(:)
-      real(wp) :: d(0:3), rate, scale, impulse, slope
+      real(wp) :: d(0:3), rate, scale, impulse, slope, opening(0:2)
       integer :: j, m, n, row
 
       status = stat%ok
@@ -290,7 +290,8 @@ contains
                   call impulse_of(run%structure, event%gap, event%speed, impulse, slope)
                   closing = matmul(direction, p(:n, :))
                   tangent%later = -closing/event%speed
-                  jump = jump + slope*mobility*dot_product(direction, before)
+                  opening = opening_at(run%structure, event%gap, phase, run%load%frequency)
+                  jump = jump + slope*mobility*(dot_product(direction, before) - opening(2))
                   do j = 1, size(p, 2)
                      p(n + 1:, j) = p(n + 1:, j) - jump*tangent%later(j) &
                         - slope*mobility*dot_product(direction, p(n + 1:, j))

@@ -14,10 +14,15 @@ module vi_structure_gaps
    implicit none (type, external)
    private
 
-   public :: check_gap, gaps_of, narrow_gap, start_fault
+   public :: check_gap, gaps_of, harmonics_of, narrow_gap, start_fault
 
    !> Largest modulus of a number of a direction, or of a mode shape.
    real(wp), parameter, public :: most_direction = 1.0e40_wp
+   !> Most harmonics of the motion of a wall.
+   integer, parameter :: most_harmonics = 100
+   character(*), parameter :: of_wall = 'amplitudes of cos(Omega t), then of cos(2 Omega t), ... &
+      &that are added to the opening, with Omega of the load', of_wall_sine = &
+      'amplitudes of sin(Omega t), then of sin(2 Omega t), ... that are added to the opening'
    !> Largest stiffness, damping or preload of a stop.
    real(wp), parameter :: most_stop = 1.0e100_wp
 
@@ -27,6 +32,8 @@ module vi_structure_gaps
       &all 0', &
       meaning='the gap closes in this direction: opening - direction.q >= 0'), &
       key_type('opening', meaning='opening of the gap at q = 0; negative if it is closed there'), &
+      key_type('cosine', most=most_harmonics, may_miss=.true., meaning=of_wall), &
+      key_type('sine', most=most_harmonics, may_miss=.true., meaning=of_wall_sine), &
       key_type('restitution', low=0.0_wp, high=1.0_wp, default='1', never='law=table', &
       meaning='coefficient of restitution; with law = ''power'' that at low approach speeds'), &
       key_type('law', a_word, default='''constant''', words='constant power table', &
@@ -49,6 +56,8 @@ module vi_structure_gaps
       meaning='the stop is pressed in this direction, by direction.q - opening where it is > 0'), &
       key_type('opening', &
       meaning='opening of the stop at q = 0; negative if it is pressed there'), &
+      key_type('cosine', most=most_harmonics, may_miss=.true., meaning=of_wall), &
+      key_type('sine', most=most_harmonics, may_miss=.true., meaning=of_wall_sine), &
       key_type('stiffness', low=0.0_wp, high=most_stop, meaning='stiffness of its spring'), &
       key_type('damping', low=0.0_wp, high=most_stop, default='0', &
       meaning='damping of its dashpot'), &
@@ -115,7 +124,8 @@ contains
       integer :: i, j
 
       allocate (directions(n, size(gaps)), source=0.0_wp)
-      allocate (gap_values(6 + 2*most_points(gaps), size(gaps)), source=0.0_wp)
+      allocate (gap_values(6 + 2*most_points(gaps) + 2*maxval([0, (harmonics_of(gaps(i)), i=1, &
+         size(gaps))]), size(gaps)), source=0.0_wp)
       do i = 1, size(gaps)
          direction = gaps(i)%numbers('direction')
          if (present(shapes)) then
@@ -128,9 +138,38 @@ contains
          end if
          call law_of(gaps(i), law)
          if (gaps(i)%name /= 'friction') gap_values(1, i) = gaps(i)%number('opening')
-         gap_values(2:1 + size(law), i) = law
+         associate (h => harmonics_of(gaps(i)))
+            gap_values(2, i) = law(1) + 10*h
+            if (h > 0) gap_values(3:2 + 2*h, i) = [transpose(reshape([amplitudes(gaps(i), &
+               'cosine', h), amplitudes(gaps(i), 'sine', h)], [h, 2]))]
+            gap_values(3 + 2*h:1 + 2*h + size(law), i) = law(2:)
+         end associate
       end do
    end subroutine gaps_of
+
+   !> Number of harmonics with which the wall of a gap or a stop moves.
+   pure integer function harmonics_of(gap) result(number)
+      !> The group.
+      type(values_type), intent(in) :: gap
+
+      number = 0
+      if (gap%name == 'friction' .or. gap%name == 'load') return
+      if (gap%has('cosine')) number = size(gap%numbers('cosine'))
+      if (gap%has('sine')) number = max(number, size(gap%numbers('sine')))
+   end function harmonics_of
+
+   !> Amplitudes of a wall, with zeros for further harmonics.
+   pure function amplitudes(gap, key, harmonics) result(numbers)
+      !> The group, and its key.
+      type(values_type), intent(in) :: gap
+      character(*), intent(in) :: key
+      !> Number of harmonics.
+      integer, intent(in) :: harmonics
+      real(wp) :: numbers(harmonics)
+
+      numbers = 0
+      if (gap%has(key)) numbers(:size(gap%numbers(key))) = gap%numbers(key)
+   end function amplitudes
 
    !> The largest number of points of the tables of restitution of some gaps.
    pure integer function most_points(gaps) result(most)
@@ -208,7 +247,7 @@ contains
       integer :: gap
 
       text = status_text(status)
-      if (status == stat%gap_closed) then
+      if (status == stat%gap_closed .and. .not. structure%moves) then
          apart = structure%openings
          if (size(q) > 0) apart = apart - matmul(q, structure%directions)
          where (structure%laws%kind > table_law) apart = huge(1.0_wp)

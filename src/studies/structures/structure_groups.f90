@@ -4,7 +4,8 @@ module vi_structure_groups
    use vi_kinds, only: wp
    use vi_namelist, only: group_type
    use vi_structure, only: load_type, new_structure, structure_type
-   use vi_structure_gaps, only: check_gap, friction_keys, gap_keys, gaps_of, stop_keys
+   use vi_structure_gaps, only: check_gap, friction_keys, gap_keys, gaps_of, harmonics_of, &
+      stop_keys
    use vi_structure_loads, only: check_load, complete_coordinates, complete_record, &
       load_frequency, load_keys, load_of, record_end, record_of
    use vi_structure_matrices, only: check_matrices, check_outputs, find_coordinates, &
@@ -13,9 +14,9 @@ module vi_structure_groups
    implicit none (type, external)
    private
 
-   public :: complete_coordinates, element_besides_gaps, friction_keys, gap_keys, load_frequency, &
-      load_keys, most_coordinates, output_rows, read_parts, read_structure, record_end, &
-      record_of, stop_keys, structure_keys, structure_of
+   public :: complete_coordinates, element_besides_gaps, friction_keys, gap_keys, has_moving_wall, &
+      load_frequency, load_keys, most_coordinates, output_rows, read_parts, read_structure, &
+      record_end, record_of, stop_keys, structure_keys, structure_of
 
 contains
 
@@ -63,6 +64,9 @@ contains
       do i = 1, size(parts)
          if (parts(i)%name /= 'load') then
             call check_gap(parts(i), points)
+            if (harmonics_of(parts(i)) > 0 .and. .not. has_frequency(parts)) call parts(i)%refuse( &
+               trim(merge('cosine', 'sine  ', parts(i)%has('cosine'))), &
+               'it goes with a &load that has a frequency')
          else
             call check_load(parts(i), coordinates)
             call complete_record(path, structure, coordinates, parts(i))
@@ -96,6 +100,27 @@ contains
       end do
    end subroutine element_besides_gaps
 
+   !> Whether a load among parts has a frequency.
+   pure logical function has_frequency(parts)
+      !> The parts.
+      type(values_type), intent(in) :: parts(:)
+
+      has_frequency = .false.
+      if (size(parts) == 0) return
+      associate (last => parts(size(parts)))
+         if (last%name == 'load') has_frequency = last%has('frequency')
+      end associate
+   end function has_frequency
+
+   !> Whether the wall of a gap or a stop of a case moves.
+   pure logical function has_moving_wall(case)
+      !> A case with the structure.
+      type(case_type), intent(in) :: case
+      integer :: i
+
+      has_moving_wall = any([(harmonics_of(case%parts(i)) > 0, i=1, size(case%parts))])
+   end function has_moving_wall
+
    !> The structure and the load of a case.
    pure subroutine structure_of(case, structure, load)
       !> A case with a structure.
@@ -117,6 +142,7 @@ contains
       end associate
       structure = new_structure(matrices, directions, gap_values)
       call load_of(case, load)
+      if (structure%moves) load%frequency = load_frequency(case)
    end subroutine structure_of
 
 end module vi_structure_groups

@@ -1,0 +1,292 @@
+"""Walls of gaps and stops that move with the load, against closed forms and a change of coordinates."""
+
+import math
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+
+GRAVITY, OMEGA = 9.81, 20.0
+
+
+def ball_on_table(amplitude, restitution=0.7):
+    """A ball on a table that moves by `amplitude` sin(OMEGA t), under gravity; upwards is positive."""
+    table = vi.Gap([-1], 0.0, restitution, sine=-amplitude)
+    ball = vi.Structure(mass=[1], damping=[0], stiffness=[0], gaps=[table])
+    return ball, vi.Load(OMEGA, constant=[-GRAVITY])
+
+
+def differences(motion, step=1e-6):
+    """The derivative of a period by differences of simulations."""
+    structure, load = motion.structure, motion.load
+    start, (q, q_dot) = motion._run()._between_events()
+    first = np.append(q, q_dot)
+    columns = []
+    for i in range(len(first)):
+        ends = []
+        for sign in (1, -1):
+            state = first.copy()
+            state[i] += sign * step
+            state = np.split(state, 2)
+            run = vi.simulate(structure, load, duration=motion.period, state=state, start=start)
+            ends.append(np.ravel(run.final_state))
+        columns.append((ends[0] - ends[1]) / (2 * step))
+    return np.transpose(columns)
+
+
+def check_multipliers(motion, tolerance=1e-6):
+    """Multipliers against differences, and the law of the determinant."""
+    found = np.sort_complex(np.linalg.eigvals(differences(motion)))
+    own = np.sort_complex(motion.multipliers)
+    assert np.abs(found - own).max() < tolerance * max(1, np.abs(own).max())
+    assert motion.determinant == pytest.approx(motion.law, rel=1e-9, abs=1e-13)
+
+
+@pytest.mark.parametrize("amplitude", [0.0145, 0.02, 0.1])
+def test_a_ball_that_bounces_once_in_a_period(amplitude):
+    """Take-off at g T/2, and R (u + w) = u - w with the speed w of the table at the impact."""
+    ball, load = ball_on_table(amplitude)
+    speed = GRAVITY * math.pi / OMEGA
+    phase = math.acos(speed * (1 - 0.7) / (1 + 0.7) / (amplitude * OMEGA))
+    motion = vi.exact(ball, load, ([phase + 0.01], [0], 1))
+    assert motion.phases == pytest.approx([phase], abs=1e-13)
+    assert motion.q == pytest.approx([amplitude * math.sin(phase)], abs=1e-13)
+    assert motion.q_dot == pytest.approx([speed], rel=1e-13)
+    assert motion.speeds == pytest.approx([speed + amplitude * OMEGA * math.cos(phase)], rel=1e-13)
+    assert motion.admissible
+    assert not motion.self_excited
+    # P. J. Holmes, J. Sound Vib. 84 (1982): trace and determinant of the exact map
+    trace = 1 + 0.49 - (1 + 0.7) ** 2 * amplitude * OMEGA**2 * math.sin(phase) / GRAVITY
+    assert motion.multipliers.sum().real == pytest.approx(trace, rel=1e-9)
+    assert motion.determinant == pytest.approx(0.49, rel=1e-11)
+    assert motion.stable == bool(np.abs(np.roots([1, -trace, 0.49])).max() < 1)
+    given = vi.periodic(ball, load, motion.phases, [0])
+    assert given.residual < 1e-13
+    assert given.speeds == pytest.approx(motion.speeds, rel=1e-12)
+
+
+def test_a_stable_bounce_attracts():
+    ball, load = ball_on_table(0.02)
+    speed = GRAVITY * math.pi / OMEGA
+    phase = math.acos(speed * (1 - 0.7) / (1 + 0.7) / (0.02 * OMEGA))
+    motion = vi.exact(ball, load, ([phase], [0], 1))
+    assert motion.stable
+    check_multipliers(motion, 1e-5)
+    state = ([0.02 * math.sin(phase) + 1e-4], [speed + 1e-3])
+    run = vi.simulate(ball, load, cycles=400, state=state, start=phase / OMEGA)
+    again = vi.exact(ball, load, run)
+    assert again.speeds == pytest.approx(motion.speeds, rel=1e-9)
+    assert again.multipliers == pytest.approx(motion.multipliers, abs=1e-9)
+
+
+def test_rest_on_a_table_until_it_falls_faster():
+    """Impacts accumulate, the ball is carried, and lifts off where the table accelerates downwards with g."""
+    amplitude = 0.03
+    ball, load = ball_on_table(amplitude, restitution=0.3)
+    run = vi.simulate(ball, load, cycles=30, state=([0.3], [0.0]))
+    kinds = run.events["kind"]
+    assert {"impact", "stick", "release"} <= set(kinds)
+    lifts = run.events["time"][kinds == "release"]
+    expected = math.asin(GRAVITY / (amplitude * OMEGA**2))
+    assert np.mod(OMEGA * lifts, 2 * math.pi) == pytest.approx(expected, abs=1e-11)
+    stick = int(np.argmax(kinds == "stick"))
+    begin, end = run.events["time"][stick], run.events["time"][stick + 1]
+    t = np.linspace(begin, end, 9)
+    q, q_dot = run.sample(t)
+    assert q[0] == pytest.approx(amplitude * np.sin(OMEGA * t), abs=1e-14)
+    assert q_dot[0] == pytest.approx(amplitude * OMEGA * np.cos(OMEGA * t), abs=1e-12)
+    assert run.acceleration(t)[0][:-1] == pytest.approx(
+        -amplitude * OMEGA**2 * np.sin(OMEGA * t[:-1]), abs=1e-10
+    )
+    # with an amplitude below g it rests for good
+    quiet, load = ball_on_table(0.02, restitution=0.3)
+    run = vi.simulate(quiet, load, cycles=20, discard=60, state=([0.3], [0.0]))
+    assert run.permanent == (0,)
+    motion = vi.exact(ball, vi.Load(OMEGA, constant=[-GRAVITY]), vi.simulate(
+        ball, vi.Load(OMEGA, constant=[-GRAVITY]), cycles=60, state=([0.3], [0.0])
+    ))  # fmt: skip
+    assert len(motion.rests) == 1
+    assert motion.admissible
+    assert motion.stable
+    assert np.abs(motion.multipliers) == pytest.approx([0, 0], abs=1e-9)
+
+
+#: Motions of the wall, cosines and sines of its harmonics.
+WALL = {"cosine": [0.1, 0.02], "sine": [-0.05, 0.03]}
+CONTACTS = {
+    "gap": lambda **wall: vi.Gap([1, 0], 0.3, 0.6, **wall),
+    "law": lambda **wall: vi.Gap([1, 0], 0.3, vi.PowerLaw(0.8, 0.5, 0.25), **wall),
+    "no rebound": lambda **wall: vi.Gap([1, 0], 0.1, 0.0, **wall),
+    "stop": lambda **wall: vi.Stop([1, 0], 0.3, stiffness=40, damping=1.5, **wall),
+    "pushing": lambda **wall: vi.Stop([1, 0], 0.3, 40, damping=4, release="force", **wall),
+    "preload": lambda **wall: vi.Stop([1, 0], 0.3, 30, damping=1, preload=0.2, **wall),
+}
+MASS, DAMPING = np.array([[1.0, 0.2], [0.2, 0.7]]), np.array([[0.2, -0.1], [-0.1, 0.3]])
+STIFFNESS = np.array([[2.0, -1.0], [-1.0, 1.5]])
+
+
+def moving_and_shifted(kind, omega=1.7):
+    """A chain whose first mass meets a moving wall, with a second one at rest for the other mass; and the same in
+    coordinates that move with the wall, in which it rests and the structure has a load in addition."""
+    still = vi.Gap([0, -1], 0.5, 0.7)
+    load = vi.Load(omega, cosine=[1.5, 0.3], sine=[0.2, 0.0], constant=[0.3, 0.0])
+    moving = vi.Structure(MASS, DAMPING, STIFFNESS, [CONTACTS[kind](**WALL), still])
+    further = vi.Load(omega, constant=[0.0, 0.0], cosine=np.zeros((2, 2)))
+    for h in (1, 2):
+        w = complex(WALL["cosine"][h - 1], -WALL["sine"][h - 1]) * np.array([1, 0])
+        force = -(STIFFNESS - (h * omega) ** 2 * MASS + 1j * h * omega * DAMPING) @ w
+        rows = np.zeros((2, 2, 2))
+        rows[:, h - 1] = force.real, -force.imag
+        further += vi.Load(omega, cosine=rows[0], sine=rows[1])
+    shifted = vi.Structure(MASS, DAMPING, STIFFNESS, [CONTACTS[kind](), still])
+    return moving, load, shifted, load + further
+
+
+def wall_at(t, omega=1.7):
+    """The motion of the wall and its rate."""
+    h = omega * np.array([1, 2])
+    angles = np.multiply.outer(h, t)
+    c, s = np.array(WALL["cosine"]), np.array(WALL["sine"])
+    return c @ np.cos(angles) + s @ np.sin(angles), (s * h) @ np.cos(angles) - (c * h) @ np.sin(
+        angles
+    )
+
+
+@pytest.mark.parametrize("kind", CONTACTS)
+def test_coordinates_that_move_with_the_wall(kind):
+    """One wall that moves is a wall at rest in coordinates that move with it: impacts, rests, contacts."""
+    moving, load, shifted, further = moving_and_shifted(kind)
+    start = wall_at(0.0)
+    run = vi.simulate(moving, load, cycles=6, state=([start[0], 0.1], [start[1] + 0.2, 0.0]))
+    own = vi.simulate(shifted, further, cycles=6, state=([0.0, 0.1], [0.2, 0.0]))
+    assert run.events["kind"].tolist() == own.events["kind"].tolist()
+    assert {"no rebound": "stick", "stop": "touch", "pushing": "let_go"}.get(kind, "") in {
+        "", *run.events["kind"]
+    }  # fmt: skip
+    for name in ("time", "speed", "impulse"):
+        assert run.events[name] == pytest.approx(own.events[name], abs=2e-9), name
+    w, w_dot = wall_at(run.events["time"])
+    expected = own.states.copy()
+    expected[:, 0, 0] += w
+    expected[:, 1, 0] += w_dot
+    assert np.abs(run.states - expected).max() < 1e-8
+
+
+@pytest.mark.parametrize("kind", CONTACTS)
+def test_multipliers_with_a_moving_wall(kind):
+    """Those of the wall at rest in moving coordinates, and those of differences."""
+    moving, load, shifted, further = moving_and_shifted(kind)
+    motion = vi.exact(moving, load, vi.simulate(moving, load, cycles=300))
+    start, (q, q_dot) = motion._run()._between_events()
+    w, w_dot = wall_at(start)
+    state = (q - [w, 0], q_dot - [w_dot, 0])
+    run = vi.simulate(shifted, further, cycles=motion.cycles, state=state, start=start)
+    own = vi.exact(shifted, further, run)
+    assert motion.admissible
+    assert np.sort(np.abs(motion.multipliers)) == pytest.approx(
+        np.sort(np.abs(own.multipliers)), abs=1e-7
+    )
+    check_multipliers(motion, 2e-5)
+
+
+def test_two_walls_that_move_differently():
+    """At each impact the gap is closed, the relative velocity turns by R, and momentum and energy balance."""
+    omega, R = 1.3, 0.8
+    right = vi.Gap([1], 0.4, R, sine=0.1)
+    left = vi.Gap([-1], 0.5, R, cosine=[0.05, 0.1])
+    mass = vi.Structure([2.0], [0.05], [1.0], [right, left])
+    run = vi.simulate(mass, vi.Load(omega, cosine=[1.5]), cycles=30)
+    assert set(run.events["gap"]) == {0, 1}
+
+    def opening(gap, t):
+        h = omega * np.arange(1, len(gap.cosine) + 1)
+        c, s = np.cos(h * t), np.sin(h * t)
+        return gap.opening + gap.cosine @ c + gap.sine @ s, h @ (gap.sine * c - gap.cosine * s)
+
+    for event, (q, after) in zip(run.events, run.states, strict=True):
+        gap = mass.gaps[event["gap"]]
+        e, rate = opening(gap, event["time"])
+        assert e - gap.direction @ q == pytest.approx(0, abs=1e-12)
+        before = after + gap.direction * event["impulse"] / 2.0
+        assert gap.direction @ before - rate == pytest.approx(event["speed"], rel=1e-10)
+        assert gap.direction @ after - rate == pytest.approx(-R * event["speed"], rel=1e-9)
+        # the wall gives its speed times the impulse, and the impact takes what R leaves
+        gained = float(after @ after - before @ before)
+        loss = 0.5 * 2.0 * (1 - R**2) * event["speed"] ** 2
+        assert gained == pytest.approx(-event["impulse"] * rate - loss, rel=1e-9, abs=1e-12)
+    t = np.linspace(0, run.end, 5000)
+    q = run.sample(t)[0]
+    for gap in mass.gaps:
+        assert min(opening(gap, x)[0] - gap.direction @ q[:, i] for i, x in enumerate(t)) > -1e-12
+
+
+def test_files(tmp_path):
+    """Namelists and results keep how walls move."""
+    moving, load, *_ = moving_and_shifted("stop")
+    motion = vi.exact(moving, load, vi.simulate(moving, load, cycles=200))
+    assert vi.Structure(MASS, DAMPING, STIFFNESS, list(moving.gaps)) == moving
+    assert vi.Structure(MASS, DAMPING, STIFFNESS, [CONTACTS["stop"](), moving.gaps[1]]) != moving
+    case = tmp_path / "moving.nml"
+    case.write_text(motion.to_namelist())
+    again = vi.read_namelist(case)[0].run()[0]
+    assert again.structure == moving
+    assert again.states == pytest.approx(motion.states, abs=1e-12)
+    run = vi.simulate(moving, load, cycles=3)
+    for found, ending in ((again, "json"), (motion, "nc"), (run, "json"), (run, "mat")):
+        path = tmp_path / f"kept.{ending}"
+        found.save(path)
+        assert vi.load(path).structure == moving
+    assert "cosine=[0.1, 0.02], sine=[-0.05, 0.03]" in repr(moving.gaps[0])
+
+
+def test_sweeps():
+    """Verbs that simulate agree on the motion."""
+    moving, load, *_ = moving_and_shifted("stop")
+    motion = vi.exact(moving, load, vi.simulate(moving, load, cycles=300))
+    label = f"{len(motion.phases)}/{motion.cycles}"
+    diagram = vi.bifurcation_diagram(moving, load, "frequency", [1.7, 1.701])
+    assert label in diagram.labels[:, 0]
+    found = vi.find(moving, load, states=4)
+    assert any(
+        len(one.phases) == len(motion.phases)
+        and one.multipliers == pytest.approx(motion.multipliers, abs=1e-8)
+        for one in found.motions
+    )
+    exponents = vi.lyapunov(moving, load).per_cycle
+    expected = np.log(np.abs(motion.multipliers)) / motion.cycles
+    assert np.sort(exponents) == pytest.approx(np.sort(expected), abs=1e-6)
+    assert label in repr(vi.basins(moving, load, states=6))
+
+
+def test_what_is_refused():
+    ball, load = ball_on_table(0.0145)
+    motion = vi.exact(ball, load, ([1.0], [0], 1))
+    with pytest.raises(vi.ParameterError, match="does not take moving walls"):
+        vi.branch(motion, "frequency", bounds=(19, 21))
+    for call in (motion.gradient, motion.quantities):
+        with pytest.raises(vi.ParameterError, match="must not move here; only simulate"):
+            call()
+    for without in (None, vi.Load(constant=[-1.0]), vi.Record(0.1, [[0.0], [1.0]])):
+        with pytest.raises(vi.ParameterError, match="must have a frequency, with which the walls"):
+            vi.simulate(ball, without, duration=1.0)
+    for wrong in ([[1.0]], ["a"], [np.nan], np.zeros(101)):
+        with pytest.raises((vi.ParameterError, vi.ParameterTypeError), match="cosine"):
+            vi.Gap([1], 0.0, cosine=wrong)
+
+
+def test_loads_add():
+    """Forces, gravity and a motion of the base under one structure."""
+    s = vi.Structure(mass=[2, 1], damping=[0, 0], stiffness=[[3, -1], [-1, 1]])
+    base = vi.base_motion(s, 1.5, sine=[0.1, 0.2])
+    total = vi.Load(1.5, cosine=[1.0, 0.0], constant=[0, -1]) + base + vi.Load(constant=[0.5, 0])
+    assert total.frequency == 1.5
+    assert total.sine == pytest.approx(base.sine)
+    assert total.cosine == pytest.approx(np.array([[1.0, 0.0], [0.0, 0.0]]))
+    assert total.constant == pytest.approx([0.5, -1])
+    assert (vi.Load.none() + base) == base
+    with pytest.raises(vi.ParameterError, match=r"frequency = 2.0: must be 1.5"):
+        base + vi.Load(2.0, sine=[1, 0])
+    with pytest.raises(vi.ParameterError, match="must be for 2 as that"):
+        base + vi.Load(1.5, sine=[1])
+    with pytest.raises(TypeError):
+        base + 1
