@@ -269,6 +269,8 @@ def test_what_is_refused():
     for without in (None, vi.Load(constant=[-1.0]), vi.Record(0.1, [[0.0], [1.0]])):
         with pytest.raises(vi.ParameterError, match="must have a frequency, with which the walls"):
             vi.simulate(ball, without, duration=1.0)
+    with pytest.raises(vi.ParameterError, match="or motion of a wall"):
+        vi.bifurcation_diagram(ball, load, ball_on_table, [0.0145, 0.02])
     for wrong in ([[1.0]], ["a"], [np.nan], np.zeros(101)):
         with pytest.raises((vi.ParameterError, vi.ParameterTypeError), match="cosine"):
             vi.Gap([1], 0.0, cosine=wrong)

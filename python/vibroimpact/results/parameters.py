@@ -67,13 +67,13 @@ def entries_of(structure: Structure, load: Load) -> tuple[NDArray[np.int64], _Ar
 
 
 def laws_of(structure: Structure) -> list[object]:
-    """What a parameter cannot change in the laws of all gaps, stops and friction."""
+    """What a parameter cannot change in the laws of all gaps, stops and friction, and in motions of walls."""
     return [
         to_columns(part.restitution) | {"restitution": None}
         if isinstance(part, Gap)
         else (type(part), getattr(part, "release", ""))
         for part in structure._parts
-    ]
+    ] + [(part.cosine.tolist(), part.sine.tolist()) for part in structure.gaps]
 
 
 def with_entries(
@@ -180,7 +180,8 @@ def series_of(
             )
         if laws_of(pair[0]) != laws_of(structure):
             raise ParameterError(
-                f"the parameter gives another law of restitution at {p!r}: it may change only R and R0"
+                f"the parameter gives another law of restitution, or motion of a wall, at {p!r}: it may change "
+                "only R and R0"
             )
         return numbers
 
