@@ -1,9 +1,11 @@
 """All motions of a word, for the program that checks certificates: that there are no others than those it lists.
 
-Given the times of the impacts, the laws are linear in x, x', z' just after each impact and in p = sin(theta),
-q = cos(theta) of the steady motion A sin(r t + theta), whose p^2 + q^2 = 1. Boxes of these times, as parts of the
-period, are halved until the laws contradict each other in them, or hold at most one motion, which is known. Where
-the linear equations are singular theta is halved, too. Lengths are in units of A.
+Given the times of the impacts, the laws are linear in the approach speeds e >= 0 of the impacts, the velocity of
+the free mass in the first flight, and p = sin(theta), q = cos(theta) of the steady motion A sin(r t + theta),
+whose p^2 + q^2 = 1: an impact pushes the walled mass by mu (1 + R) e/(1 + mu), and x is the steady motion and
+the sum of the periodic responses to these pushes. Boxes of these times, as parts of the period, are halved until
+the laws contradict each other in them, or hold at most one motion, which is known. Where the linear equations
+are singular theta is halved, too. Lengths are in units of A.
 """
 
 from itertools import pairwise
@@ -37,6 +39,15 @@ class Word:
         once = self.mu * jump / self.nu / (1 - (-self.xi * self.T).exp())
         speed = pair.A * pair.r + self.n * once + self.n * jump / 2
         self.shortest = (pair.d / speed / self.T).lower()
+        self.speeds = arb(0).union(e.upper() / pair.A)
+        # the periodic response to pushes of 1: its state after one is that a period later, and the push
+        u, w, y = self.free(self.T)
+        below = (1 - u) * (1 - y) + w * w
+        self.first = w / below, (1 - u) / below
+        #: Change of the velocity of the free mass at an impact with the approach speed 1.
+        self.turns = [
+            side * (1 + R) / (1 + self.mu) for side, R in zip(self.sides, self.R, strict=True)
+        ]
 
     def free(self, t):
         """u, w, y of a free vibration: x = u x_0 + w x'_0, x' = -w x_0 + y x'_0."""
@@ -44,83 +55,78 @@ class Word:
         w, c = decay * sine / self.nu, decay * cosine
         return c + self.xi * w, w, c - self.xi * w
 
-    def wave(self, t):
-        """The steady motion by p and q, with two derivatives."""
-        s, c, r = (self.r * t).sin(), (self.r * t).cos(), self.r
-        return (c, -r * s, -r * r * c), (s, r * c, -r * r * s)
+    def pushed(self, t):
+        """x a time after a push of 1 in each period, with two derivatives."""
+        (u, w, y), (x, v) = self.free(t), self.first
+        moved, speed = u * x + w * v, y * v - w * x
+        return moved, speed, -2 * self.xi * speed - moved
 
-    def forced(self, free, here, there):
-        """What the steady motion adds to x and x' at the end of a flight, each with derivatives by its duration
-        and its beginning."""
-        u, w, y = free
-        F = there[0] - u * here[0] - w * here[1]
-        F_t = there[1] - u * here[1] - w * here[2]
-        G = there[1] + w * here[0] - y * here[1]
-        G_tau = there[2] + y * here[0] + (2 * self.xi * y + w) * here[1]
-        return (F, G, F_t), (G, G_tau, there[2] + w * here[1] - y * here[2])
+    def by_p(self, t):
+        """What p adds to the steady motion a time after the first impact, with two derivatives."""
+        s, c, r = (self.r * t).sin(), (self.r * t).cos(), self.r
+        return c, -r * s, -r * r * c
+
+    def by_q(self, t):
+        """The same of q."""
+        s, c, r = (self.r * t).sin(), (self.r * t).cos(), self.r
+        return s, r * c, -r * r * s
+
+    def since(self, j, flights, u):
+        """The time from impact j on that some flights take, and its derivatives by u."""
+        m, passed = self.n - 1, [(j + k) % self.n for k in range(flights)]
+        rest = [k for k in range(m) if k not in passed]
+        if m in passed:
+            part, signs = 1 - sum((u[k] for k in rest), arb(0)), [-int(k in rest) for k in range(m)]
+        else:
+            part, signs = (
+                sum((u[k] for k in passed), arb(0)),
+                [int(k in passed) for k in range(m)],
+            )
+        return self.T * part, [self.T * sign for sign in signs]
 
     def laws(self, u):
         """The matrix of the laws, the right side, and the derivatives of the matrix by each part u."""
-        n, T, m = self.n, self.T, self.n - 1
-        starts = [sum(u[:i], arb(0)) for i in range(n)] + [arb(1)]
-        size, thin = 3 * n + 2, all(one.rad() == 0 for one in u)
-        rows = [[[arb(0)] * size for _ in range(4 * n)] for _ in range(n)]
-        right = [[arb(0)] for _ in range(4 * n)]
+        n, size, thin = self.n, self.n + 3, all(one.rad() == 0 for one in u)
+        rows = [[[arb(0)] * size for _ in range(2 * n + 1)] for _ in range(n)]
+        right = [[arb(0)] for _ in range(2 * n + 1)]
+
+        def put(row, place, value, slopes=()):
+            rows[0][row][place] += value
+            for layer, slope in zip(rows[1:], slopes, strict=False):
+                layer[row][place] += slope
+
+        def free_mass(row, i, value, slopes=()):
+            """The velocity of the free mass in flight i."""
+            put(row, n, value, slopes)
+            for j in range(1, i + 1):
+                put(row, j, -value * self.turns[j], [-one * self.turns[j] for one in slopes])
+
         for i in range(n):
-            after, step = (i + 1) % n, (self.sides[(i + 1) % n] - self.sides[i]) // 2
-            part = u[i] if i < m else 1 - sum(u, arb(0))
-            tau = T * part
-            # derivatives of the duration and of the beginning by u
-            d_tau = [T * (int(k == i) - int(i == m)) for k in range(m)]
-            d_t = [T * int(k < i) for k in range(m)]
-
-            def put(row, place, value, by_tau=0, by_t=0, i=i, d_tau=d_tau, d_t=d_t):
-                rows[0][4 * i + row][place] += value
-                for k in range(m):
-                    rows[1 + k][4 * i + row][place] += by_tau * d_tau[k] + by_t * d_t[k]
-
-            free = self.free(tau)
-            a, b, w, y = 3 * i, 3 * after, free[1], free[2]
-            y_slope = -2 * self.xi * y - w
-            waves = list(zip(self.wave(T * starts[i]), self.wave(T * starts[i + 1]), strict=True))
-            forced = [self.forced(free, *one) for one in waves]
-            put(0, a, free[0], -w), put(0, a + 1, w, y), put(0, b, -1)
-            for k, (x, _) in enumerate(forced):
-                put(0, 3 * n + k, *x)
-            R = self.R[after]
-            for row, factor in ((2, 1), (3, -R)):
-                put(row, a, -factor * w, -factor * y), put(row, a + 1, factor * y, factor * y_slope)
-                for k, (_, v) in enumerate(forced):
-                    put(row, 3 * n + k, *(factor * one for one in v))
-            put(2, a + 2, self.mu), put(2, b + 1, -1), put(2, b + 2, -self.mu)
-            put(3, a + 2, R), put(3, b + 1, -1), put(3, b + 2, 1)
-            if step:
-                put(1, a, 1), put(1, b, -1), put(1, a + 2, tau, 1)
-                right[4 * i + 1][0] = self.d * step
-                continue
-            # the same wall: the change of z - x, divided by the duration
-            put(1, a + 2, 1)
-            short = not part.lower() > (0 if thin else SHORT)
-            span = (arb(0)).union(tau) if short else tau
-            over = self.free(span)
-            bends = [
-                self.forced(over, here, self.wave(T * starts[i] + span)[k])
-                for k, (here, _) in enumerate(waves)
-            ]
-            places = [
-                (a, free[0] - 1, -w, -over[1], -over[2]),
-                (a + 1, w, y, over[2], -2 * self.xi * over[2] - over[1]),
-            ]
-            for place, value, slope, first, second in places:
-                put(
-                    1,
-                    place,
-                    *(-one for one in self.divided(tau, short, value, first, slope, second)),
-                )
-            for k, ((x, _), (_, v)) in enumerate(zip(forced, bends, strict=True)):
-                H, H_tau = self.divided(tau, short, x[0], v[0], x[1], v[1])
-                H_t = self.divided(tau, short, x[2], v[2])[0]
-                put(1, 3 * n + k, -H, -H_tau, -H_t)
+            # flight i: W - x' = s e at its end, and the change of x is W tau - the change of s d/2
+            after, (tau, lasting) = (i + 1) % n, self.since(i, 1, u)
+            same, flight = self.sides[i] == self.sides[after], n + i
+            short = same and not tau.lower() > (0 if thin else self.T * SHORT)
+            right[flight][0] = self.d * ((self.sides[i] - self.sides[after]) // 2)
+            put(i, after, -self.sides[after])
+            free_mass(i, i, 1)
+            free_mass(flight, i, *((-1,) if same else (-tau, [-one for one in lasting])))
+            sources = [(j, j, self.mu * turn, self.pushed) for j, turn in enumerate(self.turns)]
+            sources += [(n + 1, 0, 1, self.by_p), (n + 2, 0, 1, self.by_q)]
+            for place, j, factor, motion in sources:
+                passed = (i - j) % n
+                (begin, before), (end, later) = (self.since(j, passed + k, u) for k in (0, 1))
+                (x, v, _), (x1, v1, a1) = motion(begin), motion(end)
+                put(i, place, -factor * v1, [-factor * a1 * one for one in later])
+                value, by_end, by_begin = x1 - x, v1, v1 - v
+                if same:
+                    # divided by the duration
+                    _, v2, a2 = motion(begin + arb(0).union(tau)) if short else (0, arb(0), arb(0))
+                    value, by_end = self.divided(tau, short, value, v2, by_end, a2)
+                    by_begin = self.divided(tau, short, by_begin, a2)[0]
+                slopes = [by_end * a + by_begin * b for a, b in zip(lasting, before, strict=True)]
+                put(flight, place, factor * value, [factor * one for one in slopes])
+        for j, turn in enumerate(self.turns):
+            put(2 * n, j, turn)
         layers = [arb_mat(layer) for layer in rows]
         return layers[0], arb_mat(right), layers[1:]
 
@@ -150,9 +156,9 @@ class Word:
         n, times = self.n, box[: self.n - 1]
         middle = [one.mid() for one in times]
         matrix, right, _ = self.laws(middle)
-        rows, given, size = matrix.tolist(), [], 3 * n + 2
+        rows, given, size = matrix.tolist(), [], n + 3
         if len(box) == n:
-            given, size = [box[-1].sin(), box[-1].cos()], 3 * n
+            given, size = [box[-1].sin(), box[-1].cos()], n + 1
         # columns beside the matrix whose unknowns must vanish
         thin = arb_mat([[one.mid() for one in row[:size]] for row in rows])
         across = thin.transpose()
@@ -162,8 +168,8 @@ class Word:
             for i, row in enumerate(left)
         ]
         columns = []
-        for _ in range(4 * n - size):
-            best = max(range(4 * n), key=lambda k: float(left[k][k]))
+        for _ in range(2 * n + 1 - size):
+            best = max(range(2 * n + 1), key=lambda k: float(left[k][k]))
             column = [row[best] for row in left]
             columns.append([one.mid() for one in column])
             left = [
@@ -190,6 +196,9 @@ class Word:
             if not all(one.overlaps(UNIT) for one in found[size - 2 : size]):
                 return None
             found[size - 2 : size] = [one.intersection(UNIT) for one in found[size - 2 : size]]
+        if not all(one.overlaps(self.speeds) for one in found[:n]):
+            return None
+        found[:n] = [one.intersection(self.speeds) for one in found[:n]]
         for _ in range(3):
             for i, row in enumerate(rows):
                 image = known[i] - sum(
@@ -201,8 +210,9 @@ class Word:
         return [*found[:size], *given]
 
     def step(self, box, values, single=False):
-        """The interval Newton step for a box and the unknowns of its linear laws, by slopes from its centre, which
-        leave out no solution; with `single` by derivatives, so that there is at most one."""
+        """The unknowns in a box, their centre, and the equations of Newton's step from there, multiplied by an
+        approximate inverse: slopes from the centre, which leave out no solution, or with `single` slopes between
+        any two places, and the right side."""
         n, times = self.n, box[: self.n - 1]
         matrix, _, slopes = self.laws(times)
         column = arb_mat([[one] for one in values])
@@ -213,16 +223,20 @@ class Word:
         # M(u) y - M(m) z = (M(u) - M(m)) y + M(m) (y - z)
         last = (matrix if single else thin).tolist()
         rows = [[*(one[i] for one in along), *row] for i, row in enumerate(last)]
+        unknowns, centre = [*times, *values], [*middle, *known]
         if len(box) == n:
-            known[-2:] = [box[-1].mid().sin(), box[-1].mid().cos()]
+            unknowns[-2:], centre[-2:] = [box[-1]], [box[-1].mid()]
+            known[-2:] = [centre[-1].sin(), centre[-1].cos()]
             rows = [[*row[:-2], q * row[-2] - p * row[-1]] for row in rows]
-        left = (thin * arb_mat([[one] for one in known]) - right).entries()
+        left = (right - thin * arb_mat([[one] for one in known])).entries()
         if len(box) < n:
-            rows.append([arb(0)] * (len(rows[0]) - 2) + [2 * p, 2 * q])
-            left.append(known[-2] * known[-2] + known[-1] * known[-1] - 1)
-        found = arb_mat(rows).solve(arb_mat([[one] for one in left]), algorithm="precond").entries()
-        unknowns = [*times, *values] if len(box) < n else [*times, *values[:-2], box[-1]]
-        return unknowns, [one.mid() - move for one, move in zip(unknowns, found, strict=True)]
+            pairs = zip((p, q), known[-2:], strict=True)
+            both = [one + (one if single else two) for one, two in pairs]
+            rows.append([arb(0)] * (len(rows[0]) - 2) + both)
+            left.append(1 - known[-2] * known[-2] - known[-1] * known[-1])
+        rows = arb_mat(rows)
+        inverse = arb_mat([[one.mid() for one in row] for row in rows.tolist()]).inv().mid()
+        return unknowns, centre, inverse * rows, inverse * arb_mat([[one] for one in left])
 
     def left(self, box, known):
         """A part of a box with all of its motions that are not known, and whether the linear laws may be singular;
@@ -237,12 +251,23 @@ class Word:
             if values is None or self.refuted(values):
                 return None, False
             try:
-                old, new = self.step(box, values)
+                old, centre, matrix, right = self.step(box, values)
             except ZeroDivisionError:
                 return box, False
-            if not all(one.overlaps(two) for one, two in zip(old, new, strict=True)):
-                return None, False
-            inner = all(one.contains_interior(two) for one, two in zip(old, new, strict=True))
+            # each equation gives the unknown in its row
+            new, inner, rows, right = [*old], True, matrix.tolist(), right.entries()
+            for i, row in enumerate(rows):
+                if row[i].contains(0):
+                    inner = False
+                    continue
+                rest = sum(
+                    (one * (new[j] - centre[j]) for j, one in enumerate(row) if j != i), arb(0)
+                )
+                image = centre[i] + (right[i] - rest) / row[i]
+                if not image.overlaps(new[i]):
+                    return None, False
+                inner = inner and old[i].contains_interior(image)
+                new[i] = new[i].intersection(image)
             # at most one solution is in it
             wide = [one + UNIT * one.rad() / 4 for one in box]
             if any(lies(one, wide, self.n) for one in known) and self.single(wide):
@@ -254,8 +279,7 @@ class Word:
                 near or not inner or not self.approaching(values),
                 "a motion is not in the certificate",
             )
-            both = [one.intersection(two) for one, two in zip(old, new, strict=True)]
-            before, box = box, both[: self.n - 1] + (both[-1:] if len(box) == self.n else [])
+            before, box = box, new[: self.n - 1] + (new[-1:] if len(box) == self.n else [])
             if (
                 max(float(one.rad() / two.rad()) for one, two in zip(box, before, strict=True))
                 > 0.6
@@ -267,23 +291,19 @@ class Word:
         """Whether there is at most one solution in a box."""
         try:
             values = self.enclosed(box)
-            return values is None or bool(self.step(box, values, single=True))
+            # regular
+            return values is None or self.step(box, values, single=True)[2].inv() is not None
         except ZeroDivisionError:
             return False
 
-    def speeds(self, values):
-        """The push that each impact gives to the walled mass, on its side."""
-        flights = values[2 : 3 * self.n : 3]
-        return [side * (flights[i - 1] - flights[i]) for i, side in enumerate(self.sides)]
-
     def refuted(self, values):
-        """Whether p^2 + q^2 is not 1, or an impact is met from the wrong side."""
+        """Whether p^2 + q^2 is not 1."""
         p, q = values[-2:]
-        return not (p * p + q * q).contains(1) or any(one < 0 for one in self.speeds(values))
+        return not (p * p + q * q).contains(1)
 
     def approaching(self, values):
-        """Whether all impacts are met from the right side."""
-        return all(one > 0 for one in self.speeds(values))
+        """Whether all impacts have an approach speed."""
+        return all(one > 0 for one in values[: self.n])
 
 
 def lies(one, box, n):

@@ -15,6 +15,7 @@ import vibroimpact as vi
 CHECKER = Path(__file__).parents[1] / "proof" / "check_certificate.py"
 sys.path.insert(0, str(CHECKER.parent))
 import check_certificate as checker  # noqa: E402
+import search  # noqa: E402
 from check_certificate import exact  # noqa: E402
 
 OSC = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
@@ -510,25 +511,22 @@ POINTS = [
 ]  # fmt: skip
 
 
-#: Those that the independent program checks with three impacts, in half a minute each.
-CHECKED = (0, 3)
-
-
-def assert_all(osc, r, clearance, impacts):
+def assert_all(osc, r, clearance, impacts, cycles=1):
     """All motions are proven, and `find` has the admissible ones and no others."""
-    proof = vi.prove_all(osc, r, clearance, max_impacts=impacts)
+    proof = vi.prove_all(osc, r, clearance, max_impacts=impacts, max_cycles=cycles)
     assert proof.complete
+    words = [tuple(sheet.values()) for sheet in proof.sheets]
     found = [
-        motion for motion in vi.find(osc, r, clearance, max_impacts=impacts, max_cycles=1)
-        if motion.cycles == 1 and motion.pattern.sides in proof.sides.split(", ")
+        motion for motion in vi.find(osc, r, clearance, max_impacts=impacts, max_cycles=cycles)
+        if (motion.pattern.sides, motion.cycles) in words
     ]  # fmt: skip
     listed = [
-        (proof.sheets[box["sheet"]]["sides"], box["stable"], exact(box["centre"][0][1][0]))
+        (*words[box["sheet"]], box["stable"], exact(box["centre"][0][1][0]))
         for box in proof.boxes if box["admissible"]
     ]  # fmt: skip
-    known = [(motion.pattern.sides, motion.stable, motion.X[0]) for motion in found]
-    assert [one[:2] for one in sorted(listed)] == [one[:2] for one in sorted(known)]
-    places = [[float(one[2]) for one in sorted(some)] for some in (listed, known)]
+    known = [(motion.pattern.sides, motion.cycles, motion.stable, motion.X[0]) for motion in found]
+    assert [one[:3] for one in sorted(listed)] == [one[:3] for one in sorted(known)]
+    places = [[float(one[3]) for one in sorted(some)] for some in (listed, known)]
     assert places[0] == pytest.approx(places[1], rel=1e-7)
     return proof
 
@@ -542,13 +540,72 @@ def test_all_motions_of_two_impacts(point):
     assert "complete" in repr(proof)
 
 
+def test_all_motions_of_several_cycles():
+    """The same of periods of one and of two load cycles."""
+    proof = assert_all(*POINTS[5], 2, 2)
+    assert {proof.sheets[box["sheet"]]["cycles"] for box in proof.boxes} == {1, 2}
+    data = json.loads(proof.to_json())
+    checker.check(data)
+    # a motion of two cycles is none of one, and none may be left out
+    two = next(k for k, box in enumerate(data["boxes"]) if box["sheet"] == 1)
+    moved = copy.deepcopy(data)
+    moved["boxes"][two]["sheet"] = 0
+    for false in (moved, {**data, "boxes": data["boxes"][:two] + data["boxes"][two + 1 :]}):
+        with pytest.raises(checker.RejectedError):
+            checker.check(false)
+
+
 @pytest.mark.slow
 def test_all_motions_of_three_impacts(share):
-    """The same of RL, RRL and RLL at ten points, of which the independent program checks some."""
-    for number in range(share(len(POINTS))):
-        proof = assert_all(*POINTS[number], 3)
-        if number in CHECKED:
-            checker.check(json.loads(proof.to_json()))
+    """The same of RL, RRL and RLL at ten points, and of two load cycles at one of them."""
+    proofs = [assert_all(*point, 3) for point in POINTS[: share(len(POINTS))]]
+    for proof in [*proofs, assert_all(*POINTS[5], 3, 2)]:
+        checker.check(json.loads(proof.to_json()))
+
+
+@pytest.mark.parametrize(("sides", "cycles"), [("RRL", 1), ("RLL", 1), ("RL", 2)])
+def test_linear_laws_of_given_times(sides, cycles):
+    """The laws by which the independent program searches hold for a motion, and their slopes are derivatives."""
+    osc, r, clearance = POINTS[5]
+    found = vi.find(osc, r, clearance, max_impacts=len(sides), max_cycles=cycles)
+    shifted = [sides[k:] + sides[:k] for k in range(len(sides))]
+    motion = next(
+        one
+        for one in found
+        if one.pattern.sides in shifted and one.cycles == cycles and one.admissible
+    )
+    data = json.loads(motion.prove().to_json())
+    pair = checker.Pair(data | {"symmetric": False}, {"parameters": {}})
+    phases = motion.phases
+    times = [float(one) for one in np.diff(phases) / (2 * math.pi * cycles)]
+    word = search.Word(pair, [])
+    amplitude = float(checker.ball(pair.A).mid())
+    theta = phases[0] + math.atan2(float(checker.ball(pair.b)), float(checker.ball(pair.a)))
+    before = np.roll(motion.Z_dot_after, 1)
+    speeds = [
+        one * side for one, side in zip(before - motion.X_dot_before, pair.sides, strict=True)
+    ]
+    unknowns = [
+        *speeds,
+        motion.Z_dot_after[0],
+        math.sin(theta) * amplitude,
+        math.cos(theta) * amplitude,
+    ]
+    column = np.array(unknowns) / amplitude
+
+    def laws(times):
+        matrix, right, slopes = word.laws([checker.arb(one) for one in times])
+        doubles = lambda one: np.array([[float(x.mid()) for x in row] for row in one.tolist()])  # noqa: E731
+        return doubles(matrix), doubles(right)[:, 0], [doubles(one) for one in slopes]
+
+    matrix, right, slopes = laws(times)
+    assert np.abs(matrix @ column - right).max() < 1e-9 * np.abs(column).max()
+    for k, slope in enumerate(slopes):
+        step = [1e-6 * (i == k) for i in range(len(times))]
+        ends = [laws(np.array(times) + sign * np.array(step))[0] for sign in (1, -1)]
+        assert (ends[0] - ends[1]) / 2e-6 == pytest.approx(
+            slope, rel=1e-6, abs=1e-6 * np.abs(slope).max()
+        )
 
 
 def test_false_certificates_of_all_motions_are_rejected():
