@@ -15,7 +15,7 @@ Cohn, the product of 1 - x_i x_j, Taylor polynomials in pieces.
 
 import json
 import sys
-from itertools import pairwise
+from itertools import combinations, pairwise
 from pathlib import Path
 
 from flint import arb, arb_mat, ctx
@@ -24,12 +24,12 @@ sys.path.insert(0, str(Path(__file__).parent))
 from flight import Flight  # noqa: I001
 from search import check_all
 from series import (
-    DEGREES, UNIT, RejectedError, Series, ball, cover, exact, flat, halves, hurwitz, monomials, need, number,
-    product, solve,
+    DEGREES, UNIT, RejectedError, Series, ball, cover, determinant, exact, flat, halves, hurwitz, monomials,
+    need, number, product, solve,
 )  # fmt: skip
 
 #: Bits of the numbers in boxes and at points, and how often a box, or one of a zone, is halved.
-BITS, MOST_BITS, MOST_HALVINGS, HALVINGS = 128, 960, 6, 4
+BITS, MOST_BITS, MOST_HALVINGS, HALVINGS = 128, 960, 6, 14
 
 
 class Pair:
@@ -263,13 +263,11 @@ def check_stability(pair, states, box):
             solve(there, [[one * -1 for one in row] for row in product(here, matrix)]),
             last * R * R,
         )
-    # Newton's identities; the last coefficient is det[P] by its law
-    powers, traces, found = matrix, [], [arb(1)]
+    # the sums of the principal minors; the last coefficient is det[P] by its law
+    found = [arb(1)]
     for k in range(1, 4):
-        traces.append(sum((powers[i][i] for i in range(4)), arb(0)))
-        value = sum((found[k - 1 - m] * traces[m] for m in range(k)), arb(0))
-        found.append(value * arb(-1) / k)
-        powers = product(powers, matrix)
+        parts = [[[matrix[i][j] for j in some] for i in some] for some in combinations(range(4), k)]
+        found.append(sum(map(determinant, parts), arb(0)) * (-1) ** k)
     scaled = [one * bound**-k for k, one in enumerate([*found, last])]
     values = hurwitz(scaled)
     holds = all(one > 0 for one in values) if stable else any(one < 0 for one in values)
@@ -338,7 +336,7 @@ def check_zone(data, box, depth=0):
     except (RejectedError, ZeroDivisionError) as error:
         if depth == HALVINGS:
             raise RejectedError(str(error)) from None
-        name = ("tangent", "r")[depth % 2]
+        name = ("tangent", "tangent", "r")[depth % 3]
         low, high = map(exact, box["parameters"][name])
         for ends in ((low, (low + high) / 2), ((low + high) / 2, high)):
             part = box["parameters"] | {name: [str(end) for end in ends]}

@@ -176,6 +176,15 @@ def product(first, second):
     ]
 
 
+def determinant(rows):
+    """The determinant of a small matrix, by its first row."""
+    if len(rows) == 1:
+        return rows[0][0]
+    rest = [[row[:k] + row[k + 1 :] for row in rows[1:]] for k in range(len(rows))]
+    signed = (one * (-1) ** k for k, one in enumerate(rows[0]))
+    return sum((one * determinant(part) for one, part in zip(signed, rest, strict=True)), arb(0))
+
+
 def cover(region, boxes):
     """Check that boxes, intervals by name, fill a region without a gap."""
     need(boxes, "a part of a region has no box")
@@ -184,7 +193,7 @@ def cover(region, boxes):
         return
     for name, (low, high) in region.items():
         middles = sorted({box[name][0] for box in boxes})
-        for cut in {(low + high) / 2, middles[len(middles) // 2]}:
+        for cut in ((low + high) / 2, middles[len(middles) // 2], *middles):
             parts = (
                 [box for box in boxes if box[name][1] <= cut],
                 [box for box in boxes if box[name][0] >= cut],

@@ -316,6 +316,27 @@ def test_zone(tmp_path):
         checker.check_box(data, box)
 
 
+def test_zone_across_its_window():
+    """Nearly all of a wide window is decided, as the boundary of the zone says, in few boxes."""
+    zone = vi.zone(OSC, "RL", r=(1.2, 1.22), clearance=(1, 200), symmetric=True)
+    proof = zone.prove(tolerance=1e-3)
+    assert len(proof.boxes) < 400
+    shares = proof.shares()
+    assert shares["undecided"] < 3e-3
+    within = wrong = decided = 0
+    for r in np.linspace(1.2005, 1.2195, 10):
+        for clearance in np.exp(np.linspace(math.log(1.01), math.log(199), 200)):
+            known, found = bool(zone.contains(r, clearance)), proof.decide(r, clearance)
+            within += known
+            decided += known and found is True
+            wrong += found not in (None, known)
+    assert wrong == 0
+    assert decided > 0.98 * within > 0
+    data = json.loads(proof.to_json())
+    for box in data["boxes"][::25]:
+        checker.check_box(data, box)
+
+
 @pytest.mark.slow
 def test_false_zones_are_rejected(share):
     """The independent program accepts a zone, and rejects it if a box was dropped, shifted or flipped."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from typing import Any
 
 from .balls import flint
@@ -246,11 +247,16 @@ def determinant(system: System) -> Any:
 
 
 def characteristic(matrix: list[list[Any]], last: Any) -> list[Any]:
-    """Coefficients c_0 ... c_4 of the characteristic polynomial of a 4 by 4 matrix with the determinant `last`."""
-    square = [[sum(row[k] * matrix[k][j] for k in range(4)) for j in range(4)] for row in matrix]
-    one = sum(matrix[i][i] for i in range(4))
-    two = sum(square[i][i] for i in range(4))
-    three = sum(square[i][k] * matrix[k][i] for i in range(4) for k in range(4))
-    second = (one * one - two) / 2
-    third = (one * one * one - 3 * one * two + 2 * three) / 6
+    """Coefficients c_0 ... c_4 of the characteristic polynomial of a 4 by 4 matrix with the determinant `last`.
+
+    By the principal minors: powers of the matrix have terms of high degree in the phase, which cancel.
+    """
+    m, second, third = matrix, 0, 0
+    one = sum(m[i][i] for i in range(4))
+    for i, j in combinations(range(4), 2):
+        second = second + m[i][i] * m[j][j] - m[i][j] * m[j][i]
+    for i, j, k in combinations(range(4), 3):
+        third = third + m[i][i] * (m[j][j] * m[k][k] - m[j][k] * m[k][j])
+        third = third - m[i][j] * (m[j][i] * m[k][k] - m[j][k] * m[k][i])
+        third = third + m[i][k] * (m[j][i] * m[k][j] - m[j][j] * m[k][i])
     return [last, -third, second, -one, 1]

@@ -10,6 +10,7 @@ import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,7 @@ from .balls import ball, decimal, flint
 from .boxes import NEAR_CIRCLE, NO_SPEED, Box, Family, Problem, enclose
 from .certificate import Certificate
 from .equations import characteristic, determinant, flights, period_map
-from .models import Model, at_middle, span
+from .models import Model, span
 from .verdicts import between_walls, conditions_of, inside, inside_all
 
 __all__ = ["prove_zone"]
@@ -31,10 +32,15 @@ __all__ = ["prove_zone"]
 _Array = NDArray[np.float64]
 #: The largest |tan(theta)|: beyond it d is 2 A, nearly, and the impacts have hardly any approach speed.
 STEEPEST = 4096
-#: Largest part in r of a box that is tried.
-WIDEST = Fraction(1, 200)
+#: Largest part in r of a box that is tried, and where the tangents are cut at first.
+WIDEST, CUTS = Fraction(1, 100), (1, 4, 16, 64, 256, 1024)
 #: How many times less a condition must leave out than it varies, before parts of a box use it.
-SHARP = 20
+SHARP = 50
+#: How wide, relative to the tolerance, the place of a zero in a model may be.
+BLUR = 0.25
+#: How far a cut lies beside the places of a zero in a strip, relative to their distance; how often, and how
+#: narrow, a part between cuts is halved.
+BESIDE, MOST_HALVINGS, NARROWEST = 0.1, 12, 2.0**-14
 #: What the boxes of the sheets have in common.
 FACINGS = (1, -1)
 
@@ -109,40 +115,120 @@ def cover_zone(
     told: Callable[[float], None],
 ) -> list[Box]:  # fmt: skip
     """Boxes that fill a sheet, in order; `told` is called with the share that is done."""
-    low, high = (ball(text) for text in window)
-    width = float(box.span["r"][1] - box.span["r"][0])
-    height = math.log(float(window[1]) / float(window[0]))
+    plane = Window(family, facing, box, window, tolerance)
     found, waiting, done = [], [box], 0.0
+    while waiting:
+        box = waiting.pop()
+        left, right = box.span["r"]
+        if right - left > WIDEST:
+            waiting += halves(box, "r")[::-1]
+            continue
+        if box.depth == 0:
+            waiting += plane.cut(box)[::-1]
+            continue
+        conditions = judge_in_zone(family, box, facing, plane)
+        if decision(vars(box)) is None:
+            parts = None
+            if conditions and all(is_sharp(one) for one in conditions[:3]):
+                parts = strips(box, conditions, plane)
+                if parts is not None and not settle(family, parts, box, plane):
+                    parts = None
+            if parts is None and not plane.is_small(box):
+                waiting += halves(box, plane.longest(box, conditions))[::-1]
+                continue
+            found += [box] if parts is None else parts
+        else:
+            found.append(box)
+        done += share_of(box, plane.width)
+        told(done)
+    return found
 
-    def parts(box: Box) -> tuple[float, float]:
+
+class Window:
+    """The window of a zone in one sheet, in doubles, which decide only where boxes are cut.
+
+    Parameters
+    ----------
+    family : Family
+    facing : int
+        The sign of cos(theta).
+    box : Box
+        All of the sheet.
+    window : (lowest, highest)
+        Texts of d K/F0.
+    tolerance : float
+    """
+
+    def __init__(
+        self, family: Family, facing: int, box: Box, window: Sequence[str], tolerance: float
+    ) -> None:
+        self.facing, self.tolerance = facing, tolerance
+        self.exact = [ball(text) for text in window]
+        self.low, self.high = map(float, window)
+        self.height = math.log(self.high / self.low)
+        left, right = box.span["r"]
+        self.width = float(right - left)
+        xi, mu = (float(family.values[name]) for name in ("xi", "mu"))
+        self.numbers = xi, mu, float(family.walls[0]), family.cycles
+
+    def parts(self, box: Box) -> tuple[float, float]:
         """The parts of the window in r and in log D that a box takes, nearly."""
         (left, right), (lower, upper) = box.span["r"], box.span["tangent"]
         # d/A = |2 t + delta|/sqrt(1 + t^2) changes by hardly more than t does, or 1/t
         far = max(0.5, min(abs(float(lower)), abs(float(upper)))) if lower * upper > 0 else 0.5
-        return float(right - left) / width, 4 * float(upper - lower) / far**2 / height
+        return float(right - left) / self.width, 4 * float(upper - lower) / far**2 / self.height
 
-    while waiting:
-        box = waiting.pop()
+    def is_small(self, box: Box) -> bool:
+        """Whether a box is not halved any more: in r and log D, or as a narrow strip."""
+        along, across = self.parts(box)
+        small = self.tolerance
+        return (across < small and along < 4 * small) or along * across < small**2 / 64
+
+    def longest(self, box: Box, conditions: Sequence[Any] | None) -> str:
+        """The parameter to halve a box along: that of most of the high terms of the conditions."""
+        if not conditions:
+            along, across = self.parts(box)
+            return "r" if along > across else "tangent"
+        sizes = [0.0, 0.0]
+        for one in conditions[:3]:
+            terms = list(zip(one.space.monomials, one.c, strict=True))
+            whole = float(sum(abs(value).upper() for _, value in terms))
+            for power, value in terms:
+                if sum(power) > 2:
+                    for k in (0, 1):
+                        sizes[k] += power[k] * float(abs(value).upper()) / whole
+        return "r" if sizes[0] > sizes[1] else "tangent"
+
+    def cut(self, box: Box) -> list[Box]:
+        """Parts of a box, some of whose ends lie where d K/F0 leaves the window."""
         (left, right), (lower, upper) = box.span["r"], box.span["tangent"]
-        along, across = parts(box)
-        if right - left > WIDEST or upper - lower > STEEPEST:
-            waiting += halves(box, "r" if right - left > WIDEST else "tangent")[::-1]
-            continue
-        conditions = judge_in_zone(family, box, facing, low, high)
-        if decision(vars(box)) is None and not is_small(along, across, tolerance):
-            if conditions and all(is_sharp(one) for one in conditions[:3]):
-                found += refined(box, conditions, parts, tolerance)
-                done += share_of(box, width)
-                told(done)
-            else:
-                # all is nearly linear in the tangent, so that r leaves out more
-                by_r = along * (16 if conditions else 2) > across
-                waiting += halves(box, "r" if by_r else "tangent")[::-1]
-            continue
-        found.append(box)
-        done += share_of(box, width)
-        told(done)
-    return found
+        cuts = {Fraction(sign * one) for one in CUTS for sign in (1, -1)}
+        amplitudes, deltas = explicit(self.numbers, np.array([float(left), float(right)]))
+        for limit, near in ((self.low, min), (self.high, max)):
+            ends = []
+            for amplitude, delta in zip(amplitudes, deltas, strict=True):
+                # -facing A (2 t + delta) = limit sqrt(1 + t^2)
+                size = (limit / amplitude) ** 2
+                roots = np.roots([4 - size, 4 * delta, delta**2 - size])
+                ends += [
+                    float(t.real) for t in roots
+                    if abs(t.imag) < 1e-12 and -self.facing * (2 * t.real + delta) > 0
+                ]  # fmt: skip
+            if len(ends) in (2, 4):
+                # the side on which less of the window is lost
+                ends.sort()
+                for one in (ends[: len(ends) // 2], ends[len(ends) // 2 :]):
+                    outer = near(one, key=lambda t: -self.facing * t)
+                    cuts.add(Fraction(round(outer * 2**20), 2**20))
+        inner = sorted(one for one in cuts if lower < one < upper)
+        ends_ = [lower, *inner, upper]
+        return [Box(box.span | {"tangent": part}, depth=1) for part in pairwise(ends_)]
+
+    def logarithm(self, r: float, t: float) -> float:
+        """log(d K/F0), cut at the ends of the window."""
+        (amplitude,), (delta,) = explicit(self.numbers, np.array([r]))
+        clearance = -self.facing * amplitude * (2 * t + delta) / math.hypot(1, t)
+        return math.log(min(max(clearance, self.low), self.high))
 
 
 def share_of(box: Box, width: float) -> float:
@@ -152,48 +238,172 @@ def share_of(box: Box, width: float) -> float:
     return float(right - left) / width * turned / (2 * math.atan(STEEPEST))
 
 
-def is_small(along: float, across: float, tolerance: float) -> bool:
-    """Whether a box is not halved any more: in r and log D, or as a narrow strip."""
-    return (across < tolerance and along < 4 * tolerance) or along * across < tolerance**2 / 64
-
-
 def is_sharp(condition: Any) -> bool:
     """Whether what a model leaves out is little beside how it varies, so that parts of its box can use it."""
     return bool(condition.c[0].rad() * SHARP < sum(abs(one).upper() for one in condition.c[1:]))
 
 
-def refined(
-    box: Box,
-    conditions: Sequence[Any],
-    parts: Callable[[Box], tuple[float, float]],
-    tolerance: float,
-) -> list[Box]:
-    """Parts of a box in which all motions are admissible, by the models of the conditions of stability in it."""
-    found, waiting = [], [box]
-    names = ("r", "tangent")
-    middle, half = (
-        [(box.span[name][1] + sign * box.span[name][0]) / 2 for name in names] for sign in (1, -1)
-    )
+def strips(box: Box, conditions: Sequence[Any], plane: Window) -> list[Box] | None:
+    """Parts of a box with verdicts on stability, by the models of its conditions: strips of r, each cut in the
+    tangent just beside the zeros of the conditions; None if the box must be halved."""
+    (left, right), (lower, upper) = box.span["r"], box.span["tangent"]
+    middle, half = (lower + upper) / 2, (upper - lower) / 2
+    fields = [Field(one) for one in conditions[:3]]
+    if is_blurred(box, fields, plane):
+        return None
+    found, waiting = [], [(Fraction(-1), Fraction(1))]
+    narrowest = plane.tolerance * plane.width / 8
     while waiting:
-        part = waiting.pop()
-        of, places = conditions[0].space, []
-        for k, name in enumerate(names):
-            low, high = ((end - middle[k]) / half[k] for end in part.span[name])
-            places.append(of.parameter(k, ball((low + high) / 2), ball((high - low) / 2)))
-        here = [one.at(places) for one in conditions[:3]]
-        values = [one.range() for one in here]
-        part.exists, part.admissible, part.stable = True, box.admissible, None
-        if any(value < 0 for value in values):
-            part.stable = False
-        elif all(value > 0 for value in values):
-            part.stable = inside([at_middle(one.at(places)) for one in conditions[3:7]] + [1])
-        along, across = parts(part)
-        if part.stable is not None or is_small(along, across, tolerance):
+        low, high = waiting.pop()
+        r = [left + (right - left) * (one + 1) / 2 for one in (low, high)]
+        pieces = pieces_of(fields, float(low), float(high))
+        open_, place = 0.0, float(sum(r) / 2)
+        for a, b, verdict in pieces:
+            if verdict is None:
+                ends = [float(middle) + float(half) * one for one in (a, b)]
+                logarithms = [plane.logarithm(place, t) for t in ends]
+                open_ += abs(logarithms[1] - logarithms[0])
+        if open_ > plane.tolerance * plane.height and r[1] - r[0] > narrowest:
+            both = (low + high) / 2
+            waiting += [(both, high), (low, both)]
+            continue
+        for a, b, verdict in pieces:
+            ends_ = lower + (Fraction(a) + 1) * half, lower + (Fraction(b) + 1) * half
+            part = Box({"r": (r[0], r[1]), "tangent": ends_}, exists=True, stable=verdict, depth=2)
+            if verdict:
+                # one place decides where no multiplier crosses the circle
+                at = [ball((low + high) / 2), ball(Fraction(a + b) / 2)]
+                part.stable = inside([value(one, at) for one in conditions[3:7]] + [1])
             part.reason = NEAR_CIRCLE if part.stable is None else ""
             found.append(part)
-        else:
-            waiting += halves(part, "r" if along > across else "tangent")[::-1]
     return found
+
+
+def is_blurred(box: Box, fields: Sequence[Field], plane: Window) -> bool:
+    """Whether the models leave out so much that the zeros where stability ends are not known to the tolerance."""
+    (left, right), (lower, upper) = (tuple(map(float, box.span[name])) for name in ("r", "tangent"))
+    for one in fields:
+        others = [other for other in fields if other is not one]
+        for s in (-1.0, 0.0, 1.0):
+            for t, by in one.zeros(s):
+                if abs(t) > 1 or any(other.at(s, t) < -other.error for other in others):
+                    continue
+                r = left + (right - left) * (s + 1) / 2
+                ends = [lower + (upper - lower) * (t + turn * by + 1) / 2 for turn in (1, -1)]
+                apart = plane.logarithm(r, ends[0]) - plane.logarithm(r, ends[1])
+                if abs(apart) > BLUR * plane.tolerance * plane.height:
+                    return True
+    return False
+
+
+def value(model: Any, at: Sequence[Any]) -> Any:
+    """A model at a place."""
+    found = flint().arb(0)
+    for (i, j), one in zip(model.space.monomials, model.c, strict=True):
+        found = found + one * at[0] ** i * at[1] ** j
+    return found
+
+
+class Field:
+    """A model of r and the tangent, each in [-1, 1], as polynomials of the tangent."""
+
+    def __init__(self, model: Any) -> None:
+        self.degree = model.space.degree
+        zero = flint().arb(0)
+        self.c = [[zero] * (self.degree + 1) for _ in range(self.degree + 1)]
+        for (i, j), one in zip(model.space.monomials, model.c, strict=True):
+            self.c[j][i] = one
+        self.doubles = np.array([[float(one.mid()) for one in row] for row in self.c])
+        self.error = float(model.c[0].rad())
+
+    def strip(self, low: float, high: float) -> tuple[Any, Any, Any]:
+        """At the middle of an interval of r, with the derivative by the tangent, and the change on it."""
+        module = flint()
+        middle, half = (low + high) / 2, (high - low) / 2
+        s, around = module.arb(middle), module.arb(middle, half)
+        rows = [module.arb_poly(row) for row in self.c]
+        thin = module.arb_poly([row(s) for row in rows])
+        change = module.arb_poly([row.derivative()(around) * module.arb(0, half) for row in rows])
+        return thin, thin.derivative(), change
+
+    def at(self, s: float, t: float) -> float:
+        """Nearly the value at a place."""
+        powers = np.arange(self.degree + 1)
+        return float(t**powers @ self.doubles @ s**powers)
+
+    def zeros(self, s: float) -> list[tuple[float, float]]:
+        """Zeros in the tangent at a value of r, with the distance within which they are known."""
+        row = self.doubles @ s ** np.arange(self.degree + 1)
+        # terms of high degree, next to nothing, spoil the digits of the others
+        kept = np.where(np.abs(row) > 1e-12 * np.abs(row).max(), row, 0.0)
+        roots = np.roots(kept[::-1])
+        value, slope = (np.polynomial.Polynomial(row).deriv(k) for k in (0, 1))
+        found = []
+        for t in roots[np.abs(roots.imag) < 1e-9].real.tolist():
+            if abs(t) <= 1.1:
+                steep = max(abs(float(slope(t))), 1e-300)
+                by = min(1.0, (2 * self.error + abs(float(value(t)))) / steep)
+                found.append((t, by + 1e-9))
+        return sorted(found)
+
+
+def pieces_of(
+    fields: Sequence[Field], low: float, high: float
+) -> list[tuple[float, float, bool | None]]:
+    """Intervals of the tangent in a strip of r: True where all conditions are positive, False where one is
+    negative."""
+    clusters, hints = [], set()
+    for one in fields:
+        rows = [one.zeros(s) for s in (low, (low + high) / 2, high)]
+        if len({len(row) for row in rows}) == 1:
+            for group in zip(*rows, strict=True):
+                near, far = min(t for t, _ in group), max(t for t, _ in group)
+                beside = max(by for _, by in group) + BESIDE * (far - near)
+                clusters.append((near - beside, far + beside))
+        else:
+            # zeros begin or end in the strip
+            hints |= {t for row in rows for t, _ in row}
+    ends = hints.union(*clusters)
+    places = [-1.0, *sorted(one for one in ends if -1 < one < 1), 1.0]
+    lines = [one.strip(low, high) for one in fields]
+    arb = flint().arb
+    found: list[tuple[float, float, bool | None]] = []
+    waiting = [(*pair, 0) for pair in pairwise(places)][::-1]
+    while waiting:
+        a, b, depth = waiting.pop()
+        middle = (a + b) / 2
+        t = arb(middle)
+        spread = arb(0, max(b - middle, middle - a) * (1 + 2.0**-50))
+        signs = []
+        for thin, slope, change in lines:
+            whole = thin(t) + slope(t + spread) * spread + change(t + spread)
+            signs.append(1 if whole > 0 else -1 if whole < 0 else 0)
+        verdict = False if -1 in signs else True if signs == [1] * 3 else None
+        crossed = any(near <= middle <= far for near, far in clusters)
+        if verdict is None and not crossed and depth < MOST_HALVINGS and b - a > NARROWEST:
+            waiting += [(middle, b, depth + 1), (a, middle, depth + 1)]
+            continue
+        if found and found[-1][2] is verdict:
+            found[-1] = (found[-1][0], b, verdict)
+        else:
+            found.append((a, b, verdict))
+    return found
+
+
+def settle(family: Family, parts: Sequence[Box], box: Box, plane: Window) -> bool:
+    """Whether it is decided if the motions in those parts of a box that may be stable are admissible."""
+    open_ = [part for part in parts if part.stable is not False]
+    if not open_:
+        return True
+    ends = [part.span["tangent"] for part in open_]
+    hull = min(low for low, _ in ends), max(high for _, high in ends)
+    whole = Box(box.span | {"tangent": hull})
+    judge_in_zone(family, whole, plane.facing, plane, walls=True)
+    if whole.exists is not False and whole.admissible is None:
+        return False
+    for part in open_:
+        part.exists, part.admissible = whole.exists, whole.admissible
+    return True
 
 
 def halves(box: Box, name: str) -> list[Box]:
@@ -203,10 +413,12 @@ def halves(box: Box, name: str) -> list[Box]:
     return [Box(box.span | {name: part}) for part in ((low, middle), (middle, high))]
 
 
-def judge_in_zone(family: Family, box: Box, facing: int, low: Any, high: Any) -> list[Any] | None:
-    """The verdicts on the motions of a box whose clearance lies in the window.
+def judge_in_zone(
+    family: Family, box: Box, facing: int, plane: Window, walls: bool = False
+) -> list[Any] | None:
+    """The verdicts on the motions of a box whose clearance lies in the window; with `walls` of admissibility.
 
-    Where they are admissible and only stability is open, the conditions of stability and the polynomial.
+    Where stability is open, the conditions of stability and the polynomial.
     """
     tangent = max(abs(float(end)) for end in box.span["tangent"])
     box.start, sizes = np.zeros(4), np.full(4, 1 + tangent)
@@ -219,7 +431,7 @@ def judge_in_zone(family: Family, box: Box, facing: int, low: Any, high: Any) ->
         system, states = problem.states(problem.system, problem.models(box.centre, box.error))
         amplitude = scale(family, *(problem.box_values[name] for name in ("r", "tangent")))
         clearance = span(system.clearance) * amplitude
-        if clearance < low or clearance > high:
+        if clearance < plane.exact[0] or clearance > plane.exact[1]:
             box.exists = False
             return None
         found = flights(system, states)
@@ -229,12 +441,14 @@ def judge_in_zone(family: Family, box: Box, facing: int, low: Any, high: Any) ->
             box.admissible = False
         if not speed > 0:
             return None
+        if walls:
+            box.admissible, _, box.reason = between_walls(system, found)
+            return None
         polynomial = characteristic(period_map(system, found), determinant(system))
         box.stable, box.reason = inside_all(polynomial), NEAR_CIRCLE
-        if box.stable is not False:
-            box.admissible, _, reason = between_walls(system, found)
-            box.reason = reason or box.reason
-        if box.admissible and box.stable is None:
+        if box.stable:
+            box.admissible, _, box.reason = between_walls(system, found)
+        if box.stable is None:
             return [
                 one if isinstance(one, Model) else problem.space.constant(one)
                 for one in [*conditions_of(polynomial), *polynomial[:4]]
@@ -251,11 +465,10 @@ def scale(family: Family, r: Any, tangent: Any) -> Any:
     return 1 / ((distance * distance + damping * damping) * (1 + tangent * tangent)).sqrt()
 
 
-def explicit(certificate: Certificate, r: _Array) -> tuple[_Array, _Array]:
-    """A, and delta in d/A = -(2 t + delta) cos(theta), at values of r."""
-    xi, mu = (float(certificate.system[name]) for name in ("xi", "mu"))
-    R, eta = float(certificate.system["restitution"][0]), math.sqrt(1 - xi * xi)
-    tau = math.pi * certificate.cycles / r
+def explicit(numbers: tuple[float, float, float, int], r: _Array) -> tuple[_Array, _Array]:
+    """A, and delta in d/A = -(2 t + delta) cos(theta), at values of r, of xi, mu, R and the load cycles."""
+    xi, mu, R, cycles = numbers
+    eta, tau = math.sqrt(1 - xi * xi), math.pi * cycles / r
     w = np.exp(-xi * tau) * np.sin(eta * tau) / eta
     turned = np.exp(-xi * tau) * np.cos(eta * tau)
     u, q = turned + xi * w, turned - xi * w
@@ -281,12 +494,15 @@ class Plane:
         values = {True: 1, False: 0, None: -1}
         self.decisions = np.array([values[decision(box)] for box in certificate.boxes])
         self.window = [float(one) for one in certificate.system["clearance"]]
+        xi, mu = (float(certificate.system[name]) for name in ("xi", "mu"))
+        R = float(certificate.system["restitution"][0])
+        self.numbers = xi, mu, R, certificate.cycles
 
     def images(self, r: float, value: int) -> _Array:
         """The intervals of d K/F0 in the window, at r, of the boxes with a decision."""
         here = (self.low <= r) & (r <= self.high) & (self.decisions == value)
         left, right, facing = self.left[here], self.right[here], self.facing[here]
-        amplitude, delta = (one[0] for one in explicit(self.certificate, np.array([r])))
+        amplitude, delta = (one[0] for one in explicit(self.numbers, np.array([r])))
 
         def of(t: _Array) -> _Array:
             found: _Array = -facing * amplitude * (2 * t + delta) / np.hypot(1, t)
