@@ -99,7 +99,7 @@ REFUSED = {
     "tolerance of a motion": ("--tolerance .1", DAMPER + MOTION,
                               "--tolerance 0.1: must be left out for case, a &motion"),
     "tolerance": ("--tolerance 2", DAMPER + MOTION + "&branch parameter = 'clearance', low = 22, high = 25 /\n",
-                  "--tolerance 2: must be from 1e-9 to 1 for case, a &branch"),
+                  "--tolerance 2: must be from 1e-13 to 1 for case, a &branch"),
     "zone": ("", DAMPER.replace(", r = 1.04", "") + f"&zone sides = 'RRL', {WINDOW} /\n",
              "with symmetric = True and the pattern RL"),
 }  # fmt: skip

@@ -316,6 +316,15 @@ def test_zone(tmp_path):
         checker.check_box(data, box)
 
 
+@pytest.mark.parametrize("r", [0.9984912506265515, 0.9984912506273515])
+def test_beside_a_pitchfork(r):
+    """A multiplier beyond the circle by less than its bound has digits: the verdict stands, without a bound."""
+    motion = min(vi.equispaced(TABLE1, r, 37.0), key=lambda one: max(abs(one.multipliers)))
+    proof = motion.prove()
+    assert (proof.exists, proof.admissible, proof.stable) == (True, True, r > 0.998491250627)
+    checker.check(json.loads(proof.to_json()))
+
+
 def test_zone_across_its_window():
     """Nearly all of a wide window is decided, as the boundary of the zone says, in few boxes."""
     zone = vi.zone(OSC, "RL", r=(1.2, 1.22), clearance=(1, 200), symmetric=True)

@@ -507,5 +507,20 @@ def test_proofs_of_statements(monkeypatch):
     # the whole range crosses resonance; beyond its ends the motions are not all stable
     assert "from 1.0390 to 1.0410" in statements.proof_of_line(1.039, 1.041)
     assert statements.proof_of_line(1.09, 1.1) == ""
+    # the ends of that range, by a stable and an unstable motion less than 1e-12 apart
+    start = next(one for one in vi.equispaced(MASRI, 1.04, 37.0) if one.stable)
+    line = vi.branch(start, "r", bounds=(0.9975, 1.0965))
+    ends = [point.r for point in line.special_points if point.type in statements.ENDS]
+    assert len(ends) == 2
+    for r, stable in zip(ends, ((False, True), (True, False)), strict=True):
+        sides = statements.certificates_of_end(line, r)
+        assert tuple(side.stable for side in sides) == stable
+        places = [float(side.system["r"]) for side in sides]
+        assert 0 < places[1] - places[0] < 1e-12
+    # another motion at these parameters is none of this branch
+    other = next(one for one in vi.equispaced(MASRI, 1.04, 37.0) if not one.stable)
+    near = vi.branch(start, "r", bounds=(1.0399, 1.0401)).prove()
+    assert statements.lies_on(start.prove(), near)
+    assert not statements.lies_on(other.prove(), near)
     monkeypatch.setitem(sys.modules, "flint", None)
     assert statements.proven(statements.proof_of_motions) == ""

@@ -27,7 +27,7 @@ EXAMPLE = "vibroimpact init exact && vibroimpact prove exact.nml -o results"
 #: The studies whose results can be proven.
 STUDIES = ("motion", "branch", "zone")
 #: Those whose proofs have a smallest box, with the least and the greatest one.
-IN_BOXES = {"branch": ("1e-9", "1"), "zone": ("1e-5", "0.1")}
+IN_BOXES = {"branch": ("1e-13", "1"), "zone": ("1e-5", "0.1")}
 #: Reasons that are printed of a certificate, which may have hundreds.
 SHOWN = 5
 
@@ -38,7 +38,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add_folder(parser)
     parser.add_argument(
         "--tolerance", type=float, metavar="V",
-        help="smallest box, relative to the branch (1e-9 to 1; default: 1e-4) or to the window of the zone "
+        help="smallest box, relative to the branch (1e-13 to 1; default: 1e-4) or to the window of the zone "
         "(1e-5 to 0.1; default: 0.004)",
     )  # fmt: skip
     # `name_file` reads an option `plot` as that of a command that writes tables

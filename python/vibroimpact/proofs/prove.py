@@ -160,9 +160,9 @@ def prove_branch(
     if branch.of_structure or branch.parameter not in BRANCHED:
         names = ", ".join(BRANCHED)
         raise ParameterError(f"branch = {branch!r}: must be of an Oscillator, along one of {names}")
-    tolerance = checks.to_float(tolerance, "tolerance", "from 1e-9 to 1")
-    if not 1e-9 <= tolerance <= 1:
-        raise ParameterError(f"tolerance = {tolerance!r}: must be from 1e-9 to 1")
+    tolerance = checks.to_float(tolerance, "tolerance", "from 1e-13 to 1")
+    if not 1e-13 <= tolerance <= 1:
+        raise ParameterError(f"tolerance = {tolerance!r}: must be from 1e-13 to 1")
     family = Family.of(branch[len(branch) // 2])
     name, values = branch.parameter, branch.values
     phases = branch.phases + (np.unwrap(branch.phases[0]) - branch.phases[0])

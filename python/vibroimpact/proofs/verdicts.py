@@ -114,7 +114,7 @@ def multiplier_bound(coefficients: Sequence[Any], stable: bool, power: int = 1) 
         step = Fraction(1, 10**digits)
         bound = largest * (1 + step) if stable else largest * (1 - step)
         bound = Fraction(round(bound * 10**digits) + (1 if stable else -1), 10**digits)
-        if (stable and bound > 1) or bound <= 0:
+        if bound > 1 if stable else bound < 1:
             continue
         radius = module.arb(module.fmpq(bound.numerator, bound.denominator)).root(power)
         if inside(coefficients, radius) is stable:

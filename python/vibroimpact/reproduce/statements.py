@@ -11,9 +11,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .. import Oscillator, Pattern, branch, equispaced, equispaced_batch, periodic_batch
+from .. import (
+    Branch,
+    Certificate,
+    Oscillator,
+    Pattern,
+    branch,
+    equispaced,
+    equispaced_batch,
+    periodic_batch,
+)
 from ..base.errors import MissingExtraError
 from ..base.files import write_text
+from ..motions.motion import Motion
+from ..proofs.balls import exact
 from . import appendix, canvas, damper, table1
 from .digits import upper_boundary
 from .figure9 import PANELS, motions, there
@@ -28,6 +39,9 @@ AGREES, DIFFERS, UNCHECKED = "agrees", "differs", "cannot be checked"
 SIMULATED, CONTRADICTED = "simulation agrees", "simulation differs"
 #: Share of the simulated holds that must lie in the computed zone.
 MOST_HOLDS = 0.9
+#: Special points at which a motion that goes on ceases to be stable, how far from one its sides are proven, and
+#: half of the length of the branch on which both are.
+ENDS, HALF_WIDTH, AROUND = ("pitchfork", "neimark_sacker"), 4e-13, 1e-5
 #: Distances from r = 1 at which a spike is sought.
 NEAR = (1e-3, 1e-5, 1e-7, 1e-9)
 
@@ -68,13 +82,63 @@ def proof_of_motions() -> str:
 
 
 def proof_of_line(first: float, last: float) -> str:
-    """Whether motions on d K/F0 = 37 are proven to be stable and admissible for all r between two values."""
+    """Whether motions on d K/F0 = 37 are proven to be stable and admissible for all r between two values, and
+    beyond which ends they are proven not to be stable."""
     middle = 0.5 * (first + last)
     start = next(one for one in equispaced(MASRI, middle, 37.0) if one.stable)
+    line = branch(start, "r", bounds=(first - 1e-3, last + 1e-3))
     proof = branch(start, "r", bounds=(first, last)).prove()
     if not (proof.proven and proof.stable and proof.admissible):
         return ""
-    return f"stable and admissible for every r from {first:.4f} to {last:.4f}"
+    found = f"stable and admissible for every r from {first:.4f} to {last:.4f}"
+    ends = [
+        certificates_of_end(line, point.r) for point in line.special_points if point.type in ENDS
+    ]
+    if len(ends) != 2 or None in ends:
+        return found
+    places = [(float(one.system["r"]) + float(two.system["r"])) / 2 for one, two in ends]  # type: ignore[misc]
+    return f"{found}; the ends of this range are {places[0]:.12f} and {places[1]:.12f}, each within {HALF_WIDTH:g}"
+
+
+def certificates_of_end(line: Branch, r: float) -> tuple[Certificate, Certificate] | None:
+    """Certificates on either side of the end of a stable range, one of a stable motion and one of an unstable one,
+    each `HALF_WIDTH` from it; None where they do not prove that stability ends in between.
+
+    Both must lie on one branch that is proven to exist.
+    """
+    known = line[int(np.argmin(np.abs(line.r - r)))].X[0]
+
+    def motion_at(place: float) -> Motion:
+        return min(equispaced(MASRI, place, 37.0), key=lambda one: abs(one.X[0] - known))
+
+    around = branch(motion_at(r + AROUND), "r", bounds=(r - AROUND, r + AROUND)).prove()
+    if around.exists is not True or around.admissible is not True:
+        return None
+    sides = motion_at(r - HALF_WIDTH).prove(), motion_at(r + HALF_WIDTH).prove()
+    if not all(one.exists and lies_on(one, around) for one in sides):
+        return None
+    return sides if {one.stable for one in sides} == {True, False} else None
+
+
+def lies_on(motion: Certificate, line: Certificate) -> bool:
+    """Whether a proven motion is that of a proven branch along r: its numbers lie where there is only one."""
+    place = exact(motion.system["r"])
+    for box in line.boxes:
+        low, high = map(exact, box["parameters"]["r"])
+        if low <= place <= high:
+            at = (2 * place - low - high) / (high - low)
+            rows = zip(
+                box["centre"][0], box["radius"][0], motion.boxes[0]["centre"][0], strict=True
+            )
+            apart = [
+                (sum(exact(text) * at**k for k, text in enumerate(texts)) - exact(own[0]), exact(radius))
+                for texts, radius, own in rows
+            ]  # fmt: skip
+            turn = 2 * math.pi * round(float(apart[0][0]) / (2 * math.pi))
+            return abs(float(apart[0][0]) - turn) < float(apart[0][1]) / 2 and all(
+                abs(by) < radius / 2 for by, radius in apart[1:]
+            )
+    return False
 
 
 def strips_of(folder: Path, name: str) -> dict[str, list[Strip]]:

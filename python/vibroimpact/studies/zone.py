@@ -558,8 +558,7 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         Parameters
         ----------
         tolerance : float, optional
-            The size of the smallest box, relative to the window (log D). Ten times less takes up to a hundred
-            times longer.
+            The width in log D of what may be left open beside the boundary, relative to the window.
         progress : callable, optional
             Called with the share done and a note; by default a bar on a terminal or in a notebook.
 
