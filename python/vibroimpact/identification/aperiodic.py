@@ -465,18 +465,18 @@ class Windows:
                 here = self.events(states, self.common, t)
                 t = np.where(abs(here[0] - self.times) < 3e-3, here[0], t)
             jumps = here[3] - here[2]
-            # errors of position and velocity where flights meet
-            at = 1j * STEP * np.eye(2)
+            # errors of time and jump where flights meet; of two flights in sequence one is moved at a time
             of_x, of_v = np.zeros((2, t.size))
-            for side in (slice(0, -1), slice(1, None)):
+            impacts, flights = np.arange(t.size), np.arange(states.shape[0])
+            for parity in (0, 1):
+                own = flights % 2 == parity
                 each = []
-                for change in at:
-                    moved = states.astype(complex)
-                    moved[side] += change
-                    one = self.events(moved, self.common, t)
+                for change in 1j * STEP * np.eye(2):
+                    one = self.events(states + own[:, None] * change, self.common, t)
                     each.append(np.stack([one[0], one[3] - one[2]]).imag / STEP)
                 by = np.stack(each, axis=-1)  # (2, N, 2)
-                P = inverse[side][:, :2, :2] * self.noise**2
+                moved = impacts + (impacts % 2 != parity)
+                P = inverse[moved][:, :2, :2] * self.noise**2
                 of_x += np.einsum("na,nab,nb->n", by[0], P, by[0])
                 of_v += np.einsum("na,nab,nb->n", by[1], P, by[1])
             both = self.flies[:-1] & self.flies[1:]
