@@ -1,10 +1,8 @@
 """The parameters of a rig from the single flights of a record that repeats nothing: chaos, transients, rests.
 
-Each flight of the primary mass between two impacts is a damped oscillator under the load, with its own state. So
-flights are fitted one by one, outside of the pulses, and what they share (natural frequency, damping, load,
-ringing) all at once. An impact is where two flights meet. Momentum and restitution at each impact, between two
-flights of the free mass, are then equations between measured quantities, which the parameters have to fulfil to
-the errors of these.
+Momentum and restitution at each impact, between two flights of the free mass, are equations between measured
+quantities: the states of the flights of the primary mass before, after and beside it. The parameters have to
+fulfil them to the errors of these.
 """
 
 from __future__ import annotations
@@ -18,688 +16,131 @@ from numpy.typing import NDArray
 
 from ..base.errors import SingularError
 from ..base.libraries import scipy
-from .fit import FAR_OFF, Fit, Strain, covariance_of, far_off_gain
-from .flights import (
-    DECAYS,
-    LEAST_DAMPED,
-    LEAST_GAIN,
-    LOWEST,
-    MARGIN,
-    MOST_DAMPED,
-    MOST_MODES,
-    Measured,
-    predicted,
-)
+from .coupled import banded, own_blocks, passed_on, scaled_solve, slopes
+from .fit import FAR_OFF, Fit, covariance_of, far_off_gain
 from .known import HINT
 from .laws import Law
-from .signals import spikes
+from .state_noise import noise_information, without_noise
+from .strains import held_strains, strains_of
+from .windows import Flown, Windows
 
 _Array = NDArray[np.float64]
 _Bool = NDArray[np.bool_]
-#: Seconds around an impact that are left out at first, and at most after it; to which share a pulse shrinks in a
-#: round, and by how much more scatter it is too short.
-AHEAD, PULSE, LONGEST, SHRINK, WORSE = 0.5e-3, 4e-3, 10e-3, 0.6, 1.05
-#: Mean of what impacts leave over its error at which a pulse lasts, and for how long it may pause (s).
-LASTS, PAUSE = 4.0, 0.8e-3
-#: Least time between two impacts that are picked, s.
-APART = 2.5e-3
-#: Samples of a flight beyond what is fitted to it; rounds; and most steps of a fit in each.
-SPARE, ROUNDS, STEPS = 4, 12, 12
-#: Standard deviations by which the scatter of a flight is larger where an impact is missing; jumps below so many
-#: errors are none; standard deviations of an impact that does not follow the laws.
-MISSED, CLEAR, UNLAWFUL = 8.0, 3.5, 6.0
-#: Time from the ends of a flight within which no spike is a missing impact, s.
-NEAR_ENDS = 1e-3
-#: Largest error of the time of an impact that is one, s; smallest share of lawful impacts.
-BLURRED, LAWFUL = 2e-3, 0.6
+#: Standard deviations of an impact that does not follow the laws; smallest share of lawful impacts.
+UNLAWFUL, LAWFUL = 6.0, 0.6
 #: Fewest impacts that tell something.
 LEAST_IMPACTS = 6
-#: Share of a step that is taken once the first ones are.
-DAMPED = 0.5
-#: What a flight counts at most where one more mode is tried.
-CLIPPED = 50.0
-#: Draws of errors of the states, and share of the information on a direction of the parameters that they add,
-#: above which the states are taken to tell nothing of it: the fit would follow the noise.
-DRAWS, MOST_NOISE = 4, 0.15
-#: Step for derivatives along the imaginary axis.
-STEP = 1e-30
-#: Samples of a flight over which noise is summed, and colour above which what is left is no noise.
-WIDE, UNEXPLAINED = 24, 10.0
+#: Most steps to a minimum; steps after which impacts are judged; and share of a step that is taken after the last
+#: of these.
+STEPS, JUDGED, DAMPED = 40, (1, 3, 5, 8), 0.5
+#: Error of the time of an impact over the shorter flight of the free mass beside it, above which its equations are
+#: not linear within the errors; standard errors by which its time is moved to look for another minimum; impacts
+#: that are moved at once are so many apart, and have effects on so many flights on either side.
+BLURRED, MOVED, APART, REACH = 0.02, 3.0, 8, 4
+#: Change of the sum of squares from which on two minima are two.
+OTHER = 0.01
 
 
-class Flown(NamedTuple):
-    """Flights fitted one by one."""
+class Minimum(NamedTuple):
+    """Parameters and states of flights at which what the equations leave is a minimum."""
 
-    #: (N) Times of the impacts, 0 in the middle of the record, jumps of the velocity, and which are resolved.
-    times: _Array
-    jumps: _Array
-    resolved: _Bool
-    #: (N + 1, 2) States of the flights, their covariances, and what the common parameters do to them.
-    states: _Array
-    spread: _Array
-    turned: _Array
-    #: Common parameters (omega, xi, static, phase, offset, real and imaginary part of each pole), which are free,
-    #: and
-    #: their weights.
-    common: _Array
-    free: NDArray[np.int64]
-    weights: _Array
-    noise: float
-    colour: float
-    #: Natural frequency and damping ratio that are known (0, 1), what all common parameters do to the states,
-    #: their weights, and minus half the slope of the sum of squares by them.
-    held: NDArray[np.int64]
-    every_turned: _Array
-    every_weight: _Array
-    slope: _Array
+    chi: float
+    #: Changes of the common parameters and of the states of flights (N + 1, 2), and the other parameters.
+    change: _Array
+    eta: _Array
+    g: _Array
+    #: Of all parameters.
+    information: _Array
+    #: Derivatives of the equations by the parameters, covariances of the equations (bands), what they leave over
+    #: these, and which impacts they are for.
+    B: _Array
+    cov: _Array
+    multiplier: _Array
+    ok: _Bool
 
 
-class Windows:
-    """A record, cut into flights at impacts."""
+class Impacts:
+    """Momentum and restitution at all impacts that are between two others, with the parameters that they give."""
 
     def __init__(
-        self, t: _Array, values: _Array, data: Measured, times: _Array, omega: float | None, xi: float,
-        priors: Mapping[str, tuple[float, float]], start: tuple[float, float],
+        self, windows: Windows, flown: Flown, shared: Mapping[str, float], guess: Mapping[str, float],
+        law: Law, law_speed: float | None,
     ) -> None:  # fmt: skip
-        self.t, self.values, self.data = t, values, data
-        self.step = float(t[1] - t[0])
-        self.times = np.sort(times)
-        self.common = np.array([omega or data.Omega, xi, *start, float(values.mean())])
-        self.free_omega = omega is None
-        self.priors = priors
-        self.before, self.after = AHEAD + self.step, PULSE
-        self.noise = math.nan
-        #: Whether there is no mode more.
-        self.rung = False
-        #: Flights that are none, at the end.
-        self.poor = np.zeros(0, dtype=bool)
-
-    @property
-    def modes(self) -> int:
-        """Number of modes that ring."""
-        return (self.common.size - 5) // 2
-
-    def cut(self) -> None:
-        """Sort the samples into flights."""
-        self.flight = np.searchsorted(self.times, self.t, side="right")
-        self.begins = np.append(self.t[0], self.times)
-        ends = np.append(self.times, self.t[-1] + 1.0)
-        self.since = self.t - self.begins[self.flight]
-        left = ends[self.flight] - self.t
-        first = self.flight == 0
-        used = ((self.since > self.after) | first) & (left > self.before)
-        # the filters of the sensors settle in the first load cycle
-        used &= self.t > self.t[0] + min(2 * math.pi / self.data.Omega, 0.02 * np.ptp(self.t))
-        numbers = np.bincount(self.flight[used], minlength=self.begins.size)
-        self.flies = numbers >= 2 + 2 * self.modes + SPARE
-        if self.poor.size == self.flies.size:
-            self.flies &= ~self.poor
-        self.used = np.flatnonzero(used & self.flies[self.flight])
-        if self.used.size < 0.1 * self.t.size:
+        self.windows, self.flown = windows, flown
+        self.signs = signs = np.sign(flown.jumps)
+        N = flown.times.size
+        resolved = flown.resolved
+        self.lawful = lawful = np.zeros(N, dtype=bool)
+        lawful[1:-1] = resolved[:-2] & resolved[1:-1] & resolved[2:]
+        if lawful.sum() < LEAST_IMPACTS:
             raise SingularError(
-                f"pulses of {self.times.size} impacts leave too little of the motion; {HINT}"
+                f"{int(lawful.sum())} of {N} impacts between two others that are resolved: must be at least "
+                f"{LEAST_IMPACTS}; a longer record would help"
             )
-        self.own = np.flatnonzero(self.flies)
-        self.edges = np.searchsorted(self.flight[self.used], [self.own, self.own + 1])
-
-    def waves(self, since: _Array, common: _Array) -> tuple[_Array, list[Any]]:
-        """The motions of each flight alone: columns (n, 2 + 2 modes), and the complex waves."""
-        omega, xi = common[:2]
-        pole = omega * complex(-xi, math.sqrt(1 - xi**2))
-        waves = [pole**self.data.order * np.exp(pole * since)]
-        waves += [np.exp(complex(a, b) * since) for a, b in common[5:].reshape(-1, 2)]
-        columns = [column for wave in waves for column in (wave.real, -wave.imag)]
-        return np.column_stack(columns), [pole, *waves]
-
-    def allowed(self, common: _Array) -> bool:
-        """Whether parameters are those of a damped oscillator and of modes that ring."""
-        within = 0 <= common[1] < 0.9 and common[0] > 0 and common[2] > 0
-        for a, b in common[5:].reshape(-1, 2):
-            within = within and LEAST_DAMPED * b < -a < MOST_DAMPED * b
-            within = (
-                within
-                and LOWEST < b / self.data.Omega < 0.8 * math.pi / self.step / self.data.Omega
+        # what is not resolved stands for numbers that are not used
+        self.states, self.spread, self.turned = (
+            x.copy() for x in (flown.states, flown.spread, flown.turned)
+        )
+        t, X, V, after = windows.events(self.states, flown.common, flown.times)
+        # of impacts that are not resolved nothing is used
+        t[~resolved], X[~resolved], V[~resolved], after[~resolved] = flown.times[~resolved], 0, 0, 0
+        duration = np.diff(t)
+        duration[duration == 0] = 1
+        first, second = np.diff(X) / duration, 0.5 * np.diff(signs) / duration
+        of_x, of_d = np.zeros((2, N))
+        of_x[1:-1], of_d[1:-1] = np.diff(first), np.diff(second)
+        jumps = after - V
+        values = dict(shared)
+        values |= start_of_laws(jumps[lawful], of_x[lawful], of_d[lawful], shared, guess)
+        z_after, z_before = np.zeros((2, N))
+        z_after[:-1] = first + values["d"] * second
+        z_before[1:] = z_after[:-1]
+        closing = signs * (z_before - V)
+        good = lawful & (closing > 0)
+        ratio = np.where(good, signs * (after - z_after), 0) / np.where(good, closing, 1)
+        for name, sign in (("R1", 1), ("R2", -1)):
+            own = good & (signs == sign)
+            values[name] = shared.get(
+                name,
+                float(np.clip(np.median(ratio[own]), 0.05, 0.99)) if own.sum() > 2 else guess[name],
             )
-        return bool(within)
-
-    def fitted(self, common: _Array) -> tuple[Any, ...]:
-        """States of all flights by linear least squares, what is left, and the equations for the common ones."""
-        since, flight = self.since[self.used], self.flight[self.used]
-        omega, xi, static, phase, offset = common[:5].tolist()
-        none = np.empty(0)
-        load = predicted(
-            self.data, self.data.Omega * self.t[self.used], self.data.order, omega, xi, static, phase, none, none
-        )  # fmt: skip
-        L, (pole, *waves) = self.waves(since, common)
-        left = self.values[self.used] - load.value - offset
-        q = L.shape[1]
-        count = self.begins.size
-        inner, rest = np.zeros((count, q, q)), np.zeros((count, q))
-        inner[:] = np.eye(q)
-        pieces = list(zip(self.own.tolist(), *self.edges.tolist(), strict=True))
-        for i, a, b in pieces:
-            own = L[a:b]
-            inner[i], rest[i] = own.T @ own, own.T @ left[a:b]
-        size = np.sqrt(inner[:, np.arange(q), np.arange(q)])
-        weight = inner / (size[:, :, None] * size[:, None, :]) + 1e-12 * np.eye(q)
-        inverse = np.linalg.inv(weight) / (size[:, :, None] * size[:, None, :])
-        states = (inverse @ rest[..., None])[..., 0]
-        each = states[flight]
-        left = left - (L * each).sum(axis=1)
-        # derivatives by the common parameters
-        rate = math.sqrt(1 - xi**2)
-        C = each[:, 0] + 1j * each[:, 1]
-        by_pole = C * waves[0] * (self.data.order / pole + since)
-        columns = [
-            load.omega + (by_pole * pole / omega).real,
-            load.xi + (by_pole * omega * complex(-1, -xi / rate)).real,
-            load.static, load.phase, np.ones(since.size),
-        ]  # fmt: skip
-        for j, wave in enumerate(waves[1:]):
-            by = (each[:, 2 * j + 2] + 1j * each[:, 2 * j + 3]) * wave * since
-            columns += [by.real, -by.imag]
-        G = np.column_stack(columns)
-        coupled = np.zeros((count, q, G.shape[1]))
-        for i, a, b in pieces:
-            coupled[i] = L[a:b].T @ G[a:b]
-        turned = inverse @ coupled
-        trusted = self.trusted[flight]
-        G = G[trusted]
-        weights = G.T @ G - np.einsum("iqk,iql->kl", coupled[self.trusted], turned[self.trusted])
-        return states, inverse, turned, left, weights, G.T @ left[trusted]
-
-    def refine(self, enough: float = 1.0) -> tuple[Any, ...]:
-        """The common parameters by the method of Gauss and Newton, with damping."""
-        free = self.free()
-        self.trusted = np.ones(self.begins.size, dtype=bool)
-        now = self.fitted(self.common)
-        self.noise = self.scatter(now[3])
-        for _ in range(2):
-            now = self.descended(free, now, enough)
-            self.noise = self.scatter(now[3])
-            # flights in which an impact is missing say nothing of what all share
-            bad = self.bad(now)
-            if not bad.any() or bad.sum() > 0.5 * self.own.size:
-                break
-            self.trusted = ~bad
-            now = self.fitted(self.common)
-        return now
-
-    def descended(
-        self, free: NDArray[np.int64], now: tuple[Any, ...], enough: float
-    ) -> tuple[Any, ...]:
-        """Steps down to where a further one gains less than `enough`."""
-        square = self.total(now[3], self.common)
-        damping = 1e-6
-        for _ in range(STEPS):
-            W, g = self.with_priors(now[4], now[5], self.common)
-            W, g = W[np.ix_(free, free)], g[free]
-            scale = np.sqrt(np.maximum(np.diag(W), 0))
-            scale[scale == 0] = 1
-            A = W / np.outer(scale, scale)
-            moved = False
-            while damping < 1e6:
-                step = np.linalg.solve(A + damping * np.eye(free.size), g / scale) / scale
-                common = self.common.copy()
-                common[free] += step
-                common[1] = max(common[1], 0.0)
-                if self.allowed(common):
-                    trial = self.fitted(common)
-                    total = self.total(trial[3], common)
-                    if total <= square:
-                        moved = True
-                        break
-                damping = max(10 * damping, 1e-3)
-            if not moved:
-                break
-            gain, square = square - total, total
-            now, self.common = trial, common
-            damping = damping / 10 if damping > 1e-8 else damping
-            if gain < enough:
-                break
-        return now
-
-    def squares(self, left: _Array) -> _Array:
-        """Sums of squares of the flights, over the noise."""
-        sums = np.zeros(self.begins.size)
-        sums[self.own] = np.add.reduceat(left**2, self.edges[0]) / self.noise**2
-        return sums
-
-    def bad(self, now: tuple[Any, ...]) -> _Bool:
-        """Flights that their states do not describe, as where an impact is missing."""
-        numbers = np.bincount(self.flight[self.used], minlength=self.begins.size)
-        freedom = np.maximum(numbers - 2 - 2 * self.modes, 1)
-        bad: _Bool = self.flies & (self.squares(now[3]) > freedom + MISSED * np.sqrt(2 * freedom))
-        return bad
-
-    def at(self, t: _Array) -> _Array:
-        """What the flights are at some times, NaN where there is none; after `run`."""
-        flight = np.searchsorted(self.times, t, side="right")
-        since = t - self.begins[flight]
-        waves = (self.waves(since, self.common)[0] * self.states[flight]).sum(axis=1)
-        ahead = np.append(self.times, math.inf)[flight] - t
-        inside = ((since > self.after) | (flight == 0)) & (ahead > self.before)
-        inside &= t >= self.t[self.used[0]]
-        return np.where(self.flies[flight] & inside, self.loaded(t) + waves, math.nan)
-
-    def free(self) -> NDArray[np.int64]:
-        """Places of the common parameters that are fitted."""
-        fixed = [] if self.free_omega else [0]
-        if self.priors.get("xi", (0, 1))[1] == 0:
-            fixed.append(1)
-        return np.setdiff1d(np.arange(self.common.size), fixed)
-
-    def scatter(self, left: _Array) -> float:
-        """The usual scatter of a sample in a flight."""
-        sums = np.add.reduceat(left**2, self.edges[0])
-        numbers = np.diff(self.edges, axis=0)[0]
-        freedom = numbers - (2 + 2 * self.modes)
-        clear = freedom >= np.quantile(freedom, 0.3)
-        return math.sqrt(max(float(np.median((sums / freedom)[clear])), 1e-300))
-
-    def with_priors(self, weights: _Array, slope: _Array, common: _Array) -> tuple[_Array, _Array]:
-        """Equations over the noise, with those of what is known."""
-        W, g = weights / self.noise**2, slope / self.noise**2
-        for place, name in enumerate(("omega", "xi", "static", "phase")):
-            if name in self.priors and self.priors[name][1] > 0:
-                value, error = self.priors[name]
-                W[place, place] += 1 / error**2
-                g[place] += (value - common[place]) / error**2
-        return W, g
-
-    def total(self, left: _Array, common: _Array) -> float:
-        """The sum of squares, with those of what is known."""
-        total = float(self.squares(left)[self.trusted].sum())
-        for place, name in enumerate(("omega", "xi", "static", "phase")):
-            if name in self.priors and self.priors[name][1] > 0:
-                total += ((self.priors[name][0] - common[place]) / self.priors[name][1]) ** 2
-        return total
-
-    def ringing(self, now: tuple[Any, ...]) -> bool:
-        """Add a mode that rings, if much of what is left is one."""
-        common, kept, before = self.common, self.noise, self.squares(now[3])
-        tau, mean, weight = self.echo(now)
-        good = (tau > self.after) & (weight > 0)
-        if good.sum() < 20:
-            return False
-        tau, mean, weight = tau[good], mean[good], np.sqrt(weight[good])
-        best: tuple[float, complex] = (math.inf, 0j)
-        highest = min(0.4 / self.step, 3000.0)
-        for f in np.geomspace(LOWEST * self.data.Omega / (2 * math.pi), highest, 160):
-            for decay in DECAYS:
-                wave = np.exp(complex(-decay, 2 * math.pi * f) * tau)
-                A = np.column_stack([wave.real, wave.imag]) * weight[:, None]
-                rest = mean * weight - A @ np.linalg.lstsq(A, mean * weight, rcond=None)[0]
-                if rest @ rest < best[0]:
-                    best = float(rest @ rest), complex(-decay, 2 * math.pi * f)
-        if (mean * weight) @ (mean * weight) - best[0] < LEAST_GAIN or not best[1]:
-            self.rung = True
-            return False
-        self.common = np.append(common, [best[1].real, best[1].imag])
-        try:
-            self.cut()
-            own = self.flies
-            after = self.squares(self.refine()[3])
-            # a flight in which an impact is missing says little
-            gain = float(
-                np.minimum((before - after * (self.noise / kept) ** 2)[own], CLIPPED).sum()
-            )
-            N = np.count_nonzero(own)
-            if gain > 2 * N + 8 * math.sqrt(N) + LEAST_GAIN and self.another():
-                return True
-        except SingularError:
-            pass
-        self.common, self.noise, self.rung = common, kept, True
-        self.cut()
-        return False
-
-    def another(self) -> bool:
-        """Whether the last mode is one, and not the end of a pulse or another one again."""
-        *others, (a, b) = self.common[5:].reshape(-1, 2).tolist()
-        ends = 1.1 * LEAST_DAMPED * b < -a < 0.9 * MOST_DAMPED * b
-        return ends and all(abs(b - other) > 0.1 * other for _, other in others)
-
-    def echo(self, now: tuple[Any, ...]) -> tuple[_Array, _Array, _Array]:
-        """What impacts leave on the average over their jump: times since them, means, and their weights."""
-        states = now[0]
-        if not self.times.size:
-            raise SingularError(f"no impacts: {HINT}")
-        jumps = self.jumps_of(states)
-        # what each sample has that its flight has not, also within pulses
-        own = (self.flies & ~self.bad(now))[self.flight]
-        L, _ = self.waves(self.since[own], self.common)
-        rest = (
-            self.values[own] - self.loaded(self.t[own]) - (L * states[self.flight[own]]).sum(axis=1)
+        if law.kind != "constant":
+            walls = [closing[good & (signs == sign)] for sign in (1, -1)]
+            law = law.about(walls, law_speed)
+            ends = ("",) if law.kind == law.shape else ("1", "2")
+            values |= {name: shared.get(name, value) for name, value in law.start(
+                values | {f"exponent{end}": 0.0 for end in ends}
+            ).items()}  # fmt: skip
+        self.law = law
+        self.names = [name for name in ("mu", *law.names, "d") if name not in shared]
+        # the sensor of the motion has a gain, which is known to its calibration
+        self.calibration = windows.data.calibration
+        values["gain"] = 1.0
+        self.names += ["gain"] * (self.calibration > 0)
+        self.values = values
+        self.walls = [law.of_wall(i) for i in (0, 1)]
+        # what is known, by which there are derivatives once the fit is done
+        self.held = [name for name in ("mu", *law.names, "d") if name in shared]
+        self.active = lawful[1:-1].copy()
+        self.g = np.array([values[name] for name in self.names])
+        self.typical = [
+            max(abs(self.g[j]), 1e-3) if name in ("mu", "d") else law.typical(name, values[name])
+            for j, name in enumerate(self.names)
+        ]
+        self.scales = np.array(
+            [
+                *(max(abs(flown.common[i]), 1e-3) if i != 3 else 1.0 for i in flown.free),
+                *self.typical,
+            ]
         )
-        flight, since = self.flight[own], self.since[own]
-        later = flight > 0
-        jump = np.where(later, jumps[flight - 1], 0.0)
-        size = max(0.8 * self.step, 0.1e-3)
-        bins = np.floor(since / size).astype(np.int64)
-        kept = later & (since < 1.2 * LONGEST) & (jump != 0)
-        count = int(1.2 * LONGEST / size) + 1
-        top = np.bincount(bins[kept], (jump * rest)[kept], count)
-        below = np.bincount(bins[kept], (jump**2)[kept], count)
-        spread = np.bincount(bins[kept], (jump**2 * rest**2)[kept], count)
-        good = below > 0
-        mean = np.where(good, top / np.maximum(below, 1e-300), 0.0)
-        numbers = np.bincount(bins[kept], minlength=count)
-        error2 = np.maximum(spread, self.noise**2 * below) / np.maximum(below, 1e-150) ** 2
-        weight = np.where(good & (numbers > 5), 1 / np.maximum(error2, 1e-300), 0.0)
-        self.ahead = self.early(rest, flight, own, jumps)
-        times = (np.arange(count) + 0.5) * size
-        both: tuple[_Array, ...] = tuple(
-            np.asarray(x, dtype=np.float64) for x in (times, mean, weight)
-        )
-        return both[0], both[1], both[2]
+        #: Time of flight of the free mass before each impact and after the last (N - 1), s.
+        self.duration = duration
 
-    def loaded(self, t: _Array) -> _Array:
-        """The motion under the load alone, with the offset."""
-        none = np.empty(0)
-        omega, xi, static, phase, offset = self.common[:5].tolist()
-        turn = self.data.Omega * t
-        load = predicted(self.data, turn, self.data.order, omega, xi, static, phase, none, none)
-        return np.asarray(load.value + offset, dtype=np.float64)
-
-    def early(self, rest: _Array, flight: NDArray[np.int64], own: _Bool, jumps: _Array) -> float:
-        """For how long before impacts the flights do not describe the record (s)."""
-        ends = np.append(self.times, math.inf)
-        left = ends[flight] - self.t[own]
-        size = max(0.8 * self.step, 0.1e-3)
-        kept = left < 2e-3
-        jump = jumps[np.minimum(flight[kept], jumps.size - 1)]
-        bins = np.floor(left[kept] / size).astype(np.int64)
-        top = np.bincount(bins, jump * rest[kept])
-        spread = np.bincount(bins, np.maximum((jump * rest[kept]) ** 2, (jump * self.noise) ** 2))
-        lasts = np.flatnonzero(abs(top) > LASTS * np.sqrt(np.maximum(spread, 1e-300)))
-        return float((lasts[-1] + 1) * size) if lasts.size else 0.0
-
-    def jumps_of(self, states: _Array) -> _Array:
-        """Jumps of the velocity where flights meet, 0 where they do not."""
-        here = self.events(states, self.common, self.times)
-        return np.where(self.flies[:-1] & self.flies[1:], here[3] - here[2], 0.0)
-
-    def lengths(self, now: tuple[Any, ...]) -> None:
-        """Pulses as long as the data say."""
-        tau, mean, weight = self.echo(now)
-        lasts = tau[abs(mean) * np.sqrt(weight) > LASTS]
-        ends = np.flatnonzero(np.diff(np.append(lasts, math.inf)) > max(PAUSE, 6 * self.step))
-        last = float(lasts[ends[0]]) if lasts.size and lasts[0] < PAUSE + 2 * self.step else 0.0
-        # no faster than the flights get better
-        after = min(last * (1 + MARGIN) + 2 * self.step, LONGEST)
-        self.after = max(after, SHRINK * self.after)
-        self.before = max(min(self.ahead, 1e-3) + 2 * self.step, SHRINK * self.before)
-
-    @np.errstate(all="ignore")  # where flights are none, or do not meet
-    def events(self, states: Any, common: Any, times: Any) -> Any:
-        """Where flights meet: times, displacements, velocities before and after (4, ..., N).
-
-        All may have a small imaginary part. `states` (..., N + 1, 2); the times are those about which the flights
-        meet to first order.
-        """
-        omega, xi, static, phase = (common[..., None, i] for i in range(4))
-        decay, rate = xi * omega, omega * np.sqrt(1 - xi**2)
-
-        def free(state: Any, begins: Any, t: Any) -> tuple[Any, Any]:
-            since = t - begins
-            fade = np.exp(-decay * since)
-            c, s = fade * np.cos(rate * since), fade * np.sin(rate * since)
-            a, b = state[..., 0], state[..., 1]
-            X = a * c - b * s
-            return X, -decay * X - rate * (a * s + b * c)
-
-        before, after = states[..., :-1, :], states[..., 1:, :]
-        both = [free(before, self.begins[:-1], times), free(after, self.begins[1:], times)]
-        slope = both[1][1] - both[0][1]
-        t = times - (both[1][0] - both[0][0]) / slope
-        X, V = free(before, self.begins[:-1], t)
-        V_after = free(after, self.begins[1:], t)[1]
-        load, speed = under_load(self.data, omega, xi, static, phase, t)
-        return np.stack([t, X + load, V + speed, V_after + speed])
-
-    def met(self, states: _Array, inverse: _Array) -> tuple[_Array, _Array, _Array, _Bool]:
-        """Times of the impacts by the flights, jumps, errors of the times, and which are resolved."""
-        t, states = self.times.copy(), states[:, :2]
-        with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-            for _ in range(4):
-                here = self.events(states, self.common, t)
-                t = np.where(abs(here[0] - self.times) < 3e-3, here[0], t)
-            jumps = here[3] - here[2]
-            # errors of time and jump where flights meet; of two flights in sequence one is moved at a time
-            of_x, of_v = np.zeros((2, t.size))
-            impacts, flights = np.arange(t.size), np.arange(states.shape[0])
-            for parity in (0, 1):
-                own = flights % 2 == parity
-                each = []
-                for change in 1j * STEP * np.eye(2):
-                    one = self.events(states + own[:, None] * change, self.common, t)
-                    each.append(np.stack([one[0], one[3] - one[2]]).imag / STEP)
-                by = np.stack(each, axis=-1)  # (2, N, 2)
-                moved = impacts + (impacts % 2 != parity)
-                P = inverse[moved][:, :2, :2] * self.noise**2
-                of_x += np.einsum("na,nab,nb->n", by[0], P, by[0])
-                of_v += np.einsum("na,nab,nb->n", by[1], P, by[1])
-            both = self.flies[:-1] & self.flies[1:]
-            error = np.sqrt(of_x)
-            clear = abs(jumps) > CLEAR * np.sqrt(of_v)
-        resolved = both & clear & (error < BLURRED) & (abs(here[0] - self.times) < 3e-3)
-        return (
-            t,
-            np.where(np.isfinite(jumps), jumps, 0.0),
-            np.where(both, error, math.inf),
-            resolved,
-        )
-
-    def run(self) -> Flown:
-        """All rounds: flights, ringing, pulses, missing impacts and such that are none."""
-        self.cut()
-        now = self.refine()
-        settled = False
-        for i in range(ROUNDS):
-            while not self.rung and self.modes < MOST_MODES and self.ringing(now):
-                now = self.fitted(self.common)
-            before, noise = (self.before, self.after), self.noise
-            t, _, _, resolved = self.met(now[0], now[1])
-            near = resolved & (abs(t - self.times) < 1e-3)
-            if not settled:
-                self.lengths(now)
-            weak = self.needless(now, np.flatnonzero(~resolved))
-            more = self.missing(now) if i < ROUNDS - 2 else []
-            self.times = np.sort(np.append(np.delete(np.where(near, t, self.times), weak), more))
-            self.cut()
-            now = self.refine()
-            if self.noise > WORSE * noise and not settled:
-                # within the pulses no flight is one
-                self.before, self.after = (1.2 * length for length in before)
-                settled = True
-                self.cut()
-                now = self.refine()
-            change = max(abs(before[0] - self.before), abs(before[1] - self.after))
-            if change < 0.5 * self.step and not weak and not more:
-                break
-            # pulses of another length may hide, or show, a mode
-            self.rung = self.rung and (change < 0.5e-3 or i > 2)
-        # without flights in which impacts are hidden
-        self.poor = self.bad(now)
-        self.cut()
-        now = self.refine(1e-3)
-        states, inverse, turned, left, weights, slope = now
-        t, jumps, _, resolved = self.met(states, inverse)
-        W, slope = self.with_priors(weights, slope, self.common)
-        free = self.free()
-        self.states = states
-        colour = self.colour(left)
-        if colour > UNEXPLAINED:
-            raise SingularError(
-                f"what flights leave of the record is no noise: its sums over {WIDE} samples have {colour:.3g} "
-                f"times the variance of white noise; {HINT}"
-            )
-        return Flown(
-            t, jumps, resolved, states[:, :2], inverse[:, :2, :2] * self.noise**2, turned[:, :2, free],
-            self.common, free, W[np.ix_(free, free)], self.noise, colour,
-            np.setdiff1d([0, 1], free), turned[:, :2], W, slope,
-        )  # fmt: skip
-
-    def colour(self, left: _Array) -> float:
-        """Variance of sums of neighbouring samples over that of as many independent ones."""
-        sums, numbers, used = 0.0, 0, 0.0
-        for a, b in self.edges.T.tolist():
-            count = (b - a) // WIDE
-            if count < 2:
-                continue
-            own = left[a : a + count * WIDE]
-            sums += float((own.reshape(count, WIDE).sum(axis=1) ** 2).sum()) / WIDE
-            used += float(own @ own) / WIDE
-            numbers += count
-        return max(1.0, sums / used) if numbers > 20 else 1.0
-
-    def needless(self, now: tuple[Any, ...], places: NDArray[np.int64]) -> list[int]:
-        """Of some impacts those without which one flight describes what two do."""
-        found: list[int] = []
-        q = 2 + 2 * self.modes
-        for i in places.tolist():
-            if not (self.flies[i] and self.flies[i + 1]) or (found and found[-1] == i - 1):
-                continue
-            first, last = np.searchsorted(self.flight[self.used], [i, i + 2]).tolist()
-            before = float(now[3][first:last] @ now[3][first:last])
-            # with the samples of the pulse, which there is only at an impact
-            own = slice(int(self.used[first]), int(self.used[last - 1]) + 1)
-            A = self.waves(self.t[own] - self.begins[i], self.common)[0]
-            rest = self.values[own] - self.loaded(self.t[own])
-            A /= np.maximum(np.linalg.norm(A, axis=0), 1e-300)
-            left = rest - A @ np.linalg.lstsq(A, rest, rcond=1e-10)[0]
-            more = rest.size - (last - first) + q
-            if (left @ left - before) / self.noise**2 < more + 5 * math.sqrt(2 * more) + LEAST_GAIN:
-                found.append(i)
-        return found
-
-    def missing(self, now: tuple[Any, ...]) -> list[float]:
-        """Times of impacts, one in each flight that one more describes better."""
-        left = now[3]
-        found: list[tuple[float, float]] = []
-        q = 2 + 2 * self.modes
-        omega, xi = self.common[:2]
-        pole = omega * complex(-xi, math.sqrt(1 - xi**2))
-        L, _ = self.waves(self.since[self.used], self.common)
-        for a, b in self.edges.T.tolist():
-            freedom = b - a - q
-            excess = float(left[a:b] @ left[a:b]) / self.noise**2 / freedom - 1
-            if freedom < 8 or excess < MISSED * math.sqrt(2 / freedom):
-                continue
-            t, own = self.t[self.used[a:b]], L[a:b]
-            grid = t[2:-2][:: max(1, (b - a) // 120)]
-            tau = t[:, None] - grid
-            wave = pole**self.data.order * np.exp(pole * np.maximum(tau, 0))
-            response = np.where(tau > 0, wave.imag, 0.0)
-            # samples within the pulse that it would have
-            response[(tau > -self.before) & (tau < min(self.after, 2e-3))] = 0
-            size = np.linalg.norm(own, axis=0)
-            response -= (own / size) @ np.linalg.lstsq(own / size, response, rcond=1e-10)[0]
-            gain = (response.T @ left[a:b]) ** 2 / np.maximum((response**2).sum(axis=0), 1e-300)
-            # or what the pulse itself hides
-            place, peak = int(np.argmax(gain)), int(np.argmax(abs(left[a:b])))
-            inside = min(t[peak] - t[0], t[-1] - t[peak]) > NEAR_ENDS
-            if inside and abs(left[a + peak]) > MISSED * self.noise:
-                found.append((excess, float(t[peak]) - 0.5 * self.step))
-            elif gain[place] / self.noise**2 > LEAST_GAIN:
-                found.append((excess, float(grid[place])))
-        # where they are many, it is not they that are missing
-        worst = sorted(found)[-max(1, self.own.size // 8) :]
-        return [time for _, time in worst]
-
-
-def picked(values: _Array, rate: float, Omega: float, order: int) -> _Array:
-    """Times at which impacts seem to be, 0 in the middle of the record, from a derivative of the displacement."""
-    for _ in range(2 - order):
-        values = np.gradient(values) * rate
-    kept: list[float] = []
-    for time in spikes(values, rate, Omega, None)[0].tolist():
-        # a long pulse has several
-        if not kept or time > kept[-1] + APART:
-            kept.append(time)
-    return np.array(kept)
-
-
-def under_load(
-    data: Measured, omega: Any, xi: Any, static: Any, phase: Any, t: Any
-) -> tuple[Any, Any]:
-    """Displacement and velocity of the steady motion under the load; all may have an imaginary part."""
-    X, V = 0.0, 0.0
-    for n, shape in zip(data.orders.tolist(), data.shape.tolist(), strict=True):
-        w = n * data.Omega
-        a, b = omega**2 - w**2, 2 * xi * omega * w
-        size = omega**2 * static / (a**2 + b**2)
-        P = size * (shape.real * a + shape.imag * b)
-        Q = size * (shape.imag * a - shape.real * b)
-        turn = w * t + n * phase
-        c, s = np.cos(turn), np.sin(turn)
-        X, V = X + P * c - Q * s, V - w * (P * s + Q * c)
-    return X, V
-
-
-def by_laws(
-    windows: Windows, flown: Flown, shared: Mapping[str, float], guess: Mapping[str, float], law: Law,
-    law_speed: float | None,
-) -> tuple[Fit, Law, _Bool]:  # fmt: skip
-    """The parameters from momentum and restitution at all impacts, and which impacts these hold for."""
-    signs = np.sign(flown.jumps)
-    N = flown.times.size
-    resolved = flown.resolved
-    lawful = np.zeros(N, dtype=bool)
-    lawful[1:-1] = resolved[:-2] & resolved[1:-1] & resolved[2:]
-    if lawful.sum() < LEAST_IMPACTS:
-        raise SingularError(
-            f"{int(lawful.sum())} of {N} impacts between two others that are resolved: must be at least "
-            f"{LEAST_IMPACTS}; a longer record would help"
-        )
-    # what is not resolved stands for numbers that are not used
-    states, spread, turned = (x.copy() for x in (flown.states, flown.spread, flown.turned))
-    t, X, V, after = windows.events(states, flown.common, flown.times)
-    # of impacts that are not resolved nothing is used
-    t[~resolved], X[~resolved], V[~resolved], after[~resolved] = flown.times[~resolved], 0, 0, 0
-    duration = np.diff(t)
-    duration[duration == 0] = 1
-    first, second = np.diff(X) / duration, 0.5 * np.diff(signs) / duration
-    of_x, of_d = np.zeros((2, N))
-    of_x[1:-1], of_d[1:-1] = np.diff(first), np.diff(second)
-    jumps = after - V
-    values = dict(shared)
-    values |= start_of_laws(jumps[lawful], of_x[lawful], of_d[lawful], shared, guess)
-    z_after, z_before = np.zeros((2, N))
-    z_after[:-1] = first + values["d"] * second
-    z_before[1:] = z_after[:-1]
-    closing = signs * (z_before - V)
-    good = lawful & (closing > 0)
-    ratio = np.where(good, signs * (after - z_after), 0) / np.where(good, closing, 1)
-    for name, sign in (("R1", 1), ("R2", -1)):
-        own = good & (signs == sign)
-        values[name] = shared.get(
-            name,
-            float(np.clip(np.median(ratio[own]), 0.05, 0.99)) if own.sum() > 2 else guess[name],
-        )
-    if law.kind != "constant":
-        walls = [closing[good & (signs == sign)] for sign in (1, -1)]
-        law = law.about(walls, law_speed)
-        ends = ("",) if law.kind == law.shape else ("1", "2")
-        values |= {name: shared.get(name, value) for name, value in law.start(
-            values | {f"exponent{end}": 0.0 for end in ends}
-        ).items()}  # fmt: skip
-    names = [name for name in ("mu", *law.names, "d") if name not in shared]
-    # the sensor of the motion has a gain, which is known to its calibration
-    calibration = windows.data.calibration
-    values["gain"] = 1.0
-    names += ["gain"] * (calibration > 0)
-    free = flown.free[flown.free < 4]
-
-    walls_of = [law.of_wall(i) for i in (0, 1)]
-    # what is known, by which there are derivatives once the fit is done
-    held = [name for name in ("mu", *law.names, "d") if name in shared]
-    every = [*names, *held]
-
-    def constraints(states: Any, common: Any, g: Any) -> Any:
+    def constraints(self, states: Any, common: Any, g: Any) -> Any:
         """Momentum and restitution at the inner impacts (..., N - 2, 2)."""
-        t, X, V, after = windows.events(states, common, flown.times)
-        value = {**values, **{every[j]: g[..., j, None] for j in range(g.shape[-1])}}
+        t, X, V, after = self.windows.events(states, common, self.flown.times)
+        every, signs = [*self.names, *self.held], self.signs
+        value = {**self.values, **{every[j]: g[..., j, None] for j in range(g.shape[-1])}}
         z = X + 0.5 * signs * value["d"] * value["gain"]
         flight = np.diff(z, axis=-1) / np.diff(t, axis=-1)
         one, two = flight[..., :-1], flight[..., 1:]
@@ -710,65 +151,58 @@ def by_laws(
         R = np.where(
             sign > 0,
             *(
-                law.coefficient(i, [value[name] for name in walls_of[i]], true_speed)
+                self.law.coefficient(i, [value[name] for name in self.walls[i]], true_speed)
                 for i in (0, 1)
             ),
         )
         momentum = after - V + value["mu"] * (two - one)
         return np.stack([momentum, two - after + sign * R * speed], axis=-1)
 
-    active = lawful[1:-1].copy()
-    g = np.array([values[name] for name in names])
-    typical = [
-        max(abs(g[j]), 1e-3) if name in ("mu", "d") else law.typical(name, values[name])
-        for j, name in enumerate(names)
-    ]
-    scales = np.array(
-        [*(max(abs(flown.common[i]), 1e-3) if i != 3 else 1.0 for i in flown.free), *typical]
-    )
-    n = N - 2
-
-    def equations(here: _Array, change: _Array, g: _Array) -> tuple[Any, ...]:
+    def equations(self, here: _Array, change: _Array, g: _Array) -> tuple[Any, ...]:
         """The constraints at some states, their derivatives by states, by common parameters and by the others, and
         which impacts they are for."""
-        common = flown.common.copy()
-        common[flown.free] += change
-        c, A, C, G = slopes(constraints, here, common, g, free)
-        ok = active & np.isfinite(c).all(axis=1) & np.isfinite(A).all(axis=(1, 2, 3))
-        through = passed_on(A, C, turned)
+        free = self.flown.free[self.flown.free < 4]
+        c, A, C, G = slopes(self.constraints, here, self.common(change), g, free)
+        ok = self.active & np.isfinite(c).all(axis=1) & np.isfinite(A).all(axis=(1, 2, 3))
+        through = passed_on(A, C, self.turned)
         for array in (c, A, through, G):
             array[~ok] = 0
         return c, A, through, G, ok
 
-    change = np.zeros(flown.free.size)
-    eta = np.zeros((N + 1, 2))
-    chi, converged = math.inf, False
-    with np.errstate(all="ignore"):
-        for rounds in range(40):
-            here = states - turned @ change + eta
-            c, A, through, G, ok = equations(here, change, g)
+    def common(self, change: _Array) -> _Array:
+        """The common parameters, of which the free ones are changed."""
+        common = self.flown.common.copy()
+        common[self.flown.free] += change
+        return common
+
+    def here(self, at: Minimum) -> _Array:
+        """The states of the flights at a minimum."""
+        states: _Array = self.states - self.turned @ at.change + at.eta
+        return states
+
+    @np.errstate(all="ignore")
+    def settled(self, change: _Array, eta: _Array, g: _Array, judge: bool) -> Minimum:
+        """The minimum to which steps lead from some parameters and states.
+
+        With `judge`, impacts that do not follow the laws are left out on the way.
+        """
+        flown, spread = self.flown, self.spread
+        n, F = self.active.size, flown.free.size
+        chi = math.inf
+        for rounds in range(STEPS):
+            here = self.states - self.turned @ change + eta
+            c, A, through, G, ok = self.equations(here, change, g)
             local = np.stack([eta[j : j + n] for j in range(4)], axis=1)
             w = c - np.einsum("nclq,nlq->nc", A, local) - through @ change
-            cov = banded(A, spread, ok)
-            # those that do not follow the laws are other impacts, or next to such
-            if rounds in (1, 3, 5, 8):
-                own = w + (
-                    np.concatenate([through, G], axis=-1) @ np.append(change, np.zeros(g.size))
+            if judge and rounds in JUDGED:
+                own = w + np.concatenate([through, G], axis=-1) @ np.append(
+                    change, np.zeros(g.size)
                 )
-                block = own_blocks(A, spread, ok)
-                size = np.einsum("na,nab,nb->n", own, np.linalg.inv(block), own)
-                usual = max(1.0, float(np.median(size[ok])) / 1.386)
-                active &= ~(ok & (size > usual * UNLAWFUL**2))
-                if active.sum() < max(LEAST_IMPACTS, LAWFUL * lawful.sum()):
-                    raise SingularError(
-                        f"{int(active.sum())} of {int(lawful.sum())} impacts follow momentum and restitution "
-                        f"with any one set of parameters: too few; {HINT}"
-                    )
-                if (ok & ~active).any():
-                    ok &= active
-                    for array in (A, through, G, w):
-                        array[~ok] = 0
-                    cov = banded(A, spread, ok)
+                self.judged(own, own_blocks(A, spread, ok), ok)
+                ok &= self.active
+                for array in (A, through, G, w):
+                    array[~ok] = 0
+            cov = banded(A, spread, ok)
             B = np.concatenate([through, G], axis=-1).reshape(2 * n, -1)
             both = np.column_stack([B, w.reshape(-1)])
             try:
@@ -776,24 +210,21 @@ def by_laws(
             except (np.linalg.LinAlgError, ValueError):
                 break
             information = B.T @ solved[:, :-1]
-            F = flown.free.size
             information[:F, :F] += flown.weights
             slope = B.T @ solved[:, -1]
-            if calibration:
-                information[-1, -1] += calibration**-2
-                slope[-1] += (g[-1] - 1) / calibration**2
-            step = -scaled_solve(information, slope, scales)
+            if self.calibration:
+                information[-1, -1] += self.calibration**-2
+                slope[-1] += (g[-1] - 1) / self.calibration**2
+            step = -scaled_solve(information, slope, self.scales)
             new, dg = step[:F], step[F:]
-            part = (
-                min(1.0, *(0.5 * typical[j] / max(abs(dg[j]), 1e-300) for j in range(g.size)))
-                if g.size
-                else 1.0
+            part = min(
+                [1.0, *(0.5 * self.typical[j] / max(abs(dg[j]), 1e-300) for j in range(g.size))]
             )
             # nonlinear equations may send it to and fro about the minimum
-            part = min(part, DAMPED) if rounds > 8 else part
+            part = min(part, DAMPED) if rounds > JUDGED[-1] else part
             multiplier = solved[:, -1] + solved[:, :-1] @ step
-            new_eta = np.zeros_like(eta)
             M = multiplier.reshape(n, 2)
+            new_eta = np.zeros_like(eta)
             for j in range(4):
                 new_eta[j : j + n] -= np.einsum("nqr,ncr,nc->nq", spread[j : j + n], A[:, :, j], M)
             old = chi
@@ -807,15 +238,102 @@ def by_laws(
             )
             if not (np.isfinite(g).all() and np.isfinite(change).all()):
                 break
-            if rounds > 8 and part >= DAMPED and (moved < 1e-4 or abs(old - chi) < 1e-4):
-                converged = True
-                break
-    if not converged:
+            enough = rounds > (JUDGED[-1] if judge else 1) and part >= DAMPED
+            if enough and (moved < 1e-4 or abs(old - chi) < 1e-4):
+                return Minimum(chi, change, eta, g, information, B, cov, multiplier, ok)
         raise SingularError(
-            f"the fit of momentum and restitution at {int(active.sum())} impacts did not converge; {HINT}"
+            f"the fit of momentum and restitution at {int(self.active.sum())} impacts did not converge; {HINT}"
         )
-    common = flown.common.copy()
-    common[flown.free] += change
+
+    def judged(self, own: _Array, block: _Array, ok: _Bool) -> None:
+        """Leave out those that do not follow the laws, which are other impacts, or next to such: `own` is what the
+        two equations of each leave, `block` their covariance."""
+        size = np.einsum("na,nab,nb->n", own, np.linalg.inv(block), own)
+        usual = max(1.0, float(np.median(size[ok])) / 1.386)
+        self.active &= ~(ok & (size > usual * UNLAWFUL**2))
+        if self.active.sum() < max(LEAST_IMPACTS, LAWFUL * self.lawful.sum()):
+            raise SingularError(
+                f"{int(self.active.sum())} of {int(self.lawful.sum())} impacts follow momentum and restitution "
+                f"with any one set of parameters: too few; {HINT}"
+            )
+
+    def minima(self) -> list[Minimum]:
+        """Minima, the least first.
+
+        Within the errors of the states, the equations of an impact that hardly turns its flights, or is just
+        before or after another, are not linear: a gap that closes slowly may close at two times. Each such impact
+        is moved either way along its time, those far enough from each other at once, and where the states about it
+        fit better then, they are taken from there.
+        """
+        N = self.flown.times.size
+        best = self.settled(np.zeros(self.flown.free.size), np.zeros((N + 1, 2)), self.g, True)
+        found = [best]
+        by = self.windows.by_states(self.here(best), self.common(best.change), self.flown.times)[
+            :, :, 0
+        ]
+        toward = np.einsum("snab,snb->sna", np.stack([self.spread[:-1], self.spread[1:]]), by)
+        error = np.sqrt(np.einsum("sna,sna->n", toward, by))
+        blurred = np.zeros(N, dtype=bool)
+        blurred[1:-1] = self.active & (
+            error[1:-1] > BLURRED * np.minimum(self.duration[:-1], self.duration[1:])
+        )
+        inverse = np.linalg.inv(self.spread)
+        for some in far_apart(np.flatnonzero(blurred).tolist()):
+            for sign in (MOVED, -MOVED):
+                eta = best.eta.copy()
+                eta[some] += sign * toward[0, some] / error[some, None]
+                eta[[i + 1 for i in some]] += sign * toward[1, some] / error[some, None]
+                other = self.settled_from(best, eta)
+                if other is None:
+                    continue
+                tried = [other]
+                each = [
+                    np.einsum("na,nab,nb->n", one.eta, inverse, one.eta) for one in (best, other)
+                ]
+                gain = np.convolve(each[0] - each[1], np.ones(2 * REACH + 1), "same")
+                better = [i for i in some if max(gain[i], gain[i + 1]) > 1]
+                if 0 < len(better) < len(some):
+                    eta = best.eta.copy()
+                    for i in better:
+                        about = slice(max(i + 1 - REACH, 0), i + 1 + REACH)
+                        eta[about] = other.eta[about]
+                    tried += filter(None, [self.settled_from(best, eta)])
+                found += tried
+                best = min([best, *tried], key=lambda one: one.chi)
+        return sorted(found, key=lambda one: one.chi)
+
+    def settled_from(self, at: Minimum, eta: _Array) -> Minimum | None:
+        """The minimum from that at some parameters with other states; None if there is none."""
+        try:
+            other = self.settled(at.change, eta, at.g, False)
+        except SingularError:
+            return None
+        return other if (other.ok == at.ok).all() else None
+
+
+def far_apart(places: list[int]) -> list[list[int]]:
+    """Places, divided into lists within which they are far from each other."""
+    lists: list[list[int]] = []
+    for i in places:
+        free = next((own for own in lists if i - own[-1] >= APART), None)
+        if free is None:
+            lists.append([i])
+        else:
+            free.append(i)
+    return lists
+
+
+def by_laws(
+    windows: Windows, flown: Flown, shared: Mapping[str, float], guess: Mapping[str, float], law: Law,
+    law_speed: float | None,
+) -> tuple[Fit, Law, _Bool]:  # fmt: skip
+    """The parameters from momentum and restitution at all impacts, and which impacts these hold for."""
+    impacts = Impacts(windows, flown, shared, guess, law, law_speed)
+    minima = impacts.minima()
+    best = minima[0]
+    law, names, values, scales = impacts.law, impacts.names, impacts.values, impacts.scales
+    change, g, held = best.change, best.g, impacts.held
+    common = impacts.common(change)
     for place, name in ((2, "static"), (3, "phase")):
         if name in windows.priors:
             value, error = windows.priors[name]
@@ -824,19 +342,18 @@ def by_laws(
                     f"the load by its channel is {abs(common[place] - value) / error:.3g} standard errors from "
                     f"that by the motion; {HINT}"
                 )
+    calibration = impacts.calibration
     if calibration and abs(g[-1] - 1) > FAR_OFF * calibration:
         raise SingularError(far_off_gain(float(g[-1]), calibration))
     # errors grow with what the laws leave, and with noise that is stronger at low frequencies
-    count = 2 * int(ok.sum())
-    misfit = chi / max(1, count - g.size)
-    here = states - turned @ change + eta
+    count = 2 * int(best.ok.sum())
+    misfit = best.chi / max(1, count - g.size)
+    here = impacts.here(best)
     of_noise = noise_information(
-        lambda states: equations(states, change, g)[1:], here, spread, here.shape[0]
+        lambda states: impacts.equations(states, change, g)[1:], here, impacts.spread, here.shape[0]
     )
-    J = (
-        without_noise(information * np.outer(scales, scales), of_noise * np.outer(scales, scales))
-        / scales
-    )
+    sizes = np.outer(scales, scales)
+    J = without_noise(best.information * sizes, of_noise * sizes) / scales
     covariance, vague, _ = covariance_of(J, scales)
     variance = max(1.0, misfit) * flown.colour
     places = [
@@ -854,29 +371,28 @@ def by_laws(
     )
     # natural frequency and damping ratio, and the other parameters, that are known
     _, A, C, G = slopes(
-        constraints, here, common, np.append(g, [values[name] for name in held]), flown.held
+        impacts.constraints, here, common, np.append(g, [values[name] for name in held]), flown.held
     )
     by_held = np.concatenate(
         [passed_on(A, C, flown.every_turned[:, :, flown.held]), G[..., g.size :]], axis=-1
     )
-    by_held[~ok] = 0
+    by_held[~best.ok] = 0
     of_held, leans = held_strains(
-        flown, [*(("omega", "xi")[i] for i in flown.held), *held], by_held.reshape(2 * n, -1), multiplier, change,
-        cov, B, covariance, variance, places,
+        flown, [*(("omega", "xi")[i] for i in flown.held), *held], by_held.reshape(-1, by_held.shape[-1]),
+        best.multiplier, change, best.cov, best.B, covariance, variance, places,
     )  # fmt: skip
     strains |= of_held
-    covariance *= variance
+    covariance = variance * covariance + beyond(minima, variance)
     columns = [places.index(name) for name in order]
     values |= {"omega": float(common[0]), "xi": float(common[1])}
     values |= dict(zip(names, g.tolist(), strict=True))
-    lawful[1:-1] = ok
+    lawful = impacts.lawful.copy()
+    lawful[1:-1] = best.ok
+    part = covariance[np.ix_(columns, columns)]
     if calibration:
         # the length F0/K is in the units of the sensor
         place = order.index("F0/K 0")
-        part = covariance[np.ix_(columns, columns)]
         part[place, place] += (calibration * common[2]) ** 2
-    else:
-        part = covariance[np.ix_(columns, columns)]
     found = Fit(
         {name: values[name] for name in law.shared}, [float(common[2])], [float(common[3])], [], order,
         part, [name for name in order if places.index(name) in vague],
@@ -885,69 +401,19 @@ def by_laws(
     return found, law, lawful
 
 
-def passed_on(A: _Array, C: _Array, turned: _Array) -> _Array:
-    """Derivatives of the constraints by common parameters, also through the states of the flights, which they
-    turn; `C` are those at fixed states, by the first of the parameters."""
-    n = A.shape[0]
-    of_turned = np.stack([turned[j : j + n] for j in range(4)], axis=1)
-    through: _Array = -np.einsum("nclq,nlqk->nck", A, of_turned)
-    through[..., : C.shape[-1]] += C
-    return through
-
-
-def held_strains(
-    flown: Flown, names: list[str], by: _Array, multiplier: _Array, change: _Array, cov: _Array, B: _Array,
-    covariance: _Array, spread: float, places: list[str],
-) -> tuple[dict[str, Strain], dict[str, dict[str, float]]]:  # fmt: skip
-    """The score test of each known value, and how the fitted ones change with it.
-
-    `by` (equations, names) are derivatives of the constraints by what is known, `multiplier` what the constraints
-    leave over their covariance `cov` (bands), `B` their derivatives by the fitted parameters of which `covariance`
-    is that without `spread`, `change` how far the common ones are from those of the flights alone.
-    """
-    F, H = flown.free.size, len(flown.held)
-    slope, own = np.zeros(len(names)), np.zeros((len(names), len(names)))
-    cross = np.zeros((len(names), covariance.shape[0]))
-    if by.shape[0]:
-        solved = scipy("linalg", "the fit of impacts").solveh_banded(cov, by, lower=True)
-        slope, own, cross = -by.T @ multiplier, by.T @ solved, solved.T @ B
-    W = flown.every_weight[flown.held]
-    slope[:H] += flown.slope[flown.held] - W[:, flown.free] @ change
-    own[:H, :H] += W[:, flown.held]
-    cross[:H, :F] += W[:, flown.free]
-    strains, leans = {}, {}
-    for i, name in enumerate(names):
-        lean = -covariance @ cross[i]
-        leans[name] = dict(zip(places, lean.tolist(), strict=True))
-        left = float(own[i, i] + cross[i] @ lean)
-        # what the fitted parameters imitate cannot be told
-        if left > 1e-9 * own[i, i]:
-            strains[name] = Strain(
-                float(slope[i]) / math.sqrt(left * spread), float(slope[i]) / left
-            )
-    return strains, leans
-
-
-def strains_of(
-    windows: Windows, common: _Array, variances: Mapping[str, float], spread: float
-) -> dict[str, Strain]:
-    """How far the load by its channel is from that by the motion: residuals over their own standard errors, which
-    are smaller than that of the channel as far as the fit follows it. `variances` are of the fitted parameters."""
-    found = {}
-    for place, name, fitted, label in (
-        (2, "static", "F0/K 0", "F0 0"),
-        (3, "phase", "phase", "phase 0"),
-    ):
-        if name not in windows.priors or fitted not in variances:
-            continue
-        value, error = windows.priors[name]
-        own = 1 - variances[fitted] / error**2
-        if own > 1e-6:
-            change = (common[place] - value) / own
-            unit = (windows.data.F0 or math.nan) / value if name == "static" else 1.0
-            size = float(change) * math.sqrt(own / spread) / error
-            found[label] = Strain(size, float(change) * unit)
-    return found
+def beyond(minima: list[Minimum], variance: float) -> _Array:
+    """What other minima add to the covariance of the parameters about the least one: each counts as its likelihood
+    says."""
+    points: list[_Array] = []
+    chis: list[float] = []
+    for one in minima:
+        if not chis or all(abs(one.chi - chi) > OTHER for chi in chis):
+            points.append(np.append(one.change, one.g))
+            chis.append(one.chi)
+    weights = np.exp(-0.5 * (np.array(chis) - chis[0]) / variance)
+    off = np.array(points) - points[0]
+    both: _Array = (off.T * (weights / weights.sum())) @ off
+    return both
 
 
 def by_flights(windows: Windows, flown: Flown, shared: Mapping[str, float], law: Law) -> Fit:
@@ -978,131 +444,6 @@ def by_flights(windows: Windows, flown: Flown, shared: Mapping[str, float], law:
         values, [float(common[2])], [float(common[3])], [], [*(names[free[j]] for j in kept), *none], both, none,
         [flown.colour], flown.colour, strains=strains,
     )  # fmt: skip
-
-
-def scaled_solve(information: _Array, slope: _Array, scales: _Array) -> _Array:
-    """The step of least squares, without what is not determined."""
-    A = information * np.outer(scales, scales)
-    s, V = np.linalg.eigh(A)
-    kept = s > 0.1
-    step: _Array = scales * (V @ np.where(kept, (V.T @ (slope * scales)) / np.where(kept, s, 1), 0))
-    return step
-
-
-@np.errstate(all="ignore")  # of flights that are none
-def slopes(
-    constraints: Any, states: _Array, common: _Array, g: _Array, free: NDArray[np.int64]
-) -> tuple[_Array, _Array, _Array, _Array]:
-    """The constraints (n, 2), and derivatives by the states of the four flights about each (n, 2, 4, 2), by common
-    parameters and by the others."""
-    # flights of one colour are in no constraint together
-    flights = np.arange(states.shape[0])
-    n = states.shape[0] - 3
-    moved = np.zeros((8, *states.shape), dtype=complex)
-    for colour in range(4):
-        for q in range(2):
-            moved[2 * colour + q, flights % 4 == colour, q] = 1j * STEP
-    by = constraints(states + moved, common[None, :], g[None, :]).imag / STEP
-    each = (np.arange(n)[:, None] + np.arange(4)) % 4
-    A = np.stack(
-        [by[2 * each + q, np.arange(n)[:, None]] for q in range(2)], axis=-1
-    )  # (n, 4, 2, q)
-    c = constraints(states[None], common[None], g[None])[0]
-    C = np.zeros((n, 2, free.size))
-    for j, i in enumerate(free):
-        at = (common + 1j * STEP * np.eye(common.size)[i])[None]
-        C[..., j] = constraints(states[None], at, g[None])[0].imag / STEP
-    G = np.zeros((n, 2, g.size))
-    for j in range(g.size):
-        G[..., j] = (
-            constraints(states[None], common[None], (g + 1j * STEP * np.eye(g.size)[j])[None])[
-                0
-            ].imag
-            / STEP
-        )
-    return c, np.swapaxes(A, 1, 2), C, G
-
-
-@np.errstate(all="ignore")  # of flights that are none
-def noise_information(equations: Any, here: _Array, spread: _Array, seed: int) -> _Array:
-    """What errors of the states add to the information on the parameters.
-
-    The derivatives of the constraints are taken at states with errors, which make them vary from impact to impact
-    also where the states themselves do not, as of a motion that repeats. Errors of the same size, once more, add
-    as much again. They are drawn from what remains of the errors of the states when the constraints are fulfilled.
-    """
-    banded_solve = scipy("linalg", "the fit of impacts").solveh_banded
-    random = np.random.default_rng(seed)
-    size, axes = np.linalg.eigh(np.where(np.isfinite(spread), spread, 0.0))
-    roots = axes * np.sqrt(np.maximum(size, 0))[:, None, :]
-
-    def information(states: _Array) -> tuple[_Array, _Array, _Array]:
-        A, through, G, ok = equations(states)
-        B = np.concatenate([through, G], axis=-1).reshape(2 * A.shape[0], -1)
-        cov = banded(A, spread, ok)
-        return B.T @ banded_solve(cov, B, lower=True), A, cov
-
-    middle, A, cov = information(here)
-    n = A.shape[0]
-    total = np.zeros_like(middle)
-    for _ in range(DRAWS):
-        drawn = np.einsum("nab,nb->na", roots, random.standard_normal(here.shape))
-        local = np.stack([drawn[j : j + n] for j in range(4)], axis=1)
-        off = np.einsum("nclq,nlq->nc", A, local).reshape(-1)
-        multiplier = banded_solve(cov, off, lower=True).reshape(n, 2)
-        for j in range(4):
-            drawn[j : j + n] -= np.einsum(
-                "nqr,ncr,nc->nq", spread[j : j + n], A[:, :, j], multiplier
-            )
-        for sign in (1, -1):
-            total += (information(here + sign * drawn)[0] - middle) / (2 * DRAWS)
-    return total
-
-
-def without_noise(information: _Array, of_noise: _Array) -> _Array:
-    """Derivatives J whose J'J is the information of parameters without that which noise adds.
-
-    With information I, of which I - N is that of the states without errors, the covariance of the parameters is
-    (I - N)^-1 I (I - N)^-1. Directions of which noise tells a larger share than MOST_NOISE are not determined.
-    """
-    size, axes = np.linalg.eigh(information)
-    size = np.maximum(size, 1e-14 * max(float(size[-1]), 1e-300))
-    root = axes * np.sqrt(size)
-    inner = (axes / np.sqrt(size)).T @ of_noise @ (axes / np.sqrt(size))
-    share, turned = np.linalg.eigh(np.where(np.isfinite(inner), inner, 0.0))
-    left = np.where(share > MOST_NOISE, 0.0, 1 - np.clip(share, 0.0, 1.0))
-    J: _Array = left[:, None] * (root @ turned).T
-    return J
-
-
-def own_blocks(A: _Array, spread: _Array, ok: _Bool) -> _Array:
-    """The covariances of the two equations of each impact."""
-    n = A.shape[0]
-    block = sum(
-        np.einsum("naq,nqr,nbr->nab", A[:, :, j], spread[j : j + n], A[:, :, j]) for j in range(4)
-    )
-    return np.where(ok[:, None, None], block, np.eye(2))
-
-
-def banded(A: _Array, spread: _Array, ok: _Bool) -> _Array:
-    """The covariances of all equations, as the lower bands that `solveh_banded` takes."""
-    n = A.shape[0]
-    bands = np.zeros((8, 2 * n))
-    for k in range(4):
-        if k >= n:
-            break
-        m = n - k
-        block = np.zeros((m, 2, 2))
-        for j in range(k, 4):
-            block += np.einsum("naq,nqr,nbr->nab", A[k:, :, j - k], spread[j : j + m], A[:m, :, j])
-        if k == 0:
-            block = np.where(ok[:, None, None], block, np.eye(2))
-        for row in range(2):
-            for column in range(2):
-                off = 2 * k + row - column
-                if off >= 0:
-                    bands[off, column : 2 * m : 2] += block[:, row, column]
-    return bands
 
 
 def start_of_laws(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,12 +16,11 @@ from .known import HINT
 from .laws import Law
 from .least_squares import MOST_ITERATIONS, levenberg
 from .motions import PARAMETERS, Impacting, System
+from .strains import WEAK, Strain, of_known
 
 _Array = NDArray[np.float64]
 #: Largest difference of an impact time, in load cycles, from that where it was picked.
 NEAR = 0.05
-#: Change of the residuals over a step of a typical size, in standard errors, along directions that are fitted.
-WEAK = 1 / 3
 #: Largest relative standard error of a combination of parameters that a record determines.
 VAGUE = 0.5
 #: Share of what impacts do to the record that a fit leaves unexplained, above which it is none.
@@ -55,13 +54,6 @@ class Fit:
     leans: dict[str, dict[str, float]] = field(default_factory=dict)
     #: Sums of squares of the weighted residuals of each record.
     squares: list[float] = field(default_factory=list)
-
-
-class Strain(NamedTuple):
-    """A difference between what is known and what the records say of it, in standard errors and as it is."""
-
-    size: float
-    change: float
 
 
 def fit(
@@ -273,28 +265,6 @@ def covariance_of(J: _Array, scales: _Array) -> tuple[_Array, set[int], int]:
     covariance: _Array = (Vt.T * inverse) @ Vt * np.outer(scales, scales)
     vague = np.flatnonzero(np.sum(Vt[~determined] ** 2, axis=0) > 0.01)
     return covariance, set(vague.tolist()), int(determined.sum())
-
-
-def of_known(
-    f: _Array, J: _Array, scales: _Array, names: list[str], free_of: Mapping[str, _Array], spread: float
-) -> tuple[dict[str, Strain], dict[str, dict[str, float]]]:  # fmt: skip
-    """What each value that was not fitted would change by if it were, by the derivatives of the residuals by it:
-    the score test (Lagrange multiplier test) of its value; and how the fitted ones change with it. `spread` is the
-    variance of a residual."""
-    U, s, Vt = np.linalg.svd(J * scales, full_matrices=False)
-    known, moved = s > 1e-9 * s[0], s > WEAK
-    strains, leans = {}, {}
-    for name, g in free_of.items():
-        along = U.T @ g
-        by = -scales * (Vt[moved].T @ (along[moved] / s[moved]))
-        leans[name] = dict(zip(names, by.tolist(), strict=True))
-        own = g - U[:, known] @ along[known]
-        size = float(own @ own)
-        # what the fitted parameters imitate cannot be told
-        if size > 1e-12 * float(g @ g):
-            change = -float(own @ f) / size
-            strains[name] = Strain(change * math.sqrt(size / spread), change)
-    return strains, leans
 
 
 def finished(

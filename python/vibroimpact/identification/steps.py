@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from ..base import checks
 from ..base.errors import ParameterError, SingularError
-from .aperiodic import Flown, Windows, picked
 from .flights import MOST_MODES, PLACES, Flights, Folded, FreeFit, Measured, beside, folded, onsets
 from .known import HINT
 from .measured import MOTIONS, SensorRecord
@@ -30,6 +29,7 @@ from .signals import (
     tones,
     whole_periods,
 )
+from .windows import Flown, Windows, picked
 
 _Array = NDArray[np.float64]
 #: Least number of load cycles of a record.

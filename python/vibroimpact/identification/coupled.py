@@ -1,0 +1,96 @@
+"""Equations at impacts, with the states of four flights in sequence in each: derivatives and covariances."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .windows import STEP
+
+_Array = NDArray[np.float64]
+_Bool = NDArray[np.bool_]
+
+
+@np.errstate(all="ignore")  # of flights that are none
+def slopes(
+    constraints: Any, states: _Array, common: _Array, g: _Array, free: NDArray[np.int64]
+) -> tuple[_Array, _Array, _Array, _Array]:
+    """The constraints (n, 2), and derivatives by the states of the four flights about each (n, 2, 4, 2), by common
+    parameters and by the others."""
+    # flights of one colour are in no constraint together
+    flights = np.arange(states.shape[0])
+    n = states.shape[0] - 3
+    moved = np.zeros((8, *states.shape), dtype=complex)
+    for colour in range(4):
+        for q in range(2):
+            moved[2 * colour + q, flights % 4 == colour, q] = 1j * STEP
+    by = constraints(states + moved, common[None, :], g[None, :]).imag / STEP
+    each = (np.arange(n)[:, None] + np.arange(4)) % 4
+    A = np.stack(
+        [by[2 * each + q, np.arange(n)[:, None]] for q in range(2)], axis=-1
+    )  # (n, 4, 2, q)
+    c = constraints(states[None], common[None], g[None])[0]
+    C = np.zeros((n, 2, free.size))
+    for j, i in enumerate(free):
+        at = (common + 1j * STEP * np.eye(common.size)[i])[None]
+        C[..., j] = constraints(states[None], at, g[None])[0].imag / STEP
+    G = np.zeros((n, 2, g.size))
+    for j in range(g.size):
+        G[..., j] = (
+            constraints(states[None], common[None], (g + 1j * STEP * np.eye(g.size)[j])[None])[
+                0
+            ].imag
+            / STEP
+        )
+    return c, np.swapaxes(A, 1, 2), C, G
+
+
+def passed_on(A: _Array, C: _Array, turned: _Array) -> _Array:
+    """Derivatives of the constraints by common parameters, also through the states of the flights, which they
+    turn; `C` are those at fixed states, by the first of the parameters."""
+    n = A.shape[0]
+    of_turned = np.stack([turned[j : j + n] for j in range(4)], axis=1)
+    through: _Array = -np.einsum("nclq,nlqk->nck", A, of_turned)
+    through[..., : C.shape[-1]] += C
+    return through
+
+
+def own_blocks(A: _Array, spread: _Array, ok: _Bool) -> _Array:
+    """The covariances of the two equations of each impact."""
+    n = A.shape[0]
+    block = sum(
+        np.einsum("naq,nqr,nbr->nab", A[:, :, j], spread[j : j + n], A[:, :, j]) for j in range(4)
+    )
+    return np.where(ok[:, None, None], block, np.eye(2))
+
+
+def banded(A: _Array, spread: _Array, ok: _Bool) -> _Array:
+    """The covariances of all equations, as the lower bands that `solveh_banded` takes."""
+    n = A.shape[0]
+    bands = np.zeros((8, 2 * n))
+    for k in range(4):
+        if k >= n:
+            break
+        m = n - k
+        block = np.zeros((m, 2, 2))
+        for j in range(k, 4):
+            block += np.einsum("naq,nqr,nbr->nab", A[k:, :, j - k], spread[j : j + m], A[:m, :, j])
+        if k == 0:
+            block = np.where(ok[:, None, None], block, np.eye(2))
+        for row in range(2):
+            for column in range(2):
+                off = 2 * k + row - column
+                if off >= 0:
+                    bands[off, column : 2 * m : 2] += block[:, row, column]
+    return bands
+
+
+def scaled_solve(information: _Array, slope: _Array, scales: _Array) -> _Array:
+    """The step of least squares, without what is not determined."""
+    A = information * np.outer(scales, scales)
+    s, V = np.linalg.eigh(A)
+    kept = s > 0.1
+    step: _Array = scales * (V @ np.where(kept, (V.T @ (slope * scales)) / np.where(kept, s, 1), 0))
+    return step

@@ -1,0 +1,631 @@
+"""The flights of a record that repeats nothing, one by one, between the impacts that its spikes show.
+
+Each flight of the primary mass between two impacts is a damped oscillator under the load, with its own state. So
+flights are fitted one by one, outside of the pulses, and what they share (natural frequency, damping, load,
+ringing) all at once. An impact is where two flights meet.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base.errors import SingularError
+from .flights import (
+    DECAYS,
+    LEAST_DAMPED,
+    LEAST_GAIN,
+    LOWEST,
+    MARGIN,
+    MOST_DAMPED,
+    MOST_MODES,
+    Measured,
+    predicted,
+)
+from .known import HINT
+from .signals import spikes
+
+_Array = NDArray[np.float64]
+_Bool = NDArray[np.bool_]
+#: Seconds around an impact that are left out at first, and at most after it; to which share a pulse shrinks in a
+#: round, and by how much more scatter it is too short.
+AHEAD, PULSE, LONGEST, SHRINK, WORSE = 0.5e-3, 4e-3, 10e-3, 0.6, 1.05
+#: Mean of what impacts leave over its error at which a pulse lasts, and for how long it may pause (s).
+LASTS, PAUSE = 4.0, 0.8e-3
+#: Least time between two impacts that are picked, s.
+APART = 2.5e-3
+#: Samples of a flight beyond what is fitted to it; rounds; and most steps of a fit in each.
+SPARE, ROUNDS, STEPS = 4, 12, 12
+#: Standard deviations by which the scatter of a flight is larger where an impact is missing; jumps below so many
+#: errors are none.
+MISSED, CLEAR = 8.0, 3.5
+#: Time from the ends of a flight within which no spike is a missing impact, s.
+NEAR_ENDS = 1e-3
+#: Largest error of the time of an impact that is one, s.
+BLURRED = 2e-3
+#: What a flight counts at most where one more mode is tried.
+CLIPPED = 50.0
+#: Step for derivatives along the imaginary axis.
+STEP = 1e-30
+#: Samples of a flight over which noise is summed, and colour above which what is left is no noise.
+WIDE, UNEXPLAINED = 24, 10.0
+
+
+class Flown(NamedTuple):
+    """Flights fitted one by one."""
+
+    #: (N) Times of the impacts, 0 in the middle of the record, jumps of the velocity, and which are resolved.
+    times: _Array
+    jumps: _Array
+    resolved: _Bool
+    #: (N + 1, 2) States of the flights, their covariances, and what the common parameters do to them.
+    states: _Array
+    spread: _Array
+    turned: _Array
+    #: Common parameters (omega, xi, static, phase, offset, real and imaginary part of each pole), which are free,
+    #: and
+    #: their weights.
+    common: _Array
+    free: NDArray[np.int64]
+    weights: _Array
+    noise: float
+    colour: float
+    #: Natural frequency and damping ratio that are known (0, 1), what all common parameters do to the states,
+    #: their weights, and minus half the slope of the sum of squares by them.
+    held: NDArray[np.int64]
+    every_turned: _Array
+    every_weight: _Array
+    slope: _Array
+
+
+class Windows:
+    """A record, cut into flights at impacts."""
+
+    def __init__(
+        self, t: _Array, values: _Array, data: Measured, times: _Array, omega: float | None, xi: float,
+        priors: Mapping[str, tuple[float, float]], start: tuple[float, float],
+    ) -> None:  # fmt: skip
+        self.t, self.values, self.data = t, values, data
+        self.step = float(t[1] - t[0])
+        self.times = np.sort(times)
+        self.common = np.array([omega or data.Omega, xi, *start, float(values.mean())])
+        self.free_omega = omega is None
+        self.priors = priors
+        self.before, self.after = AHEAD + self.step, PULSE
+        self.noise = math.nan
+        #: Whether there is no mode more.
+        self.rung = False
+        #: Flights that are none, at the end.
+        self.poor = np.zeros(0, dtype=bool)
+
+    @property
+    def modes(self) -> int:
+        """Number of modes that ring."""
+        return (self.common.size - 5) // 2
+
+    def cut(self) -> None:
+        """Sort the samples into flights."""
+        self.flight = np.searchsorted(self.times, self.t, side="right")
+        self.begins = np.append(self.t[0], self.times)
+        ends = np.append(self.times, self.t[-1] + 1.0)
+        self.since = self.t - self.begins[self.flight]
+        left = ends[self.flight] - self.t
+        first = self.flight == 0
+        used = ((self.since > self.after) | first) & (left > self.before)
+        # the filters of the sensors settle in the first load cycle
+        used &= self.t > self.t[0] + min(2 * math.pi / self.data.Omega, 0.02 * np.ptp(self.t))
+        numbers = np.bincount(self.flight[used], minlength=self.begins.size)
+        self.flies = numbers >= 2 + 2 * self.modes + SPARE
+        if self.poor.size == self.flies.size:
+            self.flies &= ~self.poor
+        self.used = np.flatnonzero(used & self.flies[self.flight])
+        if self.used.size < 0.1 * self.t.size:
+            raise SingularError(
+                f"pulses of {self.times.size} impacts leave too little of the motion; {HINT}"
+            )
+        self.own = np.flatnonzero(self.flies)
+        self.edges = np.searchsorted(self.flight[self.used], [self.own, self.own + 1])
+
+    def waves(self, since: _Array, common: _Array) -> tuple[_Array, list[Any]]:
+        """The motions of each flight alone: columns (n, 2 + 2 modes), and the complex waves."""
+        omega, xi = common[:2]
+        pole = omega * complex(-xi, math.sqrt(1 - xi**2))
+        waves = [pole**self.data.order * np.exp(pole * since)]
+        waves += [np.exp(complex(a, b) * since) for a, b in common[5:].reshape(-1, 2)]
+        columns = [column for wave in waves for column in (wave.real, -wave.imag)]
+        return np.column_stack(columns), [pole, *waves]
+
+    def allowed(self, common: _Array) -> bool:
+        """Whether parameters are those of a damped oscillator and of modes that ring."""
+        within = 0 <= common[1] < 0.9 and common[0] > 0 and common[2] > 0
+        for a, b in common[5:].reshape(-1, 2):
+            within = within and LEAST_DAMPED * b < -a < MOST_DAMPED * b
+            within = (
+                within
+                and LOWEST < b / self.data.Omega < 0.8 * math.pi / self.step / self.data.Omega
+            )
+        return bool(within)
+
+    def fitted(self, common: _Array) -> tuple[Any, ...]:
+        """States of all flights by linear least squares, what is left, and the equations for the common ones."""
+        since, flight = self.since[self.used], self.flight[self.used]
+        omega, xi, static, phase, offset = common[:5].tolist()
+        none = np.empty(0)
+        load = predicted(
+            self.data, self.data.Omega * self.t[self.used], self.data.order, omega, xi, static, phase, none, none
+        )  # fmt: skip
+        L, (pole, *waves) = self.waves(since, common)
+        left = self.values[self.used] - load.value - offset
+        q = L.shape[1]
+        count = self.begins.size
+        inner, rest = np.zeros((count, q, q)), np.zeros((count, q))
+        inner[:] = np.eye(q)
+        pieces = list(zip(self.own.tolist(), *self.edges.tolist(), strict=True))
+        for i, a, b in pieces:
+            own = L[a:b]
+            inner[i], rest[i] = own.T @ own, own.T @ left[a:b]
+        size = np.sqrt(inner[:, np.arange(q), np.arange(q)])
+        weight = inner / (size[:, :, None] * size[:, None, :]) + 1e-12 * np.eye(q)
+        inverse = np.linalg.inv(weight) / (size[:, :, None] * size[:, None, :])
+        states = (inverse @ rest[..., None])[..., 0]
+        each = states[flight]
+        left = left - (L * each).sum(axis=1)
+        # derivatives by the common parameters
+        rate = math.sqrt(1 - xi**2)
+        C = each[:, 0] + 1j * each[:, 1]
+        by_pole = C * waves[0] * (self.data.order / pole + since)
+        columns = [
+            load.omega + (by_pole * pole / omega).real,
+            load.xi + (by_pole * omega * complex(-1, -xi / rate)).real,
+            load.static, load.phase, np.ones(since.size),
+        ]  # fmt: skip
+        for j, wave in enumerate(waves[1:]):
+            by = (each[:, 2 * j + 2] + 1j * each[:, 2 * j + 3]) * wave * since
+            columns += [by.real, -by.imag]
+        G = np.column_stack(columns)
+        coupled = np.zeros((count, q, G.shape[1]))
+        for i, a, b in pieces:
+            coupled[i] = L[a:b].T @ G[a:b]
+        turned = inverse @ coupled
+        trusted = self.trusted[flight]
+        G = G[trusted]
+        weights = G.T @ G - np.einsum("iqk,iql->kl", coupled[self.trusted], turned[self.trusted])
+        return states, inverse, turned, left, weights, G.T @ left[trusted]
+
+    def refine(self, enough: float = 1.0) -> tuple[Any, ...]:
+        """The common parameters by the method of Gauss and Newton, with damping."""
+        free = self.free()
+        self.trusted = np.ones(self.begins.size, dtype=bool)
+        now = self.fitted(self.common)
+        self.noise = self.scatter(now[3])
+        for _ in range(2):
+            now = self.descended(free, now, enough)
+            self.noise = self.scatter(now[3])
+            # flights in which an impact is missing say nothing of what all share
+            bad = self.bad(now)
+            if not bad.any() or bad.sum() > 0.5 * self.own.size:
+                break
+            self.trusted = ~bad
+            now = self.fitted(self.common)
+        return now
+
+    def descended(
+        self, free: NDArray[np.int64], now: tuple[Any, ...], enough: float
+    ) -> tuple[Any, ...]:
+        """Steps down to where a further one gains less than `enough`."""
+        square = self.total(now[3], self.common)
+        damping = 1e-6
+        for _ in range(STEPS):
+            W, g = self.with_priors(now[4], now[5], self.common)
+            W, g = W[np.ix_(free, free)], g[free]
+            scale = np.sqrt(np.maximum(np.diag(W), 0))
+            scale[scale == 0] = 1
+            A = W / np.outer(scale, scale)
+            moved = False
+            while damping < 1e6:
+                step = np.linalg.solve(A + damping * np.eye(free.size), g / scale) / scale
+                common = self.common.copy()
+                common[free] += step
+                common[1] = max(common[1], 0.0)
+                if self.allowed(common):
+                    trial = self.fitted(common)
+                    total = self.total(trial[3], common)
+                    if total <= square:
+                        moved = True
+                        break
+                damping = max(10 * damping, 1e-3)
+            if not moved:
+                break
+            gain, square = square - total, total
+            now, self.common = trial, common
+            damping = damping / 10 if damping > 1e-8 else damping
+            if gain < enough:
+                break
+        return now
+
+    def squares(self, left: _Array) -> _Array:
+        """Sums of squares of the flights, over the noise."""
+        sums = np.zeros(self.begins.size)
+        sums[self.own] = np.add.reduceat(left**2, self.edges[0]) / self.noise**2
+        return sums
+
+    def bad(self, now: tuple[Any, ...]) -> _Bool:
+        """Flights that their states do not describe, as where an impact is missing."""
+        numbers = np.bincount(self.flight[self.used], minlength=self.begins.size)
+        freedom = np.maximum(numbers - 2 - 2 * self.modes, 1)
+        bad: _Bool = self.flies & (self.squares(now[3]) > freedom + MISSED * np.sqrt(2 * freedom))
+        return bad
+
+    def at(self, t: _Array) -> _Array:
+        """What the flights are at some times, NaN where there is none; after `run`."""
+        flight = np.searchsorted(self.times, t, side="right")
+        since = t - self.begins[flight]
+        waves = (self.waves(since, self.common)[0] * self.states[flight]).sum(axis=1)
+        ahead = np.append(self.times, math.inf)[flight] - t
+        inside = ((since > self.after) | (flight == 0)) & (ahead > self.before)
+        inside &= t >= self.t[self.used[0]]
+        return np.where(self.flies[flight] & inside, self.loaded(t) + waves, math.nan)
+
+    def free(self) -> NDArray[np.int64]:
+        """Places of the common parameters that are fitted."""
+        fixed = [] if self.free_omega else [0]
+        if self.priors.get("xi", (0, 1))[1] == 0:
+            fixed.append(1)
+        return np.setdiff1d(np.arange(self.common.size), fixed)
+
+    def scatter(self, left: _Array) -> float:
+        """The usual scatter of a sample in a flight."""
+        sums = np.add.reduceat(left**2, self.edges[0])
+        numbers = np.diff(self.edges, axis=0)[0]
+        freedom = numbers - (2 + 2 * self.modes)
+        clear = freedom >= np.quantile(freedom, 0.3)
+        return math.sqrt(max(float(np.median((sums / freedom)[clear])), 1e-300))
+
+    def with_priors(self, weights: _Array, slope: _Array, common: _Array) -> tuple[_Array, _Array]:
+        """Equations over the noise, with those of what is known."""
+        W, g = weights / self.noise**2, slope / self.noise**2
+        for place, name in enumerate(("omega", "xi", "static", "phase")):
+            if name in self.priors and self.priors[name][1] > 0:
+                value, error = self.priors[name]
+                W[place, place] += 1 / error**2
+                g[place] += (value - common[place]) / error**2
+        return W, g
+
+    def total(self, left: _Array, common: _Array) -> float:
+        """The sum of squares, with those of what is known."""
+        total = float(self.squares(left)[self.trusted].sum())
+        for place, name in enumerate(("omega", "xi", "static", "phase")):
+            if name in self.priors and self.priors[name][1] > 0:
+                total += ((self.priors[name][0] - common[place]) / self.priors[name][1]) ** 2
+        return total
+
+    def ringing(self, now: tuple[Any, ...]) -> bool:
+        """Add a mode that rings, if much of what is left is one."""
+        common, kept, before = self.common, self.noise, self.squares(now[3])
+        tau, mean, weight = self.echo(now)
+        good = (tau > self.after) & (weight > 0)
+        if good.sum() < 20:
+            return False
+        tau, mean, weight = tau[good], mean[good], np.sqrt(weight[good])
+        best: tuple[float, complex] = (math.inf, 0j)
+        highest = min(0.4 / self.step, 3000.0)
+        for f in np.geomspace(LOWEST * self.data.Omega / (2 * math.pi), highest, 160):
+            for decay in DECAYS:
+                wave = np.exp(complex(-decay, 2 * math.pi * f) * tau)
+                A = np.column_stack([wave.real, wave.imag]) * weight[:, None]
+                rest = mean * weight - A @ np.linalg.lstsq(A, mean * weight, rcond=None)[0]
+                if rest @ rest < best[0]:
+                    best = float(rest @ rest), complex(-decay, 2 * math.pi * f)
+        if (mean * weight) @ (mean * weight) - best[0] < LEAST_GAIN or not best[1]:
+            self.rung = True
+            return False
+        self.common = np.append(common, [best[1].real, best[1].imag])
+        try:
+            self.cut()
+            own = self.flies
+            after = self.squares(self.refine()[3])
+            # a flight in which an impact is missing says little
+            gain = float(
+                np.minimum((before - after * (self.noise / kept) ** 2)[own], CLIPPED).sum()
+            )
+            N = np.count_nonzero(own)
+            if gain > 2 * N + 8 * math.sqrt(N) + LEAST_GAIN and self.another():
+                return True
+        except SingularError:
+            pass
+        self.common, self.noise, self.rung = common, kept, True
+        self.cut()
+        return False
+
+    def another(self) -> bool:
+        """Whether the last mode is one, and not the end of a pulse or another one again."""
+        *others, (a, b) = self.common[5:].reshape(-1, 2).tolist()
+        ends = 1.1 * LEAST_DAMPED * b < -a < 0.9 * MOST_DAMPED * b
+        return ends and all(abs(b - other) > 0.1 * other for _, other in others)
+
+    def echo(self, now: tuple[Any, ...]) -> tuple[_Array, _Array, _Array]:
+        """What impacts leave on the average over their jump: times since them, means, and their weights."""
+        states = now[0]
+        if not self.times.size:
+            raise SingularError(f"no impacts: {HINT}")
+        jumps = self.jumps_of(states)
+        # what each sample has that its flight has not, also within pulses
+        own = (self.flies & ~self.bad(now))[self.flight]
+        L, _ = self.waves(self.since[own], self.common)
+        rest = (
+            self.values[own] - self.loaded(self.t[own]) - (L * states[self.flight[own]]).sum(axis=1)
+        )
+        flight, since = self.flight[own], self.since[own]
+        later = flight > 0
+        jump = np.where(later, jumps[flight - 1], 0.0)
+        size = max(0.8 * self.step, 0.1e-3)
+        bins = np.floor(since / size).astype(np.int64)
+        kept = later & (since < 1.2 * LONGEST) & (jump != 0)
+        count = int(1.2 * LONGEST / size) + 1
+        top = np.bincount(bins[kept], (jump * rest)[kept], count)
+        below = np.bincount(bins[kept], (jump**2)[kept], count)
+        spread = np.bincount(bins[kept], (jump**2 * rest**2)[kept], count)
+        good = below > 0
+        mean = np.where(good, top / np.maximum(below, 1e-300), 0.0)
+        numbers = np.bincount(bins[kept], minlength=count)
+        error2 = np.maximum(spread, self.noise**2 * below) / np.maximum(below, 1e-150) ** 2
+        weight = np.where(good & (numbers > 5), 1 / np.maximum(error2, 1e-300), 0.0)
+        self.ahead = self.early(rest, flight, own, jumps)
+        times = (np.arange(count) + 0.5) * size
+        both: tuple[_Array, ...] = tuple(
+            np.asarray(x, dtype=np.float64) for x in (times, mean, weight)
+        )
+        return both[0], both[1], both[2]
+
+    def loaded(self, t: _Array) -> _Array:
+        """The motion under the load alone, with the offset."""
+        none = np.empty(0)
+        omega, xi, static, phase, offset = self.common[:5].tolist()
+        turn = self.data.Omega * t
+        load = predicted(self.data, turn, self.data.order, omega, xi, static, phase, none, none)
+        return np.asarray(load.value + offset, dtype=np.float64)
+
+    def early(self, rest: _Array, flight: NDArray[np.int64], own: _Bool, jumps: _Array) -> float:
+        """For how long before impacts the flights do not describe the record (s)."""
+        ends = np.append(self.times, math.inf)
+        left = ends[flight] - self.t[own]
+        size = max(0.8 * self.step, 0.1e-3)
+        kept = left < 2e-3
+        jump = jumps[np.minimum(flight[kept], jumps.size - 1)]
+        bins = np.floor(left[kept] / size).astype(np.int64)
+        top = np.bincount(bins, jump * rest[kept])
+        spread = np.bincount(bins, np.maximum((jump * rest[kept]) ** 2, (jump * self.noise) ** 2))
+        lasts = np.flatnonzero(abs(top) > LASTS * np.sqrt(np.maximum(spread, 1e-300)))
+        return float((lasts[-1] + 1) * size) if lasts.size else 0.0
+
+    def jumps_of(self, states: _Array) -> _Array:
+        """Jumps of the velocity where flights meet, 0 where they do not."""
+        here = self.events(states, self.common, self.times)
+        return np.where(self.flies[:-1] & self.flies[1:], here[3] - here[2], 0.0)
+
+    def lengths(self, now: tuple[Any, ...]) -> None:
+        """Pulses as long as the data say."""
+        tau, mean, weight = self.echo(now)
+        lasts = tau[abs(mean) * np.sqrt(weight) > LASTS]
+        ends = np.flatnonzero(np.diff(np.append(lasts, math.inf)) > max(PAUSE, 6 * self.step))
+        last = float(lasts[ends[0]]) if lasts.size and lasts[0] < PAUSE + 2 * self.step else 0.0
+        # no faster than the flights get better
+        after = min(last * (1 + MARGIN) + 2 * self.step, LONGEST)
+        self.after = max(after, SHRINK * self.after)
+        self.before = max(min(self.ahead, 1e-3) + 2 * self.step, SHRINK * self.before)
+
+    @np.errstate(all="ignore")  # where flights are none, or do not meet
+    def events(self, states: Any, common: Any, times: Any) -> Any:
+        """Where flights meet: times, displacements, velocities before and after (4, ..., N).
+
+        All may have a small imaginary part. `states` (..., N + 1, 2); the times are those about which the flights
+        meet to first order.
+        """
+        omega, xi, static, phase = (common[..., None, i] for i in range(4))
+        decay, rate = xi * omega, omega * np.sqrt(1 - xi**2)
+
+        def free(state: Any, begins: Any, t: Any) -> tuple[Any, Any]:
+            since = t - begins
+            fade = np.exp(-decay * since)
+            c, s = fade * np.cos(rate * since), fade * np.sin(rate * since)
+            a, b = state[..., 0], state[..., 1]
+            X = a * c - b * s
+            return X, -decay * X - rate * (a * s + b * c)
+
+        before, after = states[..., :-1, :], states[..., 1:, :]
+        both = [free(before, self.begins[:-1], times), free(after, self.begins[1:], times)]
+        slope = both[1][1] - both[0][1]
+        t = times - (both[1][0] - both[0][0]) / slope
+        X, V = free(before, self.begins[:-1], t)
+        V_after = free(after, self.begins[1:], t)[1]
+        load, speed = under_load(self.data, omega, xi, static, phase, t)
+        return np.stack([t, X + load, V + speed, V_after + speed])
+
+    @np.errstate(all="ignore")  # where flights are none, or do not meet
+    def by_states(self, states: _Array, common: _Array, times: _Array) -> _Array:
+        """Derivatives of time and jump of each impact by the states of the flights before and after it
+        (2 flights, N, 2 of time and jump, 2 of a state)."""
+        flights = np.arange(states.shape[0])
+        found = np.zeros((2, times.size, 2, 2))
+        # of two flights in sequence one is moved at a time
+        for parity in (0, 1):
+            own = flights % 2 == parity
+            each = []
+            for change in 1j * STEP * np.eye(2):
+                one = self.events(states + own[:, None] * change, common, times)
+                each.append(np.stack([one[0], one[3] - one[2]], axis=-1).imag / STEP)
+            by = np.stack(each, axis=-1)
+            found[0, own[:-1]], found[1, own[1:]] = by[own[:-1]], by[own[1:]]
+        return np.where(np.isfinite(found), found, 0.0)
+
+    def met(self, states: _Array, inverse: _Array) -> tuple[_Array, _Array, _Array, _Bool]:
+        """Times of the impacts by the flights, jumps, errors of the times, and which are resolved."""
+        t, states = self.times.copy(), states[:, :2]
+        with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+            for _ in range(4):
+                here = self.events(states, self.common, t)
+                t = np.where(abs(here[0] - self.times) < 3e-3, here[0], t)
+            jumps = here[3] - here[2]
+            P = inverse[:, :2, :2] * self.noise**2
+            by = self.by_states(states, self.common, t)
+            variance = np.einsum("snqa,snab,snqb->nq", by, np.stack([P[:-1], P[1:]]), by)
+            both = self.flies[:-1] & self.flies[1:]
+            error, of_jump = np.sqrt(np.maximum(variance.T, 0))
+            clear = abs(jumps) > CLEAR * of_jump
+            resolved = both & clear & (error < BLURRED) & (abs(here[0] - self.times) < 3e-3)
+        return (
+            t,
+            np.where(np.isfinite(jumps), jumps, 0.0),
+            np.where(both, error, math.inf),
+            resolved,
+        )
+
+    def run(self) -> Flown:
+        """All rounds: flights, ringing, pulses, missing impacts and such that are none."""
+        self.cut()
+        now = self.refine()
+        settled = False
+        for i in range(ROUNDS):
+            while not self.rung and self.modes < MOST_MODES and self.ringing(now):
+                now = self.fitted(self.common)
+            before, noise = (self.before, self.after), self.noise
+            t, _, _, resolved = self.met(now[0], now[1])
+            near = resolved & (abs(t - self.times) < 1e-3)
+            if not settled:
+                self.lengths(now)
+            weak = self.needless(now, np.flatnonzero(~resolved))
+            more = self.missing(now) if i < ROUNDS - 2 else []
+            self.times = np.sort(np.append(np.delete(np.where(near, t, self.times), weak), more))
+            self.cut()
+            now = self.refine()
+            if self.noise > WORSE * noise and not settled:
+                # within the pulses no flight is one
+                self.before, self.after = (1.2 * length for length in before)
+                settled = True
+                self.cut()
+                now = self.refine()
+            change = max(abs(before[0] - self.before), abs(before[1] - self.after))
+            if change < 0.5 * self.step and not weak and not more:
+                break
+            # pulses of another length may hide, or show, a mode
+            self.rung = self.rung and (change < 0.5e-3 or i > 2)
+        # without flights in which impacts are hidden
+        self.poor = self.bad(now)
+        self.cut()
+        now = self.refine(1e-3)
+        states, inverse, turned, left, weights, slope = now
+        t, jumps, _, resolved = self.met(states, inverse)
+        W, slope = self.with_priors(weights, slope, self.common)
+        free = self.free()
+        self.states = states
+        colour = self.colour(left)
+        if colour > UNEXPLAINED:
+            raise SingularError(
+                f"what flights leave of the record is no noise: its sums over {WIDE} samples have {colour:.3g} "
+                f"times the variance of white noise; {HINT}"
+            )
+        return Flown(
+            t, jumps, resolved, states[:, :2], inverse[:, :2, :2] * self.noise**2, turned[:, :2, free],
+            self.common, free, W[np.ix_(free, free)], self.noise, colour,
+            np.setdiff1d([0, 1], free), turned[:, :2], W, slope,
+        )  # fmt: skip
+
+    def colour(self, left: _Array) -> float:
+        """Variance of sums of neighbouring samples over that of as many independent ones."""
+        sums, numbers, used = 0.0, 0, 0.0
+        for a, b in self.edges.T.tolist():
+            count = (b - a) // WIDE
+            if count < 2:
+                continue
+            own = left[a : a + count * WIDE]
+            sums += float((own.reshape(count, WIDE).sum(axis=1) ** 2).sum()) / WIDE
+            used += float(own @ own) / WIDE
+            numbers += count
+        return max(1.0, sums / used) if numbers > 20 else 1.0
+
+    def needless(self, now: tuple[Any, ...], places: NDArray[np.int64]) -> list[int]:
+        """Of some impacts those without which one flight describes what two do."""
+        found: list[int] = []
+        q = 2 + 2 * self.modes
+        for i in places.tolist():
+            if not (self.flies[i] and self.flies[i + 1]) or (found and found[-1] == i - 1):
+                continue
+            first, last = np.searchsorted(self.flight[self.used], [i, i + 2]).tolist()
+            before = float(now[3][first:last] @ now[3][first:last])
+            # with the samples of the pulse, which there is only at an impact
+            own = slice(int(self.used[first]), int(self.used[last - 1]) + 1)
+            A = self.waves(self.t[own] - self.begins[i], self.common)[0]
+            rest = self.values[own] - self.loaded(self.t[own])
+            A /= np.maximum(np.linalg.norm(A, axis=0), 1e-300)
+            left = rest - A @ np.linalg.lstsq(A, rest, rcond=1e-10)[0]
+            more = rest.size - (last - first) + q
+            if (left @ left - before) / self.noise**2 < more + 5 * math.sqrt(2 * more) + LEAST_GAIN:
+                found.append(i)
+        return found
+
+    def missing(self, now: tuple[Any, ...]) -> list[float]:
+        """Times of impacts, one in each flight that one more describes better."""
+        left = now[3]
+        found: list[tuple[float, float]] = []
+        q = 2 + 2 * self.modes
+        omega, xi = self.common[:2]
+        pole = omega * complex(-xi, math.sqrt(1 - xi**2))
+        L, _ = self.waves(self.since[self.used], self.common)
+        for a, b in self.edges.T.tolist():
+            freedom = b - a - q
+            excess = float(left[a:b] @ left[a:b]) / self.noise**2 / freedom - 1
+            if freedom < 8 or excess < MISSED * math.sqrt(2 / freedom):
+                continue
+            t, own = self.t[self.used[a:b]], L[a:b]
+            grid = t[2:-2][:: max(1, (b - a) // 120)]
+            tau = t[:, None] - grid
+            wave = pole**self.data.order * np.exp(pole * np.maximum(tau, 0))
+            response = np.where(tau > 0, wave.imag, 0.0)
+            # samples within the pulse that it would have
+            response[(tau > -self.before) & (tau < min(self.after, 2e-3))] = 0
+            size = np.linalg.norm(own, axis=0)
+            response -= (own / size) @ np.linalg.lstsq(own / size, response, rcond=1e-10)[0]
+            gain = (response.T @ left[a:b]) ** 2 / np.maximum((response**2).sum(axis=0), 1e-300)
+            # or what the pulse itself hides
+            place, peak = int(np.argmax(gain)), int(np.argmax(abs(left[a:b])))
+            inside = min(t[peak] - t[0], t[-1] - t[peak]) > NEAR_ENDS
+            if inside and abs(left[a + peak]) > MISSED * self.noise:
+                found.append((excess, float(t[peak]) - 0.5 * self.step))
+            elif gain[place] / self.noise**2 > LEAST_GAIN:
+                found.append((excess, float(grid[place])))
+        # where they are many, it is not they that are missing
+        worst = sorted(found)[-max(1, self.own.size // 8) :]
+        return [time for _, time in worst]
+
+
+def picked(values: _Array, rate: float, Omega: float, order: int) -> _Array:
+    """Times at which impacts seem to be, 0 in the middle of the record, from a derivative of the displacement."""
+    for _ in range(2 - order):
+        values = np.gradient(values) * rate
+    kept: list[float] = []
+    for time in spikes(values, rate, Omega, None)[0].tolist():
+        # a long pulse has several
+        if not kept or time > kept[-1] + APART:
+            kept.append(time)
+    return np.array(kept)
+
+
+def under_load(
+    data: Measured, omega: Any, xi: Any, static: Any, phase: Any, t: Any
+) -> tuple[Any, Any]:
+    """Displacement and velocity of the steady motion under the load; all may have an imaginary part."""
+    X, V = 0.0, 0.0
+    for n, shape in zip(data.orders.tolist(), data.shape.tolist(), strict=True):
+        w = n * data.Omega
+        a, b = omega**2 - w**2, 2 * xi * omega * w
+        size = omega**2 * static / (a**2 + b**2)
+        P = size * (shape.real * a + shape.imag * b)
+        Q = size * (shape.imag * a - shape.real * b)
+        turn = w * t + n * phase
+        c, s = np.cos(turn), np.sin(turn)
+        X, V = X + P * c - Q * s, V - w * (P * s + Q * c)
+    return X, V
