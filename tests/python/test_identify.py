@@ -10,15 +10,18 @@ import vibroimpact as vi
 pytest.importorskip("scipy")
 from shared_identify import BENCH, KNOWN
 from vibroimpact.identification.least_squares import levenberg
+from vibroimpact.identification.steps import UNKNOWN_DELAY
 
 
 def test_the_bench_rig_is_found():
-    """From one record at 40 dB, xi is found to 0.0002 as by hand, and all parameters within four errors."""
+    """At 40 dB all parameters are found within four errors; xi to 0.0002 if the filter is known."""
+    stated = vi.VirtualRig(**BENCH, known_bandwidth=True)
+    assert vi.identify(stated.record(rng=1), known=KNOWN).errors["xi"] < 0.0002
     found = vi.identify(vi.VirtualRig(**BENCH).record(rng=1), known=KNOWN)
     assert found.status == "periodic"
     assert found.pattern == vi.Pattern("RLL")
     assert found.undetermined == []
-    assert found.errors["xi"] < 0.0002
+    assert found.errors["xi"] < 0.0005
     true = {"xi": 0.01143, "R1": 0.75, "R2": 0.65, "d": 0.006, "F0": 6.0}
     for name, value in true.items():
         assert abs(found.values[name] - value) < 4 * found.errors[name], name
@@ -203,12 +206,16 @@ def test_three_hundred_rigs(share):
         assert found.pattern == motion.pattern.standard(), seed
         turns = (found._of(0, "impacts", "fitted") - motion.load_phase) / (2 * np.pi)
         k, true = motion.pattern.cycles, motion.alpha / (2 * np.pi)
-        # the record begins in any of the k load cycles of the period
-        errors = [
-            max(np.min(abs((turn + cycle - true + k / 2) % k - k / 2)) for turn in turns)
-            for cycle in range(k)
-        ]
-        assert min(errors) < 1e-2 * k, seed
+        # the record begins in any of the k load cycles of the period; the delay of a filter and half a contact,
+        # which nobody knows, are common to all impacts
+        errors = []
+        for cycle in range(k):
+            off = (turns[:, None] + cycle - true + k / 2) % k - k / 2
+            off = off[np.arange(off.shape[0]), abs(off).argmin(axis=1)]
+            errors.append((np.ptp(off), abs(np.mean(off))))
+        shape, delay = min(errors)
+        assert shape < 1e-2 * k, seed
+        assert delay < (UNKNOWN_DELAY + rig.contact) * rig.frequency, seed
         own, shown = (found._of(0, "samples", name) for name in ("motion", "motion_fit"))
         assert np.std(own - shown) < 0.2 * np.std(own), seed
         right, left = rig.restitution

@@ -11,15 +11,15 @@ from shared_identify import BENCH, KNOWN
 
 
 def faulty(change):
-    """A record of the bench rig after a change of its channels."""
-    record = vi.VirtualRig(**BENCH).record(rng=1)
+    """A record of the bench rig, with sensors of a bandwidth that is stated, after a change of its channels."""
+    record = vi.VirtualRig(**BENCH, known_bandwidth=True).record(rng=1)
     channels = {"load": record.load.copy(), "acceleration": record.acceleration.copy()}
     change(channels)
     return vi.SensorRecord(record.rate, bandwidth=record.bandwidth, **channels)
 
 
 def clip(channels):
-    channels["acceleration"] = np.clip(channels["acceleration"], -100, 100)
+    channels["acceleration"] = np.clip(channels["acceleration"], -40, 40)
 
 
 def lose(channels):
@@ -67,7 +67,7 @@ def test_samples_beyond_the_range_of_a_sensor_are_named():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (clip, r"acceleration is clipped at -?100: \d+ samples"),
+        (clip, r"acceleration is clipped at -?40: \d+ samples"),
         (lose, r"acceleration\[700\] = nan: .*3 of 30720 samples are missing"),
         (swap, "wrong order"),
         (in_g, r"must agree; .* factor of 9\.[78].*is it g for m/s\^2\?"),
@@ -121,13 +121,28 @@ def test_a_bandwidth_above_half_the_rate_is_an_error():
     [(4096, 600, 1), (4096, 700, 1), (10240, 600, 2), (10240, 700, 3), (10240, 800, 2)],
 )
 def test_impacts_below_the_band_of_ringing_are_found(rate, bandwidth, seed):
-    """With sensors that hardly pass more than the ringing there are no spikes, but harmonics."""
-    rig = vi.VirtualRig(**BENCH, rate=rate, bandwidth=bandwidth)
+    """With sensors that hardly pass more than the ringing there are no spikes, but harmonics.
+
+    A filter that is stated and impacts of no duration leave enough of them.
+    """
+    rig = vi.VirtualRig(**BENCH, rate=rate, bandwidth=bandwidth, contact=0.0, known_bandwidth=True)
     found = vi.identify(rig.record(rng=seed), known=KNOWN)
     assert found.pattern == vi.Pattern("RLL")
     assert found.impact_times.size == pytest.approx(3 * 3.0 * 19.5, abs=2)
     for name, value in (("xi", 0.01143), ("R1", 0.75), ("R2", 0.65), ("d", 0.006)):
         assert abs(found.values[name] - value) < 4 * found.errors[name], name
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_contacts_behind_a_low_filter_are_right_or_doubted(seed):
+    """Where contacts last and nobody knows the filter, which passes little more than the ringing."""
+    rig = vi.VirtualRig(**BENCH, bandwidth=600.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", vi.PoorFitWarning)
+        found = vi.identify(rig.record(rng=seed), known=KNOWN)
+    true = {"xi": 0.01143, "R1": 0.75, "R2": 0.65, "d": 0.006}
+    off = [abs(found.values[name] - value) / found.errors[name] for name, value in true.items()]
+    assert max(off) < 4 or not found.good
 
 
 @pytest.mark.parametrize("seed", [1, 2])
@@ -174,12 +189,17 @@ def test_what_the_errors_do_not_contain_is_said():
 
 
 @pytest.mark.parametrize(
-    ("clearance", "status"),
-    [(0.06, "no impacts"), (0.0005, "rest"), (0.004, "not periodic")],
-)
-def test_other_records_have_a_status(clearance, status):
-    """Records without a periodic pattern of impacts say what they are, and what their flights tell is right."""
-    found = vi.identify(vi.VirtualRig(**BENCH | {"d": clearance}).record(rng=1), known=KNOWN)
+    ("clearance", "contact", "status"),
+    [(0.06, None, "no impacts"), (0.0005, 0.0, "rest"), (0.0005, None, "not periodic"),
+     (0.004, None, "not periodic")],
+)  # fmt: skip
+def test_other_records_have_a_status(clearance, contact, status):
+    """Records without a periodic pattern of impacts say what they are, and what their flights tell is right.
+
+    Impacts that accumulate are picked one by one only if their contacts are short.
+    """
+    rig = vi.VirtualRig(**BENCH | {"d": clearance}, contact=contact)
+    found = vi.identify(rig.record(rng=1), known=KNOWN)
     assert found.status == status
     assert (found.motion, found.pattern) == (None, None)
     assert (found.oscillator is None) == (found.errors.get("d", np.inf) == np.inf)
@@ -236,7 +256,8 @@ def test_faults_of_calls_are_named(call, message):
 
 def test_load_phases_of_picked_impacts_are_those_of_the_motion():
     """Also where a lag is known, which the times of the impacts are without."""
-    found = vi.identify(vi.VirtualRig(**BENCH, bandwidth=500.0).record(rng=1), known=KNOWN)
+    rig = vi.VirtualRig(**BENCH, bandwidth=500.0, contact=0.0, known_bandwidth=True)
+    found = vi.identify(rig.record(rng=1), known=KNOWN)
     cycles = found.frequency * found.impact_times + found._one("load_phase") / (2 * np.pi)
     fitted = found._of(0, "impacts", "fitted") / (2 * np.pi)
     off = (cycles[:, None] - fitted + 0.5) % 1 - 0.5

@@ -32,7 +32,7 @@ def levenberg(
     if not finite(f, J * scales):
         raise SingularError("residuals too large for floating-point numbers")
     accepted()
-    damping = 1e-3
+    damping, at_end = 1e-3, False
     for _ in range(most):
         A = J * scales
         outward = A.T @ f
@@ -63,7 +63,7 @@ def levenberg(
         if (damping <= 1e-4 and gain <= 1e-6) or (at_end and gain <= 1e-14 * (f @ f)):
             return x, f, J, True
         damping = max(damping / 10, 1e-12)
-    return x, f, J, False
+    return x, f, J, at_end
 
 
 def finite(f: _Array, J: _Array) -> bool:

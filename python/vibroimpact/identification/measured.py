@@ -47,6 +47,10 @@ ORDER = 4
 FADED = 16
 #: Longest contact, load cycles.
 MOST_CONTACT = 0.1
+#: Default duration of a contact of a virtual rig, s, and load cycles that it does not exceed.
+CONTACT, CONTACT_CYCLES = 0.6e-3, 0.02
+#: What an accelerometer shows at rest, m/s^2.
+GRAVITY = 9.80665
 #: Least number of samples of a record.
 LEAST = 16
 
@@ -323,13 +327,16 @@ class VirtualRig:
         The load amplitude of a record differs from F0 by up to this share; drawn once for each record.
     calibration : float
         Relative standard deviation of the gains of both sensors, drawn once for each record.
-    contact : float
+    contact : float, optional
         Duration of an impact, s: its force on the primary mass is a half sine whose area is the jump of momentum,
-        from the instant of the impact on. 0, the default, is an impulse.
-    offset : float
-        What the sensor of the motion shows without a motion, such as gravity, in its unit.
+        from the instant of the impact on; 0 is an impulse. By default it is 0.6 ms, or a fiftieth of a load cycle
+        if that is shorter.
+    offset : float, optional
+        What the sensor of the motion shows without a motion, in its unit; by default 9.80665 m/s^2, gravity, if it
+        is an accelerometer, and nothing otherwise.
     known_bandwidth : bool
-        Whether records say the bandwidth of their sensors; by default they do.
+        Whether records say the bandwidth of their sensors. By default they do not, as most measured ones, and
+        `identify` does not know the delay between the channels either.
 
     Raises
     ------
@@ -362,11 +369,14 @@ class VirtualRig:
     drift: float = 0.0
     amplitude: float = 0.0
     calibration: float = 0.0
-    contact: float = 0.0
-    offset: float = 0.0
-    known_bandwidth: bool = True
+    contact: float | None = None
+    offset: float | None = None
+    known_bandwidth: bool = False
 
     def __post_init__(self) -> None:
+        if self.contact is None:
+            frequency = positive(self.frequency, "frequency")
+            object.__setattr__(self, "contact", min(CONTACT, CONTACT_CYCLES / frequency))
         above = ("M", "K", "m", "d", "F0", "frequency", "rate", "bandwidth", "ring_frequency")
         for name in (
             *above,
@@ -400,15 +410,17 @@ class VirtualRig:
                 raise ParameterError(
                     f"{name} = {getattr(self, name)!r}: must be below half the rate, {self.rate / 2:g} Hz"
                 )
+        assert self.contact is not None
         if not self.contact * self.frequency < MOST_CONTACT:
             raise ParameterError(
                 f"contact = {self.contact!r}: must be below {MOST_CONTACT:g} load cycles, "
                 f"{MOST_CONTACT / self.frequency:.4g} s"
             )
-        offset = checks.to_float(self.offset, "offset", "a finite number")
-        if not math.isfinite(offset):
-            raise ParameterError(f"offset = {self.offset!r}: must be a finite number")
-        object.__setattr__(self, "offset", offset)
+        if self.offset is not None:
+            offset = checks.to_float(self.offset, "offset", "a finite number or None")
+            if not math.isfinite(offset):
+                raise ParameterError(f"offset = {self.offset!r}: must be a finite number or None")
+            object.__setattr__(self, "offset", offset)
         checks.instance(self.known_bandwidth, "known_bandwidth", bool)
         harmonics = checks.real_array(self.harmonics, "harmonics", "a list of numbers")
         if harmonics.ndim != 1 or not np.isfinite(harmonics).all():
@@ -566,7 +578,10 @@ class VirtualRig:
             if self.snr is not None:
                 noise = math.sqrt(float(np.mean(clean**2))) * 10 ** (-self.snr / 20)
             channels[name] = clean + noise * random.standard_normal(n)
-        channels[quantity] = channels[quantity] + self.offset
+        offset = self.offset
+        if offset is None:
+            offset = GRAVITY if quantity == "acceleration" else 0.0
+        channels[quantity] = channels[quantity] + offset
         bandwidth = dict.fromkeys(channels, self.bandwidth) if self.known_bandwidth else None
         return SensorRecord(self.rate, bandwidth=bandwidth, name="virtual rig", **channels)
 

@@ -259,6 +259,11 @@ def period_of(values: _Array, rate: float, omega: float) -> Repetition:
     return Repetition(found if periodic else 0, noise, colour, drift)
 
 
+def white_noise(values: _Array) -> float:
+    """Standard deviation of the noise of single samples, by sixth differences, in which motion is small."""
+    return float(np.median(abs(np.diff(values, 6)))) / 0.6745 / math.sqrt(math.comb(12, 6))
+
+
 def most_cycles(span: float) -> int:
     """Largest number of load cycles in a period of a record of so many cycles."""
     return max(1, min(MOST_CYCLES, int(span) // LEAST_PERIODS))

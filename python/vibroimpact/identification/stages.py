@@ -17,7 +17,7 @@ from .flights import Measured
 from .known import HINT
 from .laws import KNOWN_OF_LAW, Law
 from .motions import Impacting
-from .signals import no_rhythm
+from .signals import no_rhythm, repeated
 from .start import start_of, start_of_times
 from .steps import Step, flown, flown_apart
 
@@ -71,7 +71,7 @@ def fitted(
                 M,
                 K,
                 law if law.kind == "constant" else Law("impacts", data.angles.size),
-                rough=law.kind != "constant",
+                rough=law.kind != "constant" or len(steps) > 1,
             )
         )
     if len(found) == 1 and law.kind == "constant":
@@ -102,7 +102,59 @@ def fitted(
             name: shared.get(name, one.values[name.rstrip("12") if name[0] != "R" else name])
             for name in law.shared
         }
-    return fit(found, shared, middle, lengths, phases, M, K, law, near), law
+    # from what all tell together, and then from what one of them tells
+    starts = [middle]
+    if law.kind == "constant":
+        starts += [middle | {name: one.values[name] for name in law.shared} for one in single]
+    failed: SingularError | None = None
+    for begin in starts:
+        try:
+            both = fit(found, shared, begin, lengths, phases, M, K, law, near)
+        except SingularError as error:
+            failed = failed or error
+            continue
+        if begin is starts[-1] or max(both.misfits) < DOUBTFUL:
+            return both, law
+    assert failed is not None
+    raise failed
+
+
+def halved(
+    steps: Sequence[Step], found: Fit, law: Law, scale: Mapping[str, float], shared: dict[str, float],
+    guess: dict[str, float],
+) -> tuple[list[Step], Fit] | None:  # fmt: skip
+    """The fit of motions of half the period, begun from one of the whole period; None if there is none.
+
+    Twice the period has more freedom, so that a fit may get there where another one does not. The shorter period
+    is that of the record if it describes it as well.
+    """
+    others = [copy(step) for step in steps]
+    try:
+        for step in others:
+            assert step.data is not None
+            if step.data.k % 2:
+                return None
+            step.data = replace(step.data, k=step.data.k // 2)
+            flown(step, scale, shared, guess)
+        data = [step.data for step in others if step.data is not None]
+        if len(data) < len(others):
+            return None
+        M, K = scale.get("M"), scale.get("K")
+        near = [first_half(motion, one) for motion, one in zip(found.motions, data, strict=True)]
+        # where it ends at a fold, at which motions cease to be, it does not converge
+        half = fit(
+            data, shared, found.values, found.lengths, found.phases, M, K, law, near, rough=True
+        )
+    except SingularError:
+        return None
+    return (others, half) if max(half.misfits) < DOUBTFUL else None
+
+
+def first_half(motion: Impacting, data: Measured) -> Impacting:
+    """The impacts of the first half of a motion, with load phases near those of flights."""
+    N = data.angles.size
+    turn = 2 * math.pi * round(float(np.mean(data.angles - motion.angles[:N])) / (2 * math.pi))
+    return motion._replace(angles=motion.angles[:N] + turn, jumps=motion.jumps[:N])
 
 
 def identified_by(
@@ -116,16 +168,25 @@ def identified_by(
     """
     given = scale, shared, guess, law, law_speed
     failed: SingularError | None = None
+    described = False
     if any(step.data is None for step in steps):
         return apart(steps, *given)
-    for attempt in ("as it is", "fewer", "exactly", "apart", "twice"):
+    single: tuple[list[Step], Fit | None, Law] | None = None
+    attempts = ["as it is", "fewer", "exactly", "apart", "twice"]
+    if len(steps) == 1 and steps[0].restless:
+        # what almost repeats is sooner found by single flights, and little else is tried
+        single = apart(steps, *given)
+        if clear(single[1]) and not again(single[0][0]):
+            return because(single, "its scatter from period to period is more than its noise")
+        attempts = ["as it is", "apart"]
+    for attempt in attempts:
         others = [copy(step) for step in steps]
         measured = [step for step in others if step.record is not None]
         if failed is not None and not measured:
             break
         try:
             if attempt == "apart":
-                single = apart(steps, *given)
+                single = single or apart(steps, *given)
                 if clear(single[1]):
                     return because(single, str(failed))
                 continue
@@ -140,8 +201,9 @@ def identified_by(
                 ):
                     raise SingularError("the sensors are exact, or there is no load")
                 flown(step, scale, shared, guess, attempt == "fewer", attempt == "exactly")
+                described |= step.free is not None and step.free.misfit < DOUBTFUL
             if not all(step.rhythm.status == "periodic" for step in others):
-                single = apart(steps, *given)
+                single = single or apart(steps, *given)
                 if clear(single[1]):
                     return because(single, "flights between no impacts describe it")
                 return others, None, law
@@ -152,14 +214,30 @@ def identified_by(
         # what only another pattern makes possible has to be good
         if failed is not None and max(found.misfits) > DOUBTFUL:
             continue
+        if attempt == "twice":
+            half = halved(others, found, own, scale, shared, guess)
+            others, found = half or (others, found)
         if far_off(others, found) or max(found.misfits) > DOUBTFUL:
-            single = apart(steps, *given)
+            single = single or apart(steps, *given)
             if clear(single[1]):
                 return because(single, "its exact motion does not describe it")
         return others, found, own
-    with_other_loads(steps, scale, shared, guess)
+    if "twice" in attempts:
+        with_other_loads(steps, scale, shared, guess)
     assert failed is not None
-    raise failed
+    if described or any(step.record is None for step in steps):
+        raise failed
+    # no flights that repeat describe it
+    return because(single or apart(steps, *given), str(failed))
+
+
+def again(step: Step) -> bool:
+    """Whether the impacts of single flights repeat, within what a period is told by."""
+    assert step.record is not None
+    turn = step.Omega / (2 * math.pi)
+    own = step.resolved
+    cycles = step.times[own] * turn
+    return bool(repeated(cycles, step.signs[own], step.record.duration * turn))
 
 
 def clear(found: Fit | None) -> bool:

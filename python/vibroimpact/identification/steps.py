@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Mapping
 from dataclasses import replace
@@ -27,6 +28,7 @@ from .signals import (
     rhythm,
     spikes,
     tones,
+    white_noise,
     whole_periods,
 )
 from .windows import Flown, Windows, picked
@@ -47,6 +49,11 @@ RISE = 0.2
 UNKNOWN_DELAY, DELAY_OF_OTHERS = 2e-3, 0.5
 #: Misfit of free flights above which they explain nothing.
 HOPELESS = 25.0
+#: Misfit of free flights above which others are looked for; share of it that others may have at the most.
+POOR, LESS = 2.0, 0.5
+#: Scatter from period to period over the noise of samples, or its variance at low frequencies over that of white
+#: noise, above which a motion may not quite repeat, if it is more than a share of the motion.
+RESTLESS, COLOURED, MUCH = 1.4, 3.0, 0.03
 
 
 class Step:
@@ -72,6 +79,10 @@ class Step:
         #: By the load cycles of a period, and whether the sensors are exact; copies of a step share them.
         self.known_flights: dict[tuple[int, bool], tuple[FreeFit, Folded]] = {}
         self.noise = math.nan
+        #: Whether the scatter from period to period is more than noise, as of a motion that almost repeats.
+        self.restless = False
+        #: Which of all picked impacts the flights one by one resolve.
+        self.resolved: NDArray[np.bool_] = np.empty(0, dtype=bool)
         #: Largest number of load cycles in a period.
         self.most_cycles = 0
         #: Amplitude of the load by its channel, and its error (N).
@@ -201,6 +212,9 @@ def of_record(
         return step
     step.data = data
     step.noise = noise
+    step.restless = noise > MUCH * float(np.std(values)) and (
+        noise > RESTLESS * white_noise(values) or colour > COLOURED
+    )
     step.most_cycles = most_cycles(cycles)
     return step
 
@@ -238,21 +252,22 @@ def flown(
 ) -> None:  # fmt: skip
     """The free flights of a record, from which its impacts are known below the sample; perhaps without the
     weakest, perhaps as if the sensors were exact, from which a fit may start, and perhaps from one start alone."""
-    data, record = step.data, step.record
-    assert data is not None
+    assert step.data is not None
+    record = step.record
     assert record is not None
     values: _Array = getattr(record, step.quantity)
-    trusted = replace(data, F0_error=step.F0_scatter, calibration=0.0) if exactly else data
-    omega, priors, force = known_of(trusted, scale, known)
-    fold = folded(values, record.rate, data.Omega, data.k, PLACES)
-    flights = Flights(data, fold, omega, known.get("xi", guess["xi"]), step.noise, priors, force)
-    which = data.k, exactly
-    if which in step.known_flights:
-        free, flights.fold = step.known_flights[which]
-    else:
-        starts = onsets(values, record.rate, data.Omega, data.k)
-        free = flights.best(starts[:1] if quick else starts)
-        step.known_flights[which] = free, flights.fold
+    starts = onsets(values, record.rate, step.data.Omega, step.data.k)
+    starts = starts[:1] if quick else starts
+    flights = flights_of(step, scale, known, guess, exactly)
+    free = best_of(step, flights, starts, exactly)
+    if free.misfit > POOR and not (exactly or quick):
+        # a load that is known to its calibration alone may lead to other impacts
+        other = flights_of(step, scale, known, guess, True)
+        with contextlib.suppress(SingularError):
+            exact = best_of(step, other, starts, True)
+            if exact.misfit < LESS * free.misfit:
+                free, flights = exact, other
+    data = free.data
     if fewer and free.data.angles.size > 2:
         free = flights.without(free, int(np.argmin(abs(free.data.jumps))))
     if free.misfit > HOPELESS:
@@ -298,6 +313,31 @@ def flown(
     step.rhythm = Rhythm("periodic", data.k, np.empty(0), np.empty(0))
 
 
+def flights_of(
+    step: Step, scale: Mapping[str, float], known: Mapping[str, float], guess: Mapping[str, float],
+    exactly: bool,
+) -> Flights:  # fmt: skip
+    """The folded record whose flights are looked for, perhaps as if the sensors were exact."""
+    data, record = step.data, step.record
+    assert data is not None
+    assert record is not None
+    trusted = replace(data, F0_error=step.F0_scatter, calibration=0.0) if exactly else data
+    omega, priors, force = known_of(trusted, scale, known)
+    fold = folded(getattr(record, step.quantity), record.rate, data.Omega, data.k, PLACES)
+    return Flights(data, fold, omega, known.get("xi", guess["xi"]), step.noise, priors, force)
+
+
+def best_of(step: Step, flights: Flights, starts: list[_Array], exactly: bool) -> FreeFit:
+    """The best flights of several starts, which copies of the step share."""
+    which = flights.data.k, exactly
+    if which in step.known_flights:
+        free, flights.fold = step.known_flights[which]
+    else:
+        free = flights.best(starts)
+        step.known_flights[which] = free, flights.fold
+    return free
+
+
 def flown_apart(
     step: Step, scale: Mapping[str, float], known: Mapping[str, float], guess: Mapping[str, float]
 ) -> Flown:
@@ -321,6 +361,7 @@ def flown_apart(
     lag = record.lag(step.quantity)
     step.times = found.times - t[0] + record.start - lag
     step.signs = np.sign(found.jumps)
+    step.resolved = found.resolved
     return found
 
 
