@@ -6,7 +6,8 @@
 pulses of finite duration, which an unknown low-pass may follow, or impulses through a known one. "virtual" is the
 package's `VirtualRig`, with pulses through a low-pass that every other record does not state. Rigs are drawn alike
 for all: rates of 2 to 50 kHz, noise of 20 to 50 dB, contacts of 0.05 to 1.5 ms, ringing of up to 30 %, harmonics
-of the load, R(v), sensors that are exact or off by 1 %. A kind is a generator with periodic or with chaotic motions. M, K and, of periodic records, m are known.
+of the load, R(v), sensors that are exact or off by 1 %. A kind is a generator with periodic or with chaotic
+motions. M, K and, of periodic records, m are known.
 
 The table has, of each kind, the records that are identified without a doubt, those that are refused or doubted,
 those that are wrong (another pattern), and the shares of true values within the 68 % and the 95 % interval and

@@ -272,3 +272,17 @@ def test_flights_that_run_away_hide_no_wrong_unit():
             rate=record.rate, load=record.load, acceleration=record.acceleration / 9.80665,
             bandwidth=dict(record.bandwidth), known=KNOWN,
         )  # fmt: skip
+
+
+def test_progress_is_told():
+    """Shares of the work that do not fall, with what is done; anything else than a function is refused."""
+    rig = vi.VirtualRig(**BENCH | {"d": 0.0037})
+    told = []
+    record = rig.record(2.0, rng=1)
+    vi.identify(record, known=KNOWN, progress=lambda share, note: told.append((share, note)))
+    shares = [share for share, _ in told]
+    assert shares == sorted(shares)
+    assert 0 <= shares[0] <= shares[-1] <= 1
+    assert {note for _, note in told} <= {"single flights", "flights of a period"}
+    with pytest.raises(vi.ParameterTypeError, match="progress = 3"):
+        vi.identify(record, known=KNOWN, progress=3)

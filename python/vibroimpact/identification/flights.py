@@ -10,6 +10,7 @@ data say. Modes that ring after the impacts, and an offset of the sensor, are fi
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -611,11 +612,12 @@ class Flights:
         self.fold = fold._replace(values=fold.means + middle - each / fold.counts)
         return self.fit(self.point(found), found.pulse)
 
-    def best(self, starts: list[_Array]) -> FreeFit:
+    def best(self, starts: list[_Array], report: Callable[[float, str], None]) -> FreeFit:
         """The flights between impacts that begin at some angles, and those that are missing; of several starts
-        the first good one, or the best."""
+        the first good one, or the best. `report` is told which share of the starts was tried."""
         best: FreeFit | None = None
-        for angles in starts:
+        for i, angles in enumerate(starts):
+            report(i / len(starts), "flights of a period")
             try:
                 found = self.completed(angles)
             except SingularError:

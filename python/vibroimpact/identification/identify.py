@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..base import checks
 from ..base.errors import ParameterError, ParameterTypeError, PoorFitWarning
+from ..base.progress import with_progress
 from ..motions.motion import Motion
 from ..results.noun import Noun
 from ..systems.oscillator import Oscillator, Pattern, of_numbers
@@ -384,7 +385,6 @@ class Identification(Noun, study="identify"):
         """The result of an &identify case."""
         from .sensor_files import read_record
 
-        del progress  # it takes a moment
         keys = case.keys
         known = {name: keys[key] for key, name in OF_KEYS.items() if key in keys}
         if "natural_frequency" in keys:
@@ -414,6 +414,7 @@ class Identification(Noun, study="identify"):
             "law_speed": keys.get("law_speed"),
             "law_knots": keys.get("law_knots"),
             "calibration": keys.get("calibration", CALIBRATION),
+            "progress": progress,
         }
         if "impact_times" in keys:
             options |= {
@@ -447,6 +448,7 @@ class Identification(Noun, study="identify"):
         return f"<Identification {motion} at r = {self.r:.6g}: {shown}>"
 
 
+@with_progress
 def identify(
     record: SensorRecord | str | os.PathLike[str] | Sequence[Any] | None = None,
     *,
@@ -470,6 +472,7 @@ def identify(
     law_speed: float | None = None,
     law_knots: int | None = None,
     calibration: float = CALIBRATION,
+    progress: Callable[[float, str], None] | None = None,
 ) -> Identification:
     """Identify the parameters of a rig from records of its load and of the motion of its primary mass.
 
@@ -524,6 +527,9 @@ def identify(
     calibration : float
         Relative standard error of the calibration of each sensor, 1 % by default; 0 if they are exact. It is part
         of all errors: that of the load and of the motion change xi at a resonance, and that of the motion lengths.
+    progress : callable, optional
+        Called with the share of the work that is done and what is done next; by default a bar shows it on a
+        terminal or in a notebook if the call takes more than two seconds.
 
     Returns
     -------
@@ -566,8 +572,9 @@ def identify(
     }  # fmt: skip
     options: dict[str, Any] = {
         "frequency": frequency, "known": known, "start": start, "law": law, "law_speed": law_speed,
-        "law_knots": law_knots, "calibration": calibration,
+        "law_knots": law_knots, "calibration": calibration, "progress": progress,
     }  # fmt: skip
+    checks.progress(progress)
     records: list[SensorRecord]
     if impact_times is not None:
         if record is not None or any(values is not None for values in arrays.values()):
@@ -631,6 +638,7 @@ def identified(
     frequency: float | None = None, load_phase: float | None = None, known: Mapping[str, float] | None = None,
     start: Oscillator | None = None, law: str = "constant", law_speed: float | None = None,
     law_knots: int | None = None, calibration: float = CALIBRATION, case: str = "",
+    progress: Callable[[float, str], None] | None = None,
 ) -> Identification:  # fmt: skip
     """All steps; arguments as in `identify`."""
     if frequency is not None:
@@ -679,5 +687,5 @@ def identified(
             of_record(record, frequency, scale, i, len(records), calibration)
             for i, record in enumerate(records)
         ]
-    steps, found, own = identified_by(steps, scale, shared, guess, own, law_speed)
+    steps, found, own = identified_by(steps, scale, shared, guess, own, law_speed, progress)
     return Identification(tables_of(steps, found, scale, shared, own, case))

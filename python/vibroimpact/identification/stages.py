@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +26,8 @@ _Array = NDArray[np.float64]
 #: Misfit above which a fit is doubtful; and standard errors between an impact of the fitted motion and one of the
 #: flights.
 DOUBTFUL, FAR = 2.0, 5.0
+#: Damping ratios with which a fit that stopped short is begun again.
+STARTS = (0.003, 0.01, 0.02, 0.04)
 #: Largest ratio of two load amplitudes that should be the same.
 LARGEST_RATIO = 1.5
 #: What a wrong unit changes a record by, for the message.
@@ -51,29 +54,12 @@ def fitted(
     found: list[Measured] = []
     single: list[Fit] = []
     for step in steps:
-        data = step.data
-        assert data is not None
-        if step.free is not None:
-            values, static, phase = start_of(step, constant, guess)
-        else:
-            data, values, static, phase = start_of_times(data, scale, constant, guess)
-        step.data = data
-        found.append(data)
         # each record by itself, with a coefficient of each impact if they follow a law, and then all from what
         # these tell together
-        single.append(
-            fit(
-                [data],
-                constant,
-                values,
-                [static],
-                [phase],
-                M,
-                K,
-                law if law.kind == "constant" else Law("impacts", data.angles.size),
-                rough=law.kind != "constant" or len(steps) > 1,
-            )
-        )
+        rough = law.kind != "constant" or len(steps) > 1
+        single.append(alone(step, scale, constant, guess, law, rough))
+        assert step.data is not None
+        found.append(step.data)
     if len(found) == 1 and law.kind == "constant":
         return single[0], law
     middle = dict(constant)
@@ -119,6 +105,44 @@ def fitted(
     raise failed
 
 
+def alone(
+    step: Step, scale: Mapping[str, float], constant: dict[str, float], guess: dict[str, float], law: Law,
+    rough: bool,
+) -> Fit:  # fmt: skip
+    """The fit to one record.
+
+    Near a fold or a pitchfork, where exact motions cease to be, a fit may stop short of what the flights alone
+    say. It is then begun again with other damping ratios, with which the linear equations for the start give other
+    parameters.
+    """
+    M, K = scale.get("M"), scale.get("K")
+    best: Fit | None = None
+    failed: SingularError | None = None
+    others = STARTS if step.free is not None and "xi" not in constant else ()
+    for xi in (None, *others):
+        assert step.data is not None
+        if step.free is not None:
+            start = constant if xi is None else constant | {"xi": xi}
+            values, static, phase = start_of(step, start, guess)
+        else:
+            step.data, values, static, phase = start_of_times(step.data, scale, constant, guess)
+        own = law if law.kind == "constant" else Law("impacts", step.data.angles.size)
+        try:
+            found = fit([step.data], constant, values, [static], [phase], M, K, own, rough=rough)
+        except SingularError as error:
+            failed = failed or error
+            continue
+        if best is None or max(found.misfits) < max(best.misfits):
+            best = found
+        # that the rig changed during the record is not the fit's
+        if max(best.misfits) < DOUBTFUL * step.data.drift:
+            return best
+    if best is None:
+        assert failed is not None
+        raise failed
+    return best
+
+
 def halved(
     steps: Sequence[Step], found: Fit, law: Law, scale: Mapping[str, float], shared: dict[str, float],
     guess: dict[str, float],
@@ -159,14 +183,15 @@ def first_half(motion: Impacting, data: Measured) -> Impacting:
 
 def identified_by(
     steps: list[Step], scale: Mapping[str, float], shared: dict[str, float], guess: dict[str, float],
-    law: Law, law_speed: float | None,
+    law: Law, law_speed: float | None, progress: Callable[[float, str], None] | None = None,
 ) -> tuple[list[Step], Fit | None, Law]:  # fmt: skip
     """The steps with their flights and the fit of exact motions, or where records have none, of single flights.
 
     Where there is no exact motion the weakest impact may be none, or the motion not quite periodic, or the period
-    twice as long.
+    twice as long. `progress` is told the share of what may be tried, most of which seldom is.
     """
     given = scale, shared, guess, law, law_speed
+    told(steps, progress, 0, 6)
     failed: SingularError | None = None
     described = False
     if any(step.data is None for step in steps):
@@ -179,7 +204,8 @@ def identified_by(
         if clear(single[1]) and not again(single[0][0]):
             return because(single, "its scatter from period to period is more than its noise")
         attempts = ["as it is", "apart"]
-    for attempt in attempts:
+    for i, attempt in enumerate(attempts):
+        told(steps, progress, i + (single is not None), len(attempts) + 1)
         others = [copy(step) for step in steps]
         measured = [step for step in others if step.record is not None]
         if failed is not None and not measured:
@@ -229,6 +255,23 @@ def identified_by(
         raise failed
     # no flights that repeat describe it
     return because(single or apart(steps, *given), str(failed))
+
+
+def told(
+    steps: Sequence[Step], progress: Callable[[float, str], None] | None, begin: int, parts: int
+) -> None:
+    """Let the flights of the records report to `progress`, as one of so many parts of the work."""
+    if progress is None:
+        return
+    for i, step in enumerate(steps):
+        step.report = partial(part_of, progress, begin + i / len(steps), 1 / len(steps), parts)
+
+
+def part_of(
+    progress: Callable[[float, str], None], begin: float, size: float, parts: int, share: float, note: str
+) -> None:  # fmt: skip
+    """Report a share of a part of the work."""
+    progress((begin + size * share) / parts, note)
 
 
 def again(step: Step) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -56,6 +56,10 @@ POOR, LESS = 2.0, 0.5
 RESTLESS, COLOURED, MUCH = 1.4, 3.0, 0.03
 
 
+def silent(share: float, note: str) -> None:
+    """Tell nobody what share of the work is done, and what is done next."""
+
+
 class Step:
     """What one record says, step by step."""
 
@@ -92,6 +96,8 @@ class Step:
         self.F0_scatter = math.nan
         #: What is doubtful.
         self.notes: list[str] = []
+        #: Told what share of the flights is fitted.
+        self.report: Callable[[float, str], None] = silent
 
 
 def of_record(
@@ -333,7 +339,7 @@ def best_of(step: Step, flights: Flights, starts: list[_Array], exactly: bool) -
     if which in step.known_flights:
         free, flights.fold = step.known_flights[which]
     else:
-        free = flights.best(starts)
+        free = flights.best(starts, step.report)
         step.known_flights[which] = free, flights.fold
     return free
 
@@ -357,7 +363,7 @@ def flown_apart(
         t, values, data, picked(values, record.rate, data.Omega, data.order), omega,
         known.get("xi", guess["xi"]), priors, (static, data.phase or 0.0),
     )  # fmt: skip
-    found = windows.run()
+    found = windows.run(step.report)
     lag = record.lag(step.quantity)
     step.times = found.times - t[0] + record.start - lag
     step.signs = np.sign(found.jumps)

@@ -8,7 +8,7 @@ ringing) all at once. An impact is where two flights meet.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -484,12 +484,14 @@ class Windows:
             resolved,
         )
 
-    def run(self) -> Flown:
-        """All rounds: flights, ringing, pulses, missing impacts and such that are none."""
+    def run(self, report: Callable[[float, str], None]) -> Flown:
+        """All rounds: flights, ringing, pulses, missing impacts and such that are none; `report` is told the share
+        of them."""
         self.cut()
         now = self.refine()
         settled = False
         for i in range(ROUNDS):
+            report(i / ROUNDS, "single flights")
             while not self.rung and self.modes < MOST_MODES and self.ringing(now):
                 now = self.fitted(self.common)
             before, noise = (self.before, self.after), self.noise
