@@ -4,8 +4,9 @@
     python benchmarks/identify_rigs.py [rigs] [first seed] chaos
 
 By kind of record: right ones, those that leave a parameter open, doubtful ones (a misfit above 2, no fit), wrong
-ones; how often the true value is within one and 1.96 stated errors, and beyond five; and times. M, K and, of periodic records, m are known, all
-else is to be found. The gains of both sensors are off by 1 % (a standard deviation), which `identify` knows.
+ones; how often the true value is within one and 1.96 stated errors, and beyond five; and times. M, K and, of
+periodic records, m are known, all else is to be found. The gains of both sensors are off by 1 % (a standard
+deviation), which `identify` knows.
 """
 
 import pathlib
