@@ -3,8 +3,9 @@ A rig identified from its record
 ================================
 
 The record of a virtual rig: 2.7 kg on 42 kN/m, a particle of 0.11 kg with 6 mm of travel from
-wall to wall, 6 N at 19.5 Hz. Noise is 40 dB below the signals, the sensors have 2 kHz of bandwidth, which the record
-does not state, an impact lasts 0.6 ms, and a second mode rings at 430 Hz after it. M, K and m are known; the record gives the rest.
+wall to wall, 6 N at 19.5 Hz. Noise is 40 dB below the signals, the sensors have 2 kHz of bandwidth, which the
+record does not state, an impact lasts 0.6 ms, and a second mode rings at 430 Hz after it. M, K and
+m are known; the record gives the rest.
 """
 
 import vibroimpact as vi

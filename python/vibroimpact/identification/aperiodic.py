@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ..base.errors import SingularError
 from ..base.libraries import scipy
 from .coupled import banded, own_blocks, passed_on, scaled_solve, slopes
-from .fit import FAR_OFF, Fit, covariance_of, far_off_gain
+from .fit import DOUBTFUL, FAR_OFF, Fit, covariance_of, far_off_gain
 from .known import HINT
 from .laws import Law
 from .state_noise import noise_information, without_noise
@@ -37,6 +37,8 @@ STEPS, JUDGED, DAMPED = 40, (1, 3, 5, 8), 0.5
 #: not linear within the errors; standard errors by which its time is moved to look for another minimum; impacts
 #: that are moved at once are so many apart, and have effects on so many flights on either side.
 BLURRED, MOVED, APART, REACH = 0.02, 3.0, 8, 4
+#: Part of the variance that a fit may leave beyond noise, and standard deviations that chance may add.
+EXCESS, CHANCE = 0.3, 4.0
 #: Change of the sum of squares from which on two minima are two.
 OTHER = 0.01
 
@@ -397,8 +399,14 @@ def by_laws(
         {name: values[name] for name in law.shared}, [float(common[2])], [float(common[3])], [], order,
         part, [name for name in order if places.index(name) in vague],
         [misfit * flown.colour], variance, strains=strains, leans=leans,
+        most=min(DOUBTFUL, flown.colour * bearable(count - g.size)),
     )  # fmt: skip
     return found, law, lawful
+
+
+def bearable(freedom: int) -> float:
+    """Misfit of so many degrees of freedom that noise alone hardly has."""
+    return 1 + max(EXCESS, CHANCE * math.sqrt(2 / max(freedom, 1)))
 
 
 def beyond(minima: list[Minimum], variance: float) -> _Array:

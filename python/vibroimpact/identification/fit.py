@@ -25,6 +25,8 @@ NEAR = 0.05
 VAGUE = 0.5
 #: Share of what impacts do to the record that a fit leaves unexplained, above which it is none.
 BAD = 0.5
+#: Misfit above which a fit is doubtful.
+DOUBTFUL = 2.0
 #: Largest deviation of what was measured otherwise, in standard errors.
 FAR_OFF = 5.0
 
@@ -54,6 +56,8 @@ class Fit:
     leans: dict[str, dict[str, float]] = field(default_factory=dict)
     #: Sums of squares of the weighted residuals of each record.
     squares: list[float] = field(default_factory=list)
+    #: Misfit above which the fit is doubtful.
+    most: float = DOUBTFUL
 
 
 def fit(

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..base.errors import ParameterError, SingularError
 from .aperiodic import LEAST_IMPACTS, by_flights, by_laws
-from .fit import Fit, fit
+from .fit import DOUBTFUL, Fit, fit
 from .flights import Measured
 from .known import HINT
 from .laws import KNOWN_OF_LAW, Law
@@ -23,9 +23,8 @@ from .start import start_of, start_of_times
 from .steps import Step, flown, flown_apart
 
 _Array = NDArray[np.float64]
-#: Misfit above which a fit is doubtful; and standard errors between an impact of the fitted motion and one of the
-#: flights.
-DOUBTFUL, FAR = 2.0, 5.0
+#: Standard errors between an impact of the fitted motion and one of the flights, above which a fit is doubtful.
+FAR = 5.0
 #: Damping ratios with which a fit that stopped short is begun again.
 STARTS = (0.003, 0.01, 0.02, 0.04)
 #: Largest ratio of two load amplitudes that should be the same.
@@ -327,12 +326,12 @@ def apart(
     try:
         flights = flown_apart(step, scale, shared, guess)
         assert step.windows is not None
-    except SingularError as error:
+    except (SingularError, np.linalg.LinAlgError) as error:
         step.notes.append(f"flights between impacts give no parameters: {error}")
         return steps, None, law
     try:
         found, law, lawful = by_laws(step.windows, flights, shared, guess, law, law_speed)
-    except SingularError as error:
+    except (SingularError, np.linalg.LinAlgError) as error:
         step.notes.append(f"impacts give no parameters: {error}")
         # beside rests, in which the masses are one, short flights may be none
         clean = flights.resolved.sum() >= max(LEAST_IMPACTS, 0.5 * flights.times.size)

@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..results.tables import made
-from .fit import Fit
+from .fit import DOUBTFUL, Fit
 from .flights import LEAST_GAIN, Measured, predicted, rung
 from .known import KNOWN
 from .laws import Law
 from .measured import SensorRecord
 from .motions import oscillator_of, verified
 from .signals import centred
-from .stages import DOUBTFUL, FAR, distances
+from .stages import FAR, distances
 from .steps import LOAD_TONES, Step
 
 _Array = NDArray[np.float64]
@@ -233,7 +233,7 @@ def doubts_of(
         for name, ends in at_bounds.items()
         if name in found.names and name not in found.undetermined and found.values[name] in ends
     ]
-    if found.misfits[i] > DOUBTFUL:
+    if found.misfits[i] > found.most:
         texts.append(
             f"misfit of {found.misfits[i]:.3g}: the motion does not describe the record to its scatter: the "
             "pattern or a known value may be wrong, or the rig changed during the record; the errors are "
