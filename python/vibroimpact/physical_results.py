@@ -17,7 +17,6 @@ from numpy.typing import ArrayLike
 
 from .base import checks
 from .base.errors import ParameterTypeError
-from .base.files import write_text
 from .motions.quantities import Quantities, Signal
 from .results import namelist
 from .results.events import Sample
@@ -313,11 +312,7 @@ class Physical(Generic[From]):
         with the same units."""
         from .formats import save
 
-        place = checks.path(path)
-        if place.suffix.lower() == ".csv":
-            write_text(place, self._csv())
-        else:
-            save.save(self, path)
+        save.save(self, path)
 
     def _csv(self) -> str:
         """The rows with the units and the case in the header."""

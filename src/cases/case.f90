@@ -5,14 +5,14 @@ module vi_case
    use vi_namelist, only: group_type
    use vi_oscillator, only: at_resonance, oscillator_type
    use vi_text, only: append, letter_length, line_type
-   use vi_units, only: are_units, dimensionless, forces, in_units, lengths, times, undecided, &
-      units_type, units_type_of
+   use vi_units, only: are_units, dimensionless, forces, in_units, lengths, shown_in, shown_type, &
+      times, undecided, units_type, units_type_of
    use vi_values, only: read_values, values_type
    use vi_version, only: version
    implicit none (type, external)
    private
 
-   public :: check_output, check_system, echo, name_part, outputs_of, read_system
+   public :: check_output, check_system, echo, name_part, outputs_of, read_system, shown_of
 
    !> A case with the values of its groups, defaults included.
    type, public :: case_type
@@ -62,7 +62,7 @@ module vi_case
       meaning='load amplitude F0, for physical units'), &
       key_type('units', a_word, may_miss=.true., only='mass', never='unit_names', &
       takes='units of length, force and time, as ''mm N s'', of '//lengths//', '//forces// &
-      ' and '//times, &
+      ' and '//times//', or ''SI''', &
       meaning='units of all numbers with a dimension: clearance = 4 is then 4 mm; a frequency &
       &without a unit is the ratio r'), &
       key_type('unit_names', a_word, may_miss=.true., only='mass', option='-', &
@@ -76,7 +76,11 @@ module vi_case
       takes='at most 100 letters, digits, _, - or . (100 bytes in UTF-8), the first one no .', &
       meaning='name of the result; else that of the file, numbered if it contains several cases'), &
       key_type('format', a_word, default='''csv''', words='csv table both', &
-      meaning='a table for programs, a printout like Table 1 of the 1983 paper, or both')]
+      meaning='a table for programs, a printout like Table 1 of the 1983 paper, or both'), &
+      key_type('units', a_word, may_miss=.true., &
+      takes='units of length, force and time, as ''mm N s'', ''SI'' or ''dimensionless''', &
+      meaning='units of the table; else those of the &system if it has mass, stiffness and &
+      &force, with mm for m')]
 
    !> The start of the first line of a result; the end of that line tells whether the file is an
    !! input. A structure has the units of its user.
@@ -136,6 +140,7 @@ contains
          bare = in_units
          call part%text('units', names)
       end if
+      if (names == 'SI' .and. part%has('units')) names = 'm N s'
       if (.not. are_units(names)) names = 'm N s'
       call name_units(names, keys)
       call read_part(group, keys, [character(10) :: 'mass', 'stiffness', 'force'], part)
@@ -164,6 +169,7 @@ contains
       end if
       if (system%has('units')) then
          call system%text('units', names)
+         if (names == 'SI') names = 'm N s'
          if (.not. are_units(names)) call system%refuse('units')
          call system%drop('units')
       end if
@@ -236,14 +242,21 @@ contains
       end associate
    end subroutine name_units
 
-   !> Checks the name of a result.
+   !> Checks the name and the units of a result.
    pure subroutine check_output(output)
       !> The group.
       type(values_type), intent(inout) :: output
       character(:), allocatable :: name
       integer :: i, n
 
-      if (len(output%fault) > 0 .or. .not. output%has('name')) return
+      if (len(output%fault) > 0) return
+      if (output%has('units')) then
+         call output%text('units', name)
+         if (name /= 'SI' .and. name /= 'dimensionless') then
+            if (.not. are_units(name)) call output%refuse('units')
+         end if
+      end if
+      if (.not. output%has('name')) return
       call output%text('name', name)
       n = 0
       i = 1
@@ -302,6 +315,22 @@ contains
       if (allocated(case%sweep%name)) call case%sweep%echo(lines)
       call case%output%echo(lines)
    end subroutine echo
+
+   !> The units in which the numbers of a result are shown.
+   pure type(shown_type) function shown_of(case) result(shown)
+      !> The case.
+      type(case_type), intent(in) :: case
+      character(:), allocatable :: own, wanted
+
+      if (case%model == of_structure) return
+      if (.not. case%system%has('force')) return
+      own = 'm N s'
+      wanted = ''
+      if (case%system%has('unit_names')) call case%system%text('unit_names', own)
+      if (case%output%has('units')) call case%output%text('units', wanted)
+      shown = shown_in(case%system%number('mass'), case%system%number('stiffness'), &
+         case%system%number('force'), own, wanted)
+   end function shown_of
 
    !> The names of the outputs of a structure.
    pure function outputs_of(case) result(names)

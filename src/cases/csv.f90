@@ -1,5 +1,6 @@
 !> A result as CSV: a header with the case and the remarks, then one row for each row of one table,
-!! with the values of the tables to which it belongs repeated.
+!! with the values of the tables to which it belongs repeated. Numbers are shown in the units of the
+!! result; the case in the header stays dimensionless, so that it is an input with the same digits.
 module vi_csv
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
    use vi_buffer, only: add, buffer_type
@@ -8,10 +9,15 @@ module vi_csv
    use vi_result, only: complexes, filled_type, reals, result_type, rows_of, table_type, truths, &
       verdicts, wholes
    use vi_text, only: append, line_type, whole
+   use vi_units, only: show_frequency, show_unit
+   use vi_version, only: version
    implicit none (type, external)
    private
 
    public :: cell_count, csv_header, csv_rows, has_rows, row_count
+
+   !> How the meaning of a frequency ratio begins, and the unit of columns of several units.
+   character(*), parameter :: ratio = 'frequency ratio', mixed = 'mixed'
 
 contains
 
@@ -23,12 +29,26 @@ contains
       type(line_type), intent(in) :: case(:)
       !> The header.
       type(line_type), allocatable, intent(out) :: lines(:)
-      type(buffer_type) :: buffer
-      character(:), allocatable :: label
+      type(buffer_type) :: buffer, units
+      character(:), allocatable :: label, unit
+      real(wp) :: scale
+      logical :: by_row
       integer :: first, i, j
 
       allocate (lines(0))
-      do i = 1, size(case)
+      if (is_shown(result)) then
+         do i = 1, size(result%columns)
+            if (.not. is_listed(result%columns(i))) cycle
+            call show_column(result, i, label, scale, unit, by_row)
+            if (by_row) unit = unit//' if clearance'
+            if (len(unit) > 0) call add(units, ', '//label//' '//unit)
+         end do
+         label = ''
+         if (units%n > 0) label = ';'//units%text(2:units%n)
+         call append(lines, '# ! vibroimpact '//version//label)
+         call append(lines, '# ! the case is in F0/K and 1/omega; this file is an input too')
+      end if
+      do i = merge(2, 1, is_shown(result)), size(case)
          call append(lines, case(i)%text)
       end do
       if (len(result%cut) > 0) call append(lines, '# ! cut short: '//result%cut)
@@ -38,9 +58,7 @@ contains
       do i = 1, size(result%columns)
          associate (filled => result%columns(i), column => result%columns(i)%column)
             if (.not. is_listed(filled)) cycle
-            label = trim(column%label)
-            if (len(label) == 0) label = trim(column%name)
-            if (label == '=') label = trim(result%tables(filled%table)%dims(1))
+            call show_column(result, i, label, scale, unit, by_row)
             ! coordinates count from 0, as in the names of keys
             first = merge(0, 1, column%each == 'coordinate')
             do j = first, first + filled%inner - 1
@@ -57,6 +75,67 @@ contains
       end do
       call append(lines, buffer%text(2:buffer%n))
    end subroutine csv_header
+
+   !> Whether the numbers are shown in physical units.
+   pure logical function is_shown(result)
+      !> The result.
+      type(result_type), intent(in) :: result
+
+      is_shown = len_trim(result%shown%names(1)) > 0
+   end function is_shown
+
+   !> The label of a column, and how its numbers are shown.
+   pure subroutine show_column(result, place, label, scale, unit, by_row)
+      !> The result.
+      type(result_type), intent(in) :: result
+      !> Place of the column.
+      integer, intent(in) :: place
+      !> Its label, with # for the place within the row.
+      character(:), allocatable, intent(out) :: label
+      !> The factor of its numbers, and their unit.
+      real(wp), intent(out) :: scale
+      character(:), allocatable, intent(out) :: unit
+      !> Whether the factor is that of rows named clearance alone.
+      logical, intent(out) :: by_row
+      character(:), allocatable :: own
+      logical :: is_ratio
+
+      associate (filled => result%columns(place), column => result%columns(place)%column)
+         label = trim(column%label)
+         if (len(label) == 0) label = trim(column%name)
+         own = trim(column%unit)
+         by_row = .false.
+         is_ratio = column%meaning(:len(ratio)) == ratio .and. column%kind == reals
+         if (label == '=') then
+            label = trim(result%tables(filled%table)%dims(1))
+            is_ratio = is_ratio .or. label == 'r'
+            if (own == mixed) own = trim(unit_of(label))
+         end if
+         scale = 1
+         unit = own
+         if (own == mixed) unit = ''
+         if (.not. is_shown(result)) return
+         if (is_ratio) then
+            call show_frequency(result%shown, scale, unit)
+            if (label == 'r' .or. index(label, 'r_') == 1) label = 'frequency'//label(2:)
+         else if (own == mixed) then
+            by_row = result%place(column%table, 'name') > 0
+            if (by_row) call show_unit('F0/K', result%shown, scale, unit)
+         else
+            call show_unit(own, result%shown, scale, unit)
+         end if
+      end associate
+   end subroutine show_column
+
+   !> The unit of a parameter.
+   pure character(4) function unit_of(parameter) result(unit)
+      !> Its name.
+      character(*), intent(in) :: parameter
+
+      unit = ''
+      if (parameter == 'clearance') unit = 'F0/K'
+      if (parameter == 'load') unit = 'F0'
+   end function unit_of
 
    !> Whether a column of complex numbers shows their moduli.
    pure logical function is_modulus(filled)
@@ -143,8 +222,17 @@ contains
       !> The rows.
       character(:), allocatable, intent(out) :: text
       type(buffer_type) :: buffer
+      character(:), allocatable :: label, unit
+      real(wp) :: scales(size(result%columns)), scale
+      logical :: by_row(size(result%columns))
       integer :: rows(size(result%tables)), i, row, start
 
+      scales = 1
+      by_row = .false.
+      do i = 1, size(result%columns)
+         if (is_listed(result%columns(i))) call show_column(result, i, label, scales(i), unit, &
+            by_row(i))
+      end do
       each_row: do row = first, last
          call find_rows(result%tables, findloc(result%tables%name == result%row, .true., 1), row, &
             rows)
@@ -152,7 +240,11 @@ contains
          do i = 1, size(result%columns)
             associate (filled => result%columns(i))
                if (.not. is_listed(filled)) cycle
-               call add_cells(filled, rows(filled%table), buffer)
+               scale = scales(i)
+               if (by_row(i)) then
+                  if (.not. is_clearance(result, filled, rows(filled%table))) scale = 1
+               end if
+               call add_cells(filled, rows(filled%table), scale, buffer)
                if (filled%column%absent(1) == -huge(1)) cycle
                if (all(filled%k(rows(filled%table)) /= filled%column%absent)) cycle
                buffer%n = start
@@ -165,6 +257,21 @@ contains
       text = ''
       if (buffer%n > 0) text = buffer%text(:buffer%n)
    end subroutine csv_rows
+
+   !> Whether a row is that of a parameter called clearance.
+   pure logical function is_clearance(result, filled, row)
+      !> The result.
+      type(result_type), intent(in) :: result
+      !> A column of its table.
+      type(filled_type), intent(in) :: filled
+      !> The row of the table.
+      integer, intent(in) :: row
+
+      is_clearance = .false.
+      associate (names => result%columns(result%place(filled%column%table, 'name')))
+         if (names%k(row) > 0) is_clearance = names%words(names%k(row))%text == 'clearance'
+      end associate
+   end function is_clearance
 
    !> The row of each table to which a row of one table belongs, through its parent or through one
    !! of its dimensions.
@@ -198,11 +305,13 @@ contains
    end subroutine find_rows
 
    !> Adds the cells of one column, each after a comma.
-   pure subroutine add_cells(filled, row, buffer)
+   pure subroutine add_cells(filled, row, scale, buffer)
       !> The column.
       type(filled_type), intent(in) :: filled
       !> The row of its table.
       integer, intent(in) :: row
+      !> The factor that shows its numbers in their unit.
+      real(wp), intent(in) :: scale
       !> The text so far.
       type(buffer_type), intent(inout) :: buffer
       integer :: i
@@ -210,7 +319,11 @@ contains
       do i = (row - 1)*filled%inner + 1, row*filled%inner
          select case (filled%column%kind)
          case (reals)
-            call add_number(filled%x(i), buffer)
+            if (abs(scale - 1) > 0) then
+               call add_scaled(scale*filled%x(i), buffer)
+            else
+               call add_number(filled%x(i), buffer)
+            end if
          case (complexes)
             if (is_modulus(filled)) then
                call add_number(abs(cmplx(filled%x(2*i - 1), filled%x(2*i), wp)), buffer)
@@ -260,6 +373,23 @@ contains
       end do
       call add(buffer, '"')
    end subroutine add_word
+
+   !> Adds a number that was multiplied by a factor, with the 15 digits that rounding leaves, after
+   !! a comma: 4 mm are 4.00000000000000E+000.
+   pure subroutine add_scaled(value, buffer)
+      !> A number.
+      real(wp), intent(in) :: value
+      !> The text so far.
+      type(buffer_type), intent(inout) :: buffer
+      character(22) :: digits
+
+      if (ieee_is_finite(value)) then
+         write (digits, '(es22.14e3)') value
+         call add(buffer, ','//digits(verify(digits, ' '):))
+      else
+         call add_number(value, buffer)
+      end if
+   end subroutine add_scaled
 
    !> Adds a number with all its digits (17) after a comma; numbers that are not finite are written
    !! as Python reads them.

@@ -9,6 +9,7 @@ module vi_result
    use vi_key, only: every_model
    use vi_kinds, only: wp
    use vi_text, only: append, line_type, split
+   use vi_units, only: shown_type
    implicit none (type, external)
    private
 
@@ -91,6 +92,8 @@ module vi_result
       character(16) :: row = ''
       !> Names of the outputs of a structure, for columns with a value for each of them.
       type(line_type), allocatable :: outputs(:)
+      !> The units in which the CSV shows its numbers.
+      type(shown_type) :: shown
       !> Whether there is nothing to write to a file, and whether this is due to lack of memory.
       logical :: empty = .false., no_memory = .false.
       !> How far the study got, if it was stopped before its end; otherwise empty.
@@ -124,7 +127,7 @@ contains
    end subroutine list_columns
 
    !> An empty result with its declared columns.
-   pure subroutine start_result(case, columns, row, result, outputs)
+   pure subroutine start_result(case, columns, row, result, outputs, shown)
       !> The echo of the case.
       type(line_type), intent(in) :: case(:)
       !> The columns as the study declares them.
@@ -135,8 +138,11 @@ contains
       type(result_type), intent(out) :: result
       !> Names of the outputs of a structure.
       type(line_type), intent(in), optional :: outputs(:)
+      !> The units in which the CSV shows its numbers; none if absent.
+      type(shown_type), intent(in), optional :: shown
       integer :: i
 
+      if (present(shown)) result%shown = shown
       allocate (result%case, source=case)
       result%cut = ''
       allocate (result%remarks(0), result%notes(0), result%tables(0), &

@@ -6,15 +6,16 @@ module vi_units
    implicit none (type, external)
    private
 
-   public :: are_units, has_two_readings, to_own_unit, units_type_of
+   public :: are_units, has_two_readings, show_frequency, show_unit, shown_in, to_own_unit, &
+      units_type_of
 
    !> Units of length, force and time that may be those of a &system.
-   character(*), parameter, public :: lengths = 'm mm cm um km in ft', &
-      forces = 'N mN kN MN lbf kgf', times = 's ms us min h'
+   character(*), parameter, public :: lengths = 'm mm cm um km in ft mil', &
+      forces = 'N mN uN kN MN lbf kgf', times = 's ms us min h'
    character(*), parameter :: known(3) = [character(24) :: lengths, forces, times]
    !> Names of all units, for messages.
    character(*), parameter :: all_names = lengths//' '//forces//' '//times// &
-      ' kg t lb rad Hz kHz mHz rpm %'
+      ' kg g mg t lb slug rad deg rev Hz kHz mHz rpm %'
    real(wp), parameter :: pi = acos(-1.0_wp)
 
    !> A unit: its size in SI is `above`/`below`, so that decimal fractions are rounded once.
@@ -32,7 +33,9 @@ module vi_units
       unit_type('cm', 1.0_wp, 1.0e2_wp, [1, 0, 0]), unit_type('um', 1.0_wp, 1.0e6_wp, [1, 0, 0]), &
       unit_type('km', 1.0e3_wp, 1.0_wp, [1, 0, 0]), &
       unit_type('in', 254.0_wp, 1.0e4_wp, [1, 0, 0]), &
-      unit_type('ft', 3048.0_wp, 1.0e4_wp, [1, 0, 0]), unit_type('N', 1.0_wp, 1.0_wp, [0, 1, 0]), &
+      unit_type('ft', 3048.0_wp, 1.0e4_wp, [1, 0, 0]), &
+      unit_type('mil', 254.0_wp, 1.0e7_wp, [1, 0, 0]), &
+      unit_type('N', 1.0_wp, 1.0_wp, [0, 1, 0]), unit_type('uN', 1.0_wp, 1.0e6_wp, [0, 1, 0]), &
       unit_type('mN', 1.0_wp, 1.0e3_wp, [0, 1, 0]), unit_type('kN', 1.0e3_wp, 1.0_wp, [0, 1, 0]), &
       unit_type('MN', 1.0e6_wp, 1.0_wp, [0, 1, 0]), &
       unit_type('lbf', 44482216152605.0_wp, 1.0e13_wp, [0, 1, 0]), &
@@ -40,9 +43,13 @@ module vi_units
       unit_type('s', 1.0_wp, 1.0_wp, [0, 0, 1]), unit_type('ms', 1.0_wp, 1.0e3_wp, [0, 0, 1]), &
       unit_type('us', 1.0_wp, 1.0e6_wp, [0, 0, 1]), unit_type('min', 60.0_wp, 1.0_wp, [0, 0, 1]), &
       unit_type('h', 3600.0_wp, 1.0_wp, [0, 0, 1]), unit_type('kg', 1.0_wp, 1.0_wp, [-1, 1, 2]), &
+      unit_type('g', 1.0_wp, 1.0e3_wp, [-1, 1, 2]), unit_type('mg', 1.0_wp, 1.0e6_wp, [-1, 1, 2]), &
       unit_type('t', 1.0e3_wp, 1.0_wp, [-1, 1, 2]), &
+      unit_type('slug', 45359237.0_wp*980665.0_wp, 1.0e13_wp*0.3048_wp, [-1, 1, 2]), &
       unit_type('lb', 45359237.0_wp, 1.0e8_wp, [-1, 1, 2]), &
       unit_type('rad', 1.0_wp, 1.0_wp, [0, 0, 0], .true.), &
+      unit_type('deg', pi, 180.0_wp, [0, 0, 0], .true.), &
+      unit_type('rev', 2*pi, 1.0_wp, [0, 0, 0], .true.), &
       unit_type('Hz', 2*pi, 1.0_wp, [0, 0, -1], .true.), &
       unit_type('kHz', 2*pi, 1.0e-3_wp, [0, 0, -1], .true.), &
       unit_type('mHz', 2*pi, 1.0e3_wp, [0, 0, -1], .true.), &
@@ -63,7 +70,101 @@ module vi_units
       integer :: bare = dimensionless
    end type units_type
 
+   !> The units in which people read the numbers of a result.
+   type, public :: shown_type
+      !> Names of units of length, force and time; without them numbers stay dimensionless.
+      character(4) :: names(3) = ''
+      !> What dimensionless numbers are, with the sizes of these units in SI.
+      type(units_type) :: units
+   end type shown_type
+
 contains
+
+   !> The units in which the numbers of a rig are shown: those that are asked for, or its own, where
+   !! mm take the place of m if F0/K is less than a decimetre.
+   pure type(shown_type) function shown_in(mass, stiffness, force, own, wanted) result(shown)
+      !> M, K and F0 in the units of the rig; 0 if they are not known.
+      real(wp), intent(in) :: mass, stiffness, force
+      !> Names of its units of length, force and time, and of those wanted: as 'mm N s', SI, or
+      !! dimensionless; empty for its own.
+      character(*), intent(in) :: own, wanted
+      character(:), allocatable :: names
+      integer :: i, last, place
+
+      if (.not. (mass > 0 .and. stiffness > 0 .and. force > 0)) return
+      if (.not. are_units(own) .or. wanted == 'dimensionless') return
+      shown%units = units_type_of(mass, stiffness, force, own, in_units)
+      names = own
+      if (own(:2) == 'm ') then
+         if (shown%units%force/shown%units%stiffness < 0.1_wp) names = 'mm'//own(2:)
+      end if
+      if (len_trim(wanted) > 0) names = trim(wanted)
+      if (names == 'SI') names = 'm N s'
+      do i = 1, 3
+         last = index(names//' ', ' ')
+         shown%names(i) = names(:last - 1)
+         names = names(min(last, len(names)) + 1:)
+         place = place_of_unit(trim(shown%names(i)))
+         shown%units%sizes(i) = named(place)%above/named(place)%below
+      end do
+   end function shown_in
+
+   !> The factor of dimensionless numbers that shows them in a unit, and the name of the unit.
+   pure subroutine show_unit(unit, shown, scale, name)
+      !> Their unit: a product of powers of F0, K and omega; any other is kept.
+      character(*), intent(in) :: unit
+      !> The units to show them in.
+      type(shown_type), intent(in) :: shown
+      !> The factor.
+      real(wp), intent(out) :: scale
+      !> As N, mm/s or mm/s^2.
+      character(:), allocatable, intent(out) :: name
+      character(:), allocatable :: why, part
+      integer, parameter :: order(3) = [2, 1, 3]
+      integer :: powers(3), i, sign
+      logical :: angular
+
+      scale = 1
+      name = trim(unit)
+      if (len_trim(shown%names(1)) == 0 .or. is_fixed(unit) .or. unit == 'mixed') return
+      call scale_of(unit, shown%units, scale, powers, angular, why)
+      scale = scale/in_sizes(powers, shown%units%sizes)
+      name = ''
+      do sign = 1, -1, -2
+         do i = 1, 3
+            if (sign*powers(order(i)) <= 0) cycle
+            part = trim(shown%names(order(i)))
+            if (abs(powers(order(i))) > 1) part = &
+               part//'^'//achar(iachar('0') + abs(powers(order(i))))
+            if (sign < 0) part = '/'//part
+            if (sign > 0 .and. len(name) > 0) part = ' '//part
+            name = name//part
+         end do
+         if (sign > 0 .and. len(name) == 0) name = '1'
+      end do
+   end subroutine show_unit
+
+   !> The factor of frequency ratios that shows them as cycles per unit of time, and its name.
+   pure subroutine show_frequency(shown, scale, name)
+      !> The units to show them in.
+      type(shown_type), intent(in) :: shown
+      !> The factor.
+      real(wp), intent(out) :: scale
+      !> As Hz.
+      character(:), allocatable, intent(out) :: name
+
+      scale = sqrt(shown%units%stiffness/shown%units%mass)*shown%units%sizes(3)/(2*pi)
+      select case (shown%names(3))
+      case ('s')
+         name = 'Hz'
+      case ('ms')
+         name = 'kHz'
+      case ('us')
+         name = 'MHz'
+      case default
+         name = '1/'//trim(shown%names(3))
+      end select
+   end subroutine show_frequency
 
    !> The units of a &system.
    pure type(units_type) function units_type_of(mass, stiffness, force, names, bare) result(units)

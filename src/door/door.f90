@@ -7,7 +7,8 @@ module vi_door
    use, intrinsic :: iso_c_binding, only: c_associated, c_f_pointer, c_int64_t, c_intptr_t, c_loc, &
       c_null_ptr, c_ptr
    use vi_buffer, only: add, add_quoted, buffer_type
-   use vi_case, only: case_type, echo, first_line, first_line_of_structure, outputs_of
+   use vi_case, only: case_type, echo, first_line, first_line_of_structure, outputs_of, &
+      shown_of
    use vi_lines, only: unify_line_ends
    use vi_parse_cases, only: find_name, parse_cases
    use vi_key, only: of_structure
@@ -186,7 +187,7 @@ contains
       call find_study(cases(1)%study_name, study)
       call study%columns_of(cases(1)%model, columns)
       call start_result(lines, columns, study%row(cases(1)%model), holder%result, &
-         outputs_of(cases(1)))
+         outputs_of(cases(1)), shown_of(cases(1)))
    end subroutine new_result
 
    !> A holder of a text without a result; `describe_result` returns the text as the message.

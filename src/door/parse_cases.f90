@@ -514,6 +514,9 @@ contains
       if (follows) then
          call read_values('output', output_keys, groups(2), case%output)
          call check_output(case%output)
+         if (len(case%output%fault) == 0 .and. .not. has_units(case)) call case%output%refuse( &
+            'units', 'without mass, stiffness and force in &system it must be left out or &
+            &''dimensionless''')
          call pass_on(case%output, line, message)
          if (len(message) > 0) return
          do i = 1, size(groups(2)%items)
@@ -528,6 +531,19 @@ contains
       end if
       call case%output%text('name', case%name)
    end subroutine take_output
+
+   !> Whether a result can be shown in the units that are asked for.
+   pure logical function has_units(case)
+      !> The case.
+      type(case_type), intent(in) :: case
+      character(:), allocatable :: names
+
+      has_units = .not. case%output%has('units')
+      if (has_units) return
+      call case%output%text('units', names)
+      has_units = names == 'dimensionless'
+      if (.not. has_units .and. case%model == of_oscillator) has_units = case%system%has('force')
+   end function has_units
 
    !> Passes on the fault of a group.
    pure subroutine pass_on(values, line, message)

@@ -4,7 +4,7 @@ module vi_study_list
    use vi_basins_study, only: declare_basins
    use vi_bifurcation_study, only: declare_bifurcation
    use vi_branch_study, only: declare_branch
-   use vi_case, only: case_type, echo, outputs_of
+   use vi_case, only: case_type, echo, outputs_of, shown_of
    use vi_chart_study, only: declare_chart
    use vi_decay_study, only: declare_decay
    use vi_design_study, only: declare_design
@@ -104,7 +104,8 @@ contains
       call study%columns_of(case%model, columns)
       allocate (lines(0))
       if (has_room(echo_bytes*case%study%count_numbers())) call echo(case, lines)
-      call start_result(lines, columns, study%row(case%model), result, outputs_of(case))
+      call start_result(lines, columns, study%row(case%model), result, outputs_of(case), &
+         shown_of(case))
       if (allocated(case%sweep%name)) then
          result%empty = .true.
          call result%fail('with its &sweep this is a campaign, which the Python package runs: &

@@ -39,6 +39,7 @@ def test_bare_numbers_in_units(tool, tmp_path):
         tool, tmp_path, *words, "--units", "mm N s",
         "--r", "18 Hz", "21 Hz", "--clearance", "2", "6",
     )  # fmt: skip
+    assert theirs.pop("units") == "mm N s"  # also those of the result
     assert theirs == ours
     assert ours["r_max"] == pytest.approx(21 / osc.units().frequency, rel=1e-14)
 
@@ -65,6 +66,90 @@ def test_wrong_units(words, message, tool):
     )
     assert done.status == 2
     assert message in str(done)
+
+
+def test_results_in_units(tool, tmp_path):
+    """A table is in the units of the rig, with mm for m, in those that are asked for, or dimensionless."""
+    words = [
+        "zone",
+        *RIG,
+        *SHARES,
+        "--sides",
+        "RL",
+        "--lines",
+        "5",
+        "--guesses",
+        "1",
+        "--r",
+        "19 Hz",
+        "21 Hz",
+    ]
+    found = {}
+    for units, window in {
+        "": "2 mm",
+        "SI": "0.002",
+        "in lbf s": "0.1",
+        "dimensionless": "14",
+    }.items():
+        more = ["--units", units] if units else []
+        done = tool(
+            *words,
+            *more,
+            "--clearance",
+            window,
+            "0.3 in",
+            "-o",
+            f"results/{units[:3].strip() or 'own'}.csv",
+        )
+        assert done.status == 0, done
+        lines = (tmp_path / f"results/{units[:3].strip() or 'own'}.csv").read_text().splitlines()
+        names, *rows = [line.split(",") for line in lines if not line.startswith("#")]
+        column = names.index("clearance")
+        found[units] = lines[0], max(float(row[column]) for row in rows)
+        assert ("r" in names, "frequency" in names) == (
+            units == "dimensionless",
+            units != "dimensionless",
+        )
+        assert read_namelist(tmp_path / f"results/{units[:3].strip() or 'own'}.csv")  # an input too
+    assert "frequency Hz, clearance mm" in found[""][0]
+    assert "clearance m" in found["SI"][0]
+    assert "clearance in" in found["in lbf s"][0]
+    length = 6 / 42
+    wanted = [7.62, 7.62e-3, 0.3, 7.62 / length]
+    assert [most for _, most in found.values()] == pytest.approx(wanted, rel=1e-12)
+
+
+def test_units_of_files(tool, tmp_path):
+    """`run --units` answers in other units; a system that has none is refused by name."""
+    text = "&system units = 'SI', mass = '2700 g', stiffness = 42e3, force = 6, xi = .01, mu = .04"
+    (tmp_path / "rig.nml").write_text(
+        text + ", restitution = 1, r = 1.1 / &simulate clearance = 0.004, cycles = 2, z = 0.001 /\n"
+    )
+    (tmp_path / "bare.nml").write_text(
+        "&system xi = .01, mu = .04, restitution = 1, r = 1.1 / &simulate clearance = 28, cycles = 2 /\n"
+    )
+    for units, unit in (
+        ("", "x mm"),
+        ("mm N s", "x mm"),
+        ("SI", "x m"),
+        ("dimensionless", "lengths in F0/K"),
+    ):
+        assert tool("run", "rig.nml", *(["--units", units] if units else [])).status == 0
+        with open(tmp_path / "results/rig.csv") as file:
+            assert unit in file.readline()
+    done = tool("run", "bare.nml", "--units", "SI")
+    assert (done.status, "must be left out for bare, whose &system has no mass" in str(done)) == (
+        2,
+        True,
+    )
+    (tmp_path / "bare.nml").write_text(
+        (tmp_path / "bare.nml").read_text() + "&output units = 'mm N s' /\n"
+    )
+    done = tool("run", "bare.nml")
+    assert (
+        done.status,
+        "without mass, stiffness and force in &system it must be left out" in str(done),
+    ) == (2, True)
 
 
 def test_units_need_a_mass(tool):

@@ -223,6 +223,15 @@ def add_forms(parser: argparse.ArgumentParser, on_request: bool = False) -> None
     )  # fmt: skip
 
 
+def add_units(parser: argparse.ArgumentParser) -> None:
+    """The units of results."""
+    parser.add_argument(
+        "--units", metavar="UNITS",
+        help="units of the results, as 'mm N s' or SI, or dimensionless (default: those of the &system, with mm for "
+        "m)",
+    )  # fmt: skip
+
+
 def need_extras(options: argparse.Namespace) -> None:
     """An error before anything is computed, if a library is missing by which the result is to be written."""
     form = getattr(options, "format", None)

@@ -6,6 +6,7 @@ import argparse
 from typing import Any
 
 from ..studies.bifurcation import COLUMNS
+from ..systems.units import range_text
 from .study import command
 
 DESCRIPTION = """Simulate along a parameter, in sweeps up and down that continue from value to value or from
@@ -24,7 +25,7 @@ def details(result: Any) -> list[str]:
     if result.of_structure:
         return []
     return [
-        f"{window.run}: {window.label} from {window.low:.6g} to {window.high:.6g}"
+        f"{window.run}: {window.label} from {range_text(result.osc, result.parameter, window.low, window.high)}"
         for window in result.windows
     ]
 

@@ -19,6 +19,7 @@ from ..formats.save import write_printout
 from ..plot.animation import check_format
 from ..results.noun import Noun
 from ..results.tables import language
+from ..systems.units import units_to_show
 from . import FORMATS, Fresh, not_left_empty, picture_writer, ready
 from .request import Request, read_cases
 
@@ -39,7 +40,9 @@ def run_kind(options: argparse.Namespace, request: Request, details: Details | N
     if animated:
         check_format(animated, f"--animate {animated}")
     more = save is not None or options.format != "csv" or options.json or options.stem
-    more = more or any(map(needs_python, options.files))
+    more = (
+        more or getattr(options, "units", None) is not None or any(map(needs_python, options.files))
+    )
     if not more and request.kind is None:
         return tables(options, folder)
     cases, faults = read_cases(options, request)
@@ -196,16 +199,16 @@ def put(options: argparse.Namespace, case: Case, found: Noun, folder: Path, save
     parts = found.parts()
     for i, part in enumerate(parts, start=1):
         name = case.name if len(parts) == 1 else f"{case.name}_{i}"
-        record.add(name, part)
+        record.add(name, shown(part, case))
         if options.format != "csv":
             path = folder / f"{name}.{FORMATS[options.format]}"
-            record.wrote(case.name, written(part, path))
+            record.wrote(case.name, written(shown(part, case), path))
         if save is not None and getattr(options, "animate", None):
             film = folder / f"{name}.{options.animate}"
-            record.wrote(case.name, part.animate(film))
+            record.wrote(case.name, part.animate(film, **units_of(case)))
         if save is not None and options.plot and part.drawable:
             drawn = folder / f"{name}.{options.plot}"
-            record.wrote(case.name, save(picture(part, options), drawn))
+            record.wrote(case.name, save(picture(part, options, case), drawn))
         elif save is not None and options.plot and part.undrawable:
             print(f"{case.name}: {part.undrawable}")
 
@@ -216,7 +219,22 @@ def written(result: Any, path: Path) -> Path:
     return path
 
 
-def picture(result: Any, options: argparse.Namespace) -> Any:
+def picture(result: Any, options: argparse.Namespace, case: Case) -> Any:
     """The axes of a picture."""
     quantity = getattr(options, "quantity", None)
-    return result.plot() if quantity is None else result.plot(quantity=quantity)
+    given = {} if quantity is None else {"quantity": quantity}
+    return result.plot(**given, **units_of(case))
+
+
+def units_of(case: Case) -> dict[str, str]:
+    """The units that a case asks for, as an argument of pictures."""
+    return {"units": case.keys["units"]} if case.keys.get("units") else {}
+
+
+def shown(result: Any, case: Case) -> Any:
+    """A result in the units in which people read it, if its system has them."""
+    own, wanted = units_to_show(getattr(result, "osc", None)), case.keys.get("units")
+    # what is identified has the units of the sensors
+    if own is None or wanted == "dimensionless" or case.study == "identify":
+        return result
+    return result.physical(wanted or own)

@@ -16,6 +16,7 @@ from ..cases.case import Case, read_namelist
 from ..motions.motion import Motion
 from ..studies.find import find
 from ..systems.oscillator import Oscillator
+from ..systems.units import Units, checked_names, units_to_show
 from . import FORMATS, Record, add_files, add_forms, picture_writer, ready
 from .cases import run_kind
 from .options import options_of
@@ -97,6 +98,8 @@ def run_structures(options: argparse.Namespace) -> int:
 
 def search_at(options: argparse.Namespace, points: dict[Point, str]) -> int:
     """The same at points that are good."""
+    if options.units not in (None, "dimensionless"):
+        options.units = checked_names(options.units, "--units")
     save, status, stopped = picture_writer() if options.plot else None, 0, False
     given = {name: getattr(options, name) for name in LIMITS}
     given = {name: value for name, value in given.items() if value is not None}
@@ -110,11 +113,20 @@ def search_at(options: argparse.Namespace, points: dict[Point, str]) -> int:
             except StudyInterrupted as stop:
                 result, stopped = stop.result, True
         walls = ", ".join(f"{value:g}" for value in osc.restitution)
+        units = units_to_show(osc)
+        if units is not None and options.units is not None:
+            units = None if options.units == "dimensionless" else units.to(options.units)
+        place = f"r = {r:g}, clearance = {clearance:.10g}"
+        if units is not None:
+            place = (
+                f"{r * units.frequency:.6g} {units.hertz}, clearance d = {clearance * units.length:.10g} "
+                f"{units.names.split()[0]} ({place})"
+            )
         print(
-            f"xi = {osc.xi:g}, mu = {osc.mu:g}, restitution = {walls}, r = {r:g}, clearance = {clearance:.10g}"
+            f"xi = {osc.xi:g}, mu = {osc.mu:g}, restitution = {walls}, {place}"
             + (f", load = {load:g}" if load != 1 else "")
         )
-        print(table(result))
+        print(table(result, units))
         print(textwrap.fill(f"searched: {result.search}", 100))
         if stopped:
             print(f"cut short: {result.cut}")
@@ -125,29 +137,36 @@ def search_at(options: argparse.Namespace, points: dict[Point, str]) -> int:
             folder = Path(options.folder)
             folder.mkdir(parents=True, exist_ok=True)
             path = folder / f"{options.stem or name}.{FORMATS[options.format]}"
-            result.save(path)
+            asked = options.units
+            if asked is None and units is not None and options.format != "csv":
+                asked = units.names
+            result.save(path, units=asked)
             options.record.wrote(name, path)
             if save is not None:
-                drawn = save(result.plot(), path.with_suffix(f".{options.plot}"))
+                drawn = save(result.plot(units=options.units), path.with_suffix(f".{options.plot}"))
                 options.record.wrote(name, drawn)
         if stopped:
             raise KeyboardInterrupt
     return status
 
 
-def table(found: Sequence[Motion]) -> str:
-    """The motions one a line: pattern, multipliers, extreme positions, load phases of the impacts."""
+def table(found: Sequence[Motion], units: Units | None = None) -> str:
+    """The motions one a line: pattern, multipliers, extreme positions, which are in units if they are given."""
     if not found:
         return "no periodic motion was found"
+    length = 1.0 if units is None else units.length
     width = max(5, *(len(motion.pattern.sides) for motion in found))
-    lines = [f"{'sides':<{width}}  cycles  {'verdict':<32}       x_min       x_max  max|x|/A"]
+    unit = "" if units is None else f" ({units.names.split()[0]})"
+    lines = [
+        f"{'sides':<{width}}  cycles  {'verdict':<32} {'x_min' + unit:>11} {'x_max' + unit:>11}  max|x|/A"
+    ]
     for motion in found:
         leading = f"(max|lambda| = {abs(motion.multipliers[0]):.4g}, {motion.leading_kind})"
         verdict = {True: "stable", False: "unstable", None: "stable?"}[motion.stable]
         ratio = f"{motion.attenuation:8.4f}" if motion.A > 0 else "       -"
         lines.append(
             f"{motion.pattern.sides:<{width}}  {motion.pattern.cycles:>6}  {verdict + ' ' + leading:<43}"
-            f" {motion.x_min:11.6g} {motion.x_max:11.6g}  {ratio}"
+            f" {motion.x_min * length:11.6g} {motion.x_max * length:11.6g}  {ratio}"
         )
     return "\n".join(lines)
 

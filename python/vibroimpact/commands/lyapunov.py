@@ -7,6 +7,7 @@ from typing import Any
 
 from ..base.errors import ParameterError
 from ..results.tables import keys_for
+from ..systems.units import place_text
 from .cases import run_kind
 from .options import Option, options_of, shown
 from .request import Request, request_of
@@ -79,7 +80,7 @@ def details(result: Any) -> list[str]:
         result.error_per_cycle[0].ravel(), strict=True,
     )  # fmt: skip
     return [
-        f"r = {r:.6g}  d K/F0 = {clearance:.6g}:  {'  '.join(f'{value:10.6f}' for value in each)}"
+        f"{place_text(result.osc, r, clearance)}:  {'  '.join(f'{value:10.6f}' for value in each)}"
         f"  per load cycle, the first +- {error:.6f}"
         for r, clearance, each, error in points
     ]

@@ -12,7 +12,7 @@ from ..base.errors import ParameterError, SingularError, VibroimpactError
 from ..base.progress import Progress
 from ..cases.case import Case, read_namelist
 from ..systems.units import checked_names
-from . import PICTURES, add_files, add_folder, picture_writer, ready
+from . import PICTURES, add_files, add_folder, add_units, picture_writer, ready
 
 HELP = "draw the cases of namelist files"
 DESCRIPTION = """Draw the cases of namelist files to DIR/NAME.png or another format (NAME_1, NAME_2 if a case
@@ -30,11 +30,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--format", default=PICTURES[0], choices=PICTURES, metavar="FORMAT",
         help=f"format of the pictures: png, svg or pdf (default: {PICTURES[0]})",
     )  # fmt: skip
-    parser.add_argument(
-        "--units", metavar="UNITS",
-        help="units of the axes, as 'mm N s' or SI, or dimensionless; by default those of the &system (mm for m) "
-        "if it has mass and force",
-    )  # fmt: skip
+    add_units(parser)
 
 
 def run(options: argparse.Namespace) -> int:

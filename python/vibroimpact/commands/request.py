@@ -19,6 +19,7 @@ from ..base.errors import ParameterError
 from ..cases.case import Case, read_namelist
 from ..results import namelist
 from ..results.namelist import Groups
+from ..systems.units import SI, checked_names
 from .options import Option, shown
 
 #: The message on a missing option.
@@ -48,13 +49,18 @@ def request_of(
 ) -> Request:
     """The case that the options name, with more keys of its groups."""
     groups: dict[str, dict[str, Any]] = {"system": {}, **{group: {} for group in more}, study: {}}
+    wanted = getattr(options, "units", None)
     for option in known.values():
+        if option.name == "units" and (options.files or wanted == "dimensionless"):
+            continue  # of the results, see `in_units`
         if options.files and option.typed(options) is not None:
             raise ParameterError(beside_files(option.name, options.files))
         for group, name, value in option.values(options):
             groups[group][name] = value
     for group, keys in more.items():
         groups[group] |= keys
+    if wanted == "dimensionless" and "mass" in groups["system"]:
+        groups["system"]["unit_names"] = SI  # bare numbers are dimensionless
     return Request(study, groups, [*known.values()])
 
 
@@ -88,7 +94,23 @@ def read_cases(options: argparse.Namespace, request: Request) -> tuple[list[Case
                 faults.append(str(error))
                 continue
             cases |= {case.name.lower(): case for case in found}
-    return list(cases.values()), faults
+    units = getattr(options, "units", None)
+    return [in_units(case, units) for case in cases.values()], faults
+
+
+def in_units(case: Case, units: str | None) -> Case:
+    """A case whose results are in the units that --units names."""
+    if units is None:
+        return case
+    if units != "dimensionless":
+        units = checked_names(units, "--units")
+        if case.osc is None or case.osc.F0 is None:
+            raise ParameterError(
+                f"--units {units!r}: must be left out for {case.name}, whose &system has no mass, stiffness and "
+                "force"
+            )
+    text = namelist.shown_in(case.text, units)
+    return case._replace(keys=case.keys | {"units": units}, text=text)
 
 
 def _cases_of(file: str, kind: str | None, others: Mapping[str, Case]) -> list[Case]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from . import add_files, add_forms
+from . import add_files, add_forms, add_units
 
 HELP = "run namelist files"
 DESCRIPTION = """Run the cases of namelist files, of any kind. Each result is written to DIR/NAME.csv, with
@@ -18,6 +18,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     """Files, folder and the forms of the results."""
     add_files(parser)
     add_forms(parser)
+    add_units(parser)
 
 
 def run(options: argparse.Namespace) -> int:

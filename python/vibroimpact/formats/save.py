@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import os
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,21 +15,43 @@ from .. import _core
 from ..base.errors import ParameterError
 from ..base.files import place_for, write_text
 from ..base.interrupt import new_counters, stoppable
+from ..results import namelist
 from ..results.tables import STORED, Handle, Result, message_of
+from ..systems.units import units_to_show
 from . import matlab, netcdf
 
 
-def save(noun: Any, path: str | Path) -> None:
-    """Write a file, completely or not at all."""
+def save(noun: Any, path: str | Path, units: str | None = None) -> None:
+    """Write a file, completely or not at all, in the units that are asked for."""
     place = place_for(path, WRITERS)
-    WRITERS[place.suffix.lower()](noun, place)
+    if place.suffix.lower() == ".csv":
+        write_csv(noun, place, units)
+    else:
+        shown = noun if units in (None, "dimensionless") else noun.physical(units)
+        WRITERS[place.suffix.lower()](shown, place)
 
 
-def write_csv(noun: Any, path: Path) -> None:
-    """Write the rows with the case in the header, by the core, which Ctrl-C stops."""
-    handle = handle_of(noun)
-    arguments = handle.number, file_name(path)
-    message, complete = stoppable(_core.write_result, *arguments, counters=new_counters())
+def write_csv(noun: Any, path: Path, units: str | None = None) -> None:
+    """Write the rows with the case in the header, by the core, which Ctrl-C stops.
+
+    A `Physical`, and a result without a case, which tells the core the units, are written here.
+    """
+    if hasattr(noun, "_csv"):
+        write_text(path, noun._csv())
+        return
+    result, known = noun._result, units_to_show(getattr(noun, "osc", None))
+    if units not in (None, "dimensionless"):
+        known = noun.physical(units).units
+    if known is not None and units != "dimensionless" and not result.case:
+        write_text(path, noun.physical(known)._csv())
+        return
+    if units is not None and result.case:
+        names = units if known is None or units == "dimensionless" else known.names
+        result = replace(result, case=namelist.shown_in(result.case, names), handle=None)
+    handle = result.handle or restored(result)
+    message, complete = stoppable(
+        _core.write_result, handle.number, file_name(path), counters=new_counters()
+    )
     if not complete:
         raise KeyboardInterrupt
     check_written(message, path)

@@ -41,6 +41,7 @@ from ..results.systems import (
 from ..results.tables import Result, Table, made, runs
 from ..systems.oscillator import Oscillator, Pattern
 from ..systems.structure import Load, Structure
+from ..systems.units import place_text
 from .quantities import Quantities, oscillator_quantities
 from .trajectory import (
     EVENTS_OF_STRUCTURE,
@@ -876,8 +877,8 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
             return f"<Motion of {' and '.join(parts)} in {cycles}: {verdicts}>"
         single = ", single precision" if self.precision == "single" else ""
         return (
-            f"<Motion {self.pattern.sides}/{self.pattern.cycles} at r = {self.r:.6g}, "
-            f"d K/F0 = {self.clearance:.6g}{single}: {verdicts}>"
+            f"<Motion {self.pattern.sides}/{self.pattern.cycles} at "
+            f"{place_text(self.osc, self.r, self.clearance)}{single}: {verdicts}>"
         )
 
     def __str__(self) -> str:

@@ -56,6 +56,7 @@ from ..results.tables import Result, made
 from ..systems.oscillator import Oscillator, Pattern, Point, of_numbers
 from ..systems.record import Record
 from ..systems.structure import Gap, Load, Structure, check_load, opening_at, without_none
+from ..systems.units import place_text
 from ..systems.verbs import every_system, physical_arguments
 from .quantities import Quantities, oscillator_quantities, structure_quantities
 
@@ -731,7 +732,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         if self.of_structure:
             rests += "".join(f", gap {gap} rests all the time" for gap in self.permanent)
         else:
-            place = f"at r = {self.r:.6g}, d K/F0 = {self.clearance:.6g}, "
+            place = f"at {place_text(self.osc, self.r, self.clearance)}, "
             if self.initial_state["resting"] and not (self.events["kind"] == "release").any():
                 # this rest began before the first event, which therefore does not tell of it
                 wall = "R" if self.initial_state["side"] > 0 else "L"

@@ -54,6 +54,14 @@ def _value(value: Any) -> str:
     )
 
 
+def shown_in(text: str, units: str) -> str:
+    """A case whose table is in other units, as "mm N s", or "dimensionless"."""
+    text = re.sub(r"(?ms)(^&output$.*?)^  units = [^\n]*\n", r"\1", text)
+    if re.search(r"(?m)^&output$", text) is None:
+        text += "&output\n/\n"
+    return re.sub(r"(?m)^&output$", f"&output\n  units = '{units}'", text)
+
+
 def digits(value: float) -> str:
     """A finite number as the core writes it, with three digits of the exponent."""
     text = f"{value:.16E}"

@@ -220,14 +220,28 @@ class Savable:
         """A pandas.DataFrame with the columns of the CSV (extra `data`)."""
         return ACTIONS["to_pandas"](self)
 
-    def save(self, path: str | Path) -> None:
+    def save(self, path: str | Path, units: str | None = None) -> None:
         """Write a file, completely or not at all; the extension sets the format.
 
         .json, .nc (netCDF, labelled as `to_xarray`; extra `data`) and .mat (a MATLAB struct; extra
         `matlab`) hold every bit, and `vibroimpact.load` reads them back. .csv holds the table that
         `vibroimpact run` writes, with the case in its header, from which the result can be computed again.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file.
+        units : str, optional
+            Units of length, force and time, as "mm N s" or "SI", or "dimensionless". By default a .csv is in those
+            of the oscillator, if it has M, K and F0, with mm for m; the other formats are dimensionless, and
+            contain the units.
+
+        Raises
+        ------
+        errors.ParameterError, errors.ParameterTypeError
+            If the path does not end with a known extension, or the oscillator or a unit is not known.
         """
-        ACTIONS["save"](self, path)
+        ACTIONS["save"](self, path, units)
 
     @classmethod
     def _load(cls: type[Self], path: str | Path) -> Self:

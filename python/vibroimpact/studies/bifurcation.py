@@ -20,6 +20,7 @@ from ..results.parameters import Parameter, checked_pair, keys_of_parameter
 from ..results.states import NEEDED, checked_state, state_by_coordinates
 from ..systems.oscillator import Oscillator, Point
 from ..systems.structure import Load, Structure
+from ..systems.units import range_text
 from ..systems.verbs import every_system, physical_arguments
 
 if TYPE_CHECKING:
@@ -313,13 +314,14 @@ class BifurcationDiagram(
         return self._draw(ax, quantity or first, units=units)
 
     def __repr__(self) -> str:
-        low, high = self.values[0], self.values[-1]
         cut = "" if self.complete else f"; cut short, {self.cut}"
         if self.of_structure:
             found = self._periodic()
         else:
             found = f"{len(self.runs)} runs, {len(self.points)} impacts, {len(self.windows)} periodic windows"
-        return f"<BifurcationDiagram over {self.parameter} = {low:.6g} to {high:.6g}: {found}{cut}>"
+        own = None if self.of_structure else self.osc
+        span = range_text(own, self.parameter, self.values[0], self.values[-1])
+        return f"<BifurcationDiagram over {self.parameter} = {span}: {found}{cut}>"
 
 
 def rising(values: ArrayLike, name: str = "values", points: int | None = None) -> _Array:

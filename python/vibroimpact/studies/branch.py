@@ -24,6 +24,7 @@ from ..results.systems import structure_of
 from ..results.tables import Result
 from ..systems.oscillator import Pattern
 from ..systems.structure import Load, Structure
+from ..systems.units import place_text, range_text
 from ..systems.verbs import every_system, physical_arguments
 from .switching import KINDS, switched
 
@@ -136,7 +137,7 @@ class SpecialPoint:
         place = f"{self.parameter} = {self.value:.10g}"
         if not self.branch.of_structure:
             own = "" if self.parameter in ("r", "clearance") else f", {place}"
-            place = f"r = {self.r:.10g}, d K/F0 = {self.clearance:.10g}{own}"
+            place = place_text(self.branch.osc, self.r, self.clearance, 10) + own
         return f"<{self.type} at {place}>"
 
 
@@ -443,10 +444,9 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
         kinds = dict.fromkeys(filter(None, types))
         found = ", ".join(f"{types.count(kind)} {kind}" for kind in kinds) or "no special points"
         pattern = "" if self.of_structure else f" {self.pattern.sides}/{self.pattern.cycles}"
-        return (
-            f"<Branch{pattern} along {self.parameter}, {self.values.min():.6g} to {self.values.max():.6g}: "
-            f"{len(self)} points, {found}>"
-        )
+        own = None if self.of_structure else self.osc
+        span = range_text(own, self.parameter, self.values.min(), self.values.max())
+        return f"<Branch{pattern} along {self.parameter}, {span}: {len(self)} points, {found}>"
 
 
 class Branches(Noun, study="branch"):

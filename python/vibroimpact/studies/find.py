@@ -23,6 +23,7 @@ from ..results.states import state_by_coordinates
 from ..results.tables import runs
 from ..systems.oscillator import Oscillator, Point, of_numbers
 from ..systems.structure import Load, Structure
+from ..systems.units import place_text
 from ..systems.verbs import every_system, physical_arguments
 
 if TYPE_CHECKING:
@@ -223,7 +224,7 @@ class FoundMotions(Noun, Sequence[Any], study="find", formerly="StructureMotions
         there = f"{len(self)} motion{'' if len(self) == 1 else 's'}, {stable} of them stable"
         cut = "" if self.complete else f"; cut short, {self.cut}"
         if not self.of_structure:
-            point = f"r = {self.r:.6g}, d K/F0 = {self.clearance:.6g}"
+            point = place_text(self.osc, self.r, self.clearance)
             # it has no phases, and is not among the items
             reached = 2 * steady_amplitude(self.osc, self.r, self.load) >= self.clearance
             others = "" if reached else "; and the motion without impacts, since D > 2A"

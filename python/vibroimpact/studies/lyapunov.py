@@ -16,6 +16,7 @@ from ..results.noun import Noun, column
 from ..results.states import NEEDED, checked_state, state_by_coordinates
 from ..systems.oscillator import Oscillator, Point
 from ..systems.structure import Load, Structure, without_none
+from ..systems.units import place_text
 from ..systems.verbs import every_system, physical_arguments
 
 if TYPE_CHECKING:
@@ -125,7 +126,7 @@ class Lyapunov(Noun, study="lyapunov", formerly="StructureLyapunov"):
             )
         where = ""
         if not self.of_structure:
-            where = f" at r = {float(self.r):.6g}, d K/F0 = {float(self.clearance):.6g}"
+            where = f" at {place_text(self.osc, float(self.r), float(self.clearance))}"
         shown = ", ".join(f"{item:.4g}" for item in self.per_cycle[:6].tolist())
         more = ", ..." if self.per_cycle.size > 6 else ""
         return f"<Lyapunov exponents per {self.cycle}{where}: {shown}{more}>"

@@ -14,7 +14,7 @@ from ..results import door
 from ..results.noun import column
 from ..systems.oscillator import Oscillator, Point
 from ..systems.structure import Load, Structure
-from ..systems.units import positive
+from ..systems.units import positive, range_text
 from ..systems.verbs import every_system, physical_arguments
 from .bifurcation import ENDS, SettledMotions, cell, first_point, keys_of_values, rising
 
@@ -185,7 +185,7 @@ class Response(SettledMotions, study="response", formerly="StructureResponse"):
         if self.of_structure:
             return f"<Response at {values.size} frequencies from {span}: {self._periodic()}{cut}>"
         return (
-            f"<Response at {values.size} r from {span}: max|X|/A from "
+            f"<Response at {values.size} r from {range_text(self.osc, 'r', values[0], values[-1])}: max|X|/A from "
             f"{np.fmin.reduce(self.lowest):.4g} to {np.fmax.reduce(self.highest):.4g}{cut}>"
         )
 

@@ -18,7 +18,16 @@ from ..base.errors import ParameterError, ParameterTypeError
 from ..base.jupyter import facts_html
 from .restitution import Restitution, checked
 from .structure import Friction, Gap, Load, Stop, Structure
-from .units import POWERS, SI, Units, checked_names, dimensionless, plain_number, positive
+from .units import (
+    POWERS,
+    SI,
+    Units,
+    checked_names,
+    dimensionless,
+    place_text,
+    plain_number,
+    positive,
+)
 
 __all__ = ["Oscillator", "Pattern"]
 
@@ -429,8 +438,8 @@ class Oscillator:
         >>> rig = vi.Oscillator.from_dimensional(
         ...     M="2.7 kg", K="42 kN/m", xi="1.1 %", m="0.11 kg", restitution=0.75, F0="6 N"
         ... )
-        >>> rig.at("19.5 Hz", "4 mm")
-        <Oscillator(xi=0.011, mu=0.04074074074074074, restitution=(0.75, 0.75)) at r = 0.982362, d K/F0 = 28>
+        >>> print(repr(rig.at("19.5 Hz", "4 mm")).partition(" at ")[2])
+        19.5 Hz, d = 4 mm (r = 0.982362, d K/F0 = 28)>
 
         Friction in the slot:
 
@@ -563,7 +572,7 @@ class Point:
             load = f", load {self.amplitude:.6g}"
         load += f", friction {self.friction:.6g}" if self.friction else ""
         load += f", stops {self.stops}" if self.stops else ""
-        return f"<{self.osc!r} at r = {self.r:.6g}, d K/F0 = {self.clearance:.6g}{load}>"
+        return f"<{self.osc!r} at {place_text(self.osc, self.r, self.clearance)}{load}>"
 
 
 def _stiff_walls(stops: Any) -> tuple[tuple[float, float], tuple[float, float]]:

@@ -20,8 +20,25 @@ __all__ = ["Units"]
 
 #: The units of length, force and time in those of SI.
 KNOWN: tuple[dict[str, float], ...] = (
-    {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "km": 1e3, "in": 0.0254, "ft": 0.3048},
-    {"N": 1.0, "mN": 1e-3, "kN": 1e3, "MN": 1e6, "lbf": 4.4482216152605, "kgf": 9.80665},
+    {
+        "m": 1.0,
+        "mm": 1e-3,
+        "cm": 1e-2,
+        "um": 1e-6,
+        "km": 1e3,
+        "in": 0.0254,
+        "ft": 0.3048,
+        "mil": 2.54e-5,
+    },
+    {
+        "N": 1.0,
+        "mN": 1e-3,
+        "uN": 1e-6,
+        "kN": 1e3,
+        "MN": 1e6,
+        "lbf": 4.4482216152605,
+        "kgf": 9.80665,
+    },
     {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0},
 )
 #: Metre, newton and second.
@@ -47,8 +64,11 @@ NAMED: dict[str, tuple[float, Powers, bool]] = {
     **{name: (size, (1, 0, 0), False) for name, size in KNOWN[0].items()},
     **{name: (size, (0, 1, 0), False) for name, size in KNOWN[1].items()},
     **{name: (size, (0, 0, 1), False) for name, size in KNOWN[2].items()},
-    "kg": (1.0, (-1, 1, 2), False), "t": (1000.0, (-1, 1, 2), False), "lb": (0.45359237, (-1, 1, 2), False),
-    "rad": (1.0, (0, 0, 0), True), "Hz": (2 * math.pi, (0, 0, -1), True), "kHz": (2e3 * math.pi, (0, 0, -1), True),
+    "kg": (1.0, (-1, 1, 2), False), "g": (1e-3, (-1, 1, 2), False), "mg": (1e-6, (-1, 1, 2), False),
+    "t": (1000.0, (-1, 1, 2), False), "lb": (0.45359237, (-1, 1, 2), False),
+    "slug": (4.4482216152605 / 0.3048, (-1, 1, 2), False), "rad": (1.0, (0, 0, 0), True),
+    "deg": (math.pi / 180, (0, 0, 0), True), "rev": (2 * math.pi, (0, 0, 0), True),
+    "Hz": (2 * math.pi, (0, 0, -1), True), "kHz": (2e3 * math.pi, (0, 0, -1), True),
     "mHz": (2e-3 * math.pi, (0, 0, -1), True), "rpm": (2 * math.pi / 60, (0, 0, -1), True),
     "%": (0.01, (0, 0, 0), False),
 }  # fmt: skip
@@ -365,7 +385,8 @@ def checked_names(value: Any, name: str = "units") -> str:
         )
     names = (SI if value == "SI" else with_u(value)).split()
     if len(names) != 3 or any(one not in known for one, known in zip(names, KNOWN, strict=True)):
-        raise ParameterError(f"{name} = {value[:80]!r}: must be {wanted}")
+        given = f"{name} {value[:80]!r}" if name.startswith("--") else f"{name} = {value[:80]!r}"
+        raise ParameterError(f"{given}: must be {wanted}")
     return " ".join(names)
 
 
@@ -509,6 +530,44 @@ def plain_number(value: Any, name: str, powers: Powers, names: str) -> Any:
     sizes = [Decimal(repr(known[own])) for known, own in zip(KNOWN, names.split(), strict=True)]
     own_size = math.prod(one**power for one, power in zip(sizes, powers, strict=True))
     return float(size / own_size) if isinstance(size, Decimal) else size / float(own_size)
+
+
+def units_to_show(osc: Any) -> Units | None:
+    """The units in which people read results of a system; None if they are dimensionless."""
+    return osc.units().of_pictures if getattr(osc, "F0", None) is not None else None
+
+
+def place_text(osc: Any, r: float, clearance: float, digits: int = 6) -> str:
+    """A point of r and clearance for people: in the units of the system, if it has them, then dimensionless.
+
+    Examples
+    --------
+    >>> import vibroimpact as vi
+    >>> from vibroimpact.systems.units import place_text
+    >>> rig = vi.Oscillator.from_dimensional(M=2.7, K=42e3, xi=0.011, m=0.11, restitution=0.75, F0=6.0)
+    >>> place_text(rig, 0.982362366, 28.0)
+    '19.5 Hz, d = 4 mm (r = 0.982362, d K/F0 = 28)'
+    """
+    plain = f"r = {r:.{digits}g}, d K/F0 = {clearance:.{digits}g}"
+    units = units_to_show(osc)
+    if units is None:
+        return plain
+    length = units.names.split()[0]
+    return (
+        f"{r * units.frequency:.{digits}g} {units.hertz}, d = {clearance * units.length:.{digits}g} {length} "
+        f"({plain})"
+    )
+
+
+def range_text(osc: Any, parameter: str, low: float, high: float, digits: int = 6) -> str:
+    """A range of values of a parameter for people, as "18 to 21 Hz" or "0.9 to 1.1"."""
+    units, unit = units_to_show(osc), ""
+    if units is not None and parameter == "r":
+        low, high, unit = low * units.frequency, high * units.frequency, f" {units.hertz}"
+    elif units is not None and parameter in ARGUMENTS:
+        scale = units.scale(ARGUMENTS[parameter])
+        low, high, unit = low * scale, high * scale, f" {units.name(ARGUMENTS[parameter])}"
+    return f"{low:.{digits}g} to {high:.{digits}g}{unit}"
 
 
 def dimensionless(osc: Scaled, name: str, value: Any, parameter: str = "") -> Any:
