@@ -44,6 +44,17 @@ def test_the_two_masses_of_1983_have_the_chart_of_the_oscillator(data):
     np.testing.assert_allclose(found[0][both], known[0][both], rtol=1e-8)
 
 
+def test_values_need_not_be_evenly_spaced(motion):
+    """Arrays of any spacing, rising or falling, have the chart of the oscillator at the same points."""
+    r, gaps = [0.9, 0.97, 1.04, 1.1], np.geomspace(20.0, 5.0, 5)
+    ours = vi.chart(motion, ("frequency", r), ("opening", gaps))
+    theirs = vi.chart(OSC, "RL", r, 2 * gaps[::-1], symmetric=True)
+    assert ours.x.values.tolist() == r
+    assert ours.y.values.tolist() == gaps[::-1].tolist()
+    np.testing.assert_array_equal(stable(ours), stable(theirs))
+    assert 0 < stable(ours).sum() < stable(ours).size
+
+
 def test_a_zone_is_where_the_chart_is_stable(motion, data):
     zone = vi.zone(motion, ("frequency", *FREQUENCIES), ("opening", *OPENINGS))
     x, y = np.meshgrid(data.x, data.y)

@@ -228,8 +228,8 @@ class Chart(Followed, study="chart"):
 
 def chart_structure(
     motion: Motion,
-    x: Span,
-    y: Span,
+    x: Span | tuple[Any, ArrayLike],
+    y: Span | tuple[Any, ArrayLike],
     points: int | tuple[int, int] = 33,
     threads: int | None = None,
     progress: door.Progress | None = None,
@@ -240,8 +240,14 @@ def chart_structure(
     xarray("charts")
     both = points if isinstance(points, tuple) and len(points) == 2 else (points, points)
     keys, names = keys_of_plane(motion.structure, motion.load, (x, y), (x_at, y_at))
-    keys |= {"x_points": both[0], "y_points": both[1]}
-    names |= {"x_points": "points", "y_points": "points"}
+    for name, axis, n in zip("xy", (x, y), both, strict=True):
+        values = axis[1] if len(axis) == 2 else ()
+        if np.ndim(values) == 1 and np.size(values) > 2:  # two are a range
+            array = checks.real_array(values, f"{name}[1]", "numbers that rise or fall throughout")
+            keys[f"{name}_values"] = np.sort(array).tolist()
+            names[f"{name}_values"] = f"{name}[1]"
+        else:
+            keys[f"{name}_points"], names[f"{name}_points"] = n, "points"
     try:
         return run_from(motion, Chart, keys, names, progress, threads).to_xarray()
     except StudyInterrupted as stop:
@@ -256,7 +262,7 @@ def chart(
 ) -> Any: ...  # fmt: skip
 @overload
 def chart(
-    motion: Motion, x: Span, y: Span,
+    motion: Motion, x: Span | tuple[Any, ArrayLike], y: Span | tuple[Any, ArrayLike],
     points: int | tuple[int, int] = 33, threads: int | None = None, progress: door.Progress | None = None,
     x_at: float | None = None, y_at: float | None = None,
 ) -> Any: ...  # fmt: skip
@@ -298,9 +304,9 @@ def chart(
         Without rest.
     motion : Motion
         Of a structure, in place of the oscillator and the pattern; as in `zone`.
-    x, y : (parameter, (float, float))
-        Of a structure, in place of r and clearance: each a parameter, as in `branch`, with its lowest and highest
-        value. With a function, `x_at` or `y_at` is its value at the motion.
+    x, y : (parameter, (float, float)) or (parameter, array_like)
+        Of a structure, in place of r and clearance: each a parameter, as in `branch`, with its range, or with 3 to
+        129 values that rise or fall throughout. With a function, `x_at` or `y_at` is its value at the motion.
     points : int or (int, int), optional
         Numbers of evenly spaced values where r and clearance are ranges; of a structure those of x and of y, 2 to
         129, by default 33.

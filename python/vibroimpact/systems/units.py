@@ -77,7 +77,13 @@ QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*((?:1/)
 FACTOR = re.compile(r"([A-Za-z%]+)(?:\^?(-?\d))?")
 #: The dimensionless units of arguments of verbs, by name; a state is a mapping of its own.
 ARGUMENTS = {"r": "omega", "clearance": "F0/K", "load": "F0"}
-STATE = {"t": "1/omega", "x": "F0/K", "z": "F0/K", "x_dot": "omega F0/K", "z_dot": "omega F0/K"}
+STATE = {
+    "t": "1/omega", "x": "F0/K", "y": "F0/K", "z": "F0/K", "x_dot": "omega F0/K", "z_dot": "omega F0/K"
+}  # fmt: skip
+#: Those of the start of a free vibration.
+START = {"amplitude": "F0/K", "y": "F0/K", "x_dot": "omega F0/K", "z_dot": "omega F0/K"}
+#: Arguments that hold values of a state by name.
+OF_STATES = ("state", "fixed")
 #: Arguments that hold values of the parameter that another argument names.
 OF_PARAMETER = ("bounds", "values", "at")
 #: Types that have no unit, which are most arguments.
@@ -572,12 +578,22 @@ def range_text(osc: Any, parameter: str, low: float, high: float, digits: int = 
 
 def dimensionless(osc: Scaled, name: str, value: Any, parameter: str = "") -> Any:
     """The dimensionless value of an argument of a verb; of one that has no unit, the value."""
-    if name == "state":
+    if name in OF_STATES:
         return {
-            key: number_of(part, f"state[{key!r}]", STATE[key], osc.units) if key in STATE else part
+            key: number_of(part, f"{name}[{key!r}]", STATE[key], osc.units)
+            if key in STATE
+            else part
             for key, part in value.items()
         }
-    unit = ARGUMENTS.get(parameter if name in OF_PARAMETER else name)
+    if name == "plane":
+        return tuple(
+            (
+                axis[0],
+                *number_of(tuple(axis[1:]), f"plane[{i}]", STATE.get(axis[0], "F0/K"), osc.units),
+            )
+            for i, axis in enumerate(value)
+        )
+    unit = (ARGUMENTS | START).get(parameter if name in OF_PARAMETER else name)
     if unit is None:
         return value
     # a frequency needs no load

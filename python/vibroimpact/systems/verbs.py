@@ -10,7 +10,7 @@ from typing import Any, ParamSpec, TypeVar
 from ..base.errors import ParameterTypeError
 from .oscillator import Oscillator, Point
 from .structure import Load, Structure
-from .units import ARGUMENTS, OF_PARAMETER, PLAIN, dimensionless, has_unit
+from .units import ARGUMENTS, OF_PARAMETER, OF_STATES, PLAIN, START, dimensionless, has_unit
 
 #: Texts that verbs take as arguments.
 EXAMPLES = '"19.5 Hz", "4 mm" and "6 N"'
@@ -168,10 +168,10 @@ def every_system(
 def physical_arguments(function: Callable[Given, Found]) -> Callable[Given, Found]:
     """A decorator: frequencies, lengths and loads of an oscillator that knows its units may have units."""
     names = list(inspect.signature(function).parameters)
-    places = [
-        (i, name) for i, name in enumerate(names) if name in (*ARGUMENTS, "state", *OF_PARAMETER)
-    ]
-    with_units = ", ".join(f"`{name}`" for name in names if name in ARGUMENTS)
+    known = {*ARGUMENTS, *(START if "amplitude" in names else ())}
+    taken = {*known, *OF_STATES, *OF_PARAMETER, "plane"}
+    places = [(i, name) for i, name in enumerate(names) if name in taken]
+    with_units = ", ".join(f"`{name}`" for name in names if name in known)
     if with_units:
         parts = inspect.cleandoc(function.__doc__ or "").split("\n\n")
         # behind the summary, and the form for structures

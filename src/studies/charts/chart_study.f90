@@ -6,7 +6,7 @@ module vi_chart_study
    use vi_curve_point, only: curve_type
    use vi_family, only: can_be_symmetric
    use vi_kinds, only: two_pi, wp
-   use vi_lattice, only: even_lattice, nearest_lines
+   use vi_lattice, only: even_lattice, lattice_type, nearest_lines
    use vi_motion, only: unknown, yes
    use vi_motion_family, only: condition_type
    use vi_net, only: cover, cover_from, net_type, new_net
@@ -15,7 +15,7 @@ module vi_chart_study
    use vi_spacing, only: even, spaced
    use vi_status, only: stat
    use vi_structure_parameter, only: x_function_keys, y_function_keys
-   use vi_structure_path, only: value_at
+   use vi_structure_path, only: change_type, value_at
    use vi_structure_period, only: structure_motion_type
    use vi_structure_start, only: motion_at, phases_at
    use vi_text, only: counted, whole
@@ -75,11 +75,17 @@ module vi_chart_study
 
    !> Largest number of points along an axis of a structure.
    integer, parameter :: most_lines = 129
+   character(*), parameter :: increasing = 'increasing numbers, the first and the last of which &
+      &are the ends of the range'
    type(key_type), parameter :: structure_keys(*) = [ &
+      key_type('x_values', least=2, most=most_lines, may_miss=.true., takes=increasing, &
+      option='x-list', meaning='the values of x, if they are not evenly spaced'), &
       key_type('x_points', a_whole, default='33', low=2.0_wp, high=real(most_lines, wp), &
-      option='x', meaning='number of values of x, evenly spaced'), &
+      never='x_values', option='x', meaning='number of values of x, evenly spaced'), &
+      key_type('y_values', least=2, most=most_lines, may_miss=.true., takes=increasing, &
+      option='y-list', meaning='the values of y, if they are not evenly spaced'), &
       key_type('y_points', a_whole, default='33', low=2.0_wp, high=real(most_lines, wp), &
-      option='y', meaning='number of values of y, evenly spaced')]
+      never='y_values', option='y', meaning='number of values of y, evenly spaced')]
 
    type(column_type), parameter :: chart_columns(*) = [ &
       column_type('ratios', 'r', meaning='frequency ratio', model=of_oscillator), &
@@ -163,7 +169,9 @@ contains
 
       if (len(case%study%fault) > 0) return
       if (case%model == of_structure) then
-         call check_plane(case)
+         call check_values(case%study, 'x')
+         call check_values(case%study, 'y')
+         if (len(case%study%fault) == 0) call check_plane(case)
          return
       end if
       pattern = chart_pattern(case%study)
@@ -194,6 +202,64 @@ contains
       end if
    end subroutine check_chart
 
+   !> Checks the values of an axis of a structure, which begin and end with its range.
+   pure subroutine check_values(study, name)
+      !> The group.
+      type(values_type), intent(inout) :: study
+      !> `x` or `y`.
+      character(*), intent(in) :: name
+      real(wp), allocatable :: values(:)
+      integer :: i
+
+      if (len(study%fault) > 0 .or. .not. study%has(name//'_values')) return
+      values = study%numbers(name//'_values')
+      do i = 2, size(values)
+         if (values(i) > values(i - 1)) cycle
+         call study%refuse(name//'_values', 'number '//whole(i)//' is not above number '// &
+            whole(i - 1))
+         return
+      end do
+      if (abs(values(1) - study%number(name//'_low')) > 0 .or. abs(values(size(values)) - &
+         study%number(name//'_high')) > 0) call study%refuse(name//'_values')
+   end subroutine check_values
+
+   !> The lattice of a chart of a structure, in shares of the ranges.
+   pure type(lattice_type) function chart_lattice(study) result(lattice)
+      !> The group.
+      type(values_type), intent(in) :: study
+      character, parameter :: names(2) = ['x', 'y']
+      real(wp), allocatable :: values(:)
+      integer :: i
+
+      lattice = even_lattice(points_of_axis(study, 'x'), points_of_axis(study, 'y'))
+      do i = 1, 2
+         if (.not. study%has(names(i)//'_values')) cycle
+         values = study%numbers(names(i)//'_values')
+         lattice%axes(i)%at = (values - values(1))/(values(size(values)) - values(1))
+      end do
+   end function chart_lattice
+
+   !> The values of an axis of a chart of a structure.
+   pure subroutine axis_values(study, name, change, at, values)
+      !> The group.
+      type(values_type), intent(in) :: study
+      !> `x` or `y`.
+      character(*), intent(in) :: name
+      !> Its parameter.
+      type(change_type), intent(in) :: change
+      !> The values in shares of its range.
+      real(wp), intent(in) :: at(:)
+      !> The values.
+      real(wp), allocatable, intent(out) :: values(:)
+      integer :: i
+
+      if (study%has(name//'_values')) then
+         values = study%numbers(name//'_values')
+      else
+         values = [(value_at(change, at(i)), i=1, size(at))]
+      end if
+   end subroutine axis_values
+
    !> Checks that the numbers along an axis increase.
    pure subroutine check_axis(study, name, axis)
       !> The group.
@@ -212,6 +278,20 @@ contains
          return
       end do
    end subroutine check_axis
+
+   !> Number of values along an axis of a structure.
+   pure integer function points_of_axis(study, name) result(n)
+      !> The group.
+      type(values_type), intent(in) :: study
+      !> `x` or `y`.
+      character(*), intent(in) :: name
+
+      if (study%has(name//'_values')) then
+         n = size(study%numbers(name//'_values'))
+      else
+         n = study%whole_number(name//'_points')
+      end if
+   end function points_of_axis
 
    !> Number of points along an axis.
    pure integer function points_of(study, name) result(n)
@@ -284,7 +364,7 @@ contains
       associate (s => case%study)
          if (case%model == of_structure) then
             ! a few motions at each point, with their derivatives
-            bytes = 4.0_wp*s%number('x_points')*s%number('y_points')*(4000 + 100.0_wp* &
+            bytes = 4.0_wp*points_of_axis(s, 'x')*points_of_axis(s, 'y')*(4000 + 100.0_wp* &
                case%coordinates**2)
             return
          end if
@@ -382,8 +462,7 @@ contains
       call start_surface(case, plane, surface, start, mirrored, result, progress)
       if (.not. allocated(start)) return
       m = size(start) - 2
-      call new_net(surface, even_lattice(case%study%whole_number('x_points'), &
-         case%study%whole_number('y_points')), net, .false.)
+      call new_net(surface, chart_lattice(case%study), net, .false.)
       call place_at_node(net, start(m + 1:), start(:m), nearest_lines(net%lines, start(m + 1:)), &
          at_node)
       if (at_node) then
@@ -414,7 +493,7 @@ contains
          call result%fail('no line of the grid passes a motion of this family')
          return
       end if
-      call put_motions(plane, net, motions, extremes, result)
+      call put_motions(case%study, plane, net, motions, extremes, result)
       call put_plane(plane, result)
       call result%add_note(counted(net%n, 'motion')//' at '//whole(count(net%head > 0))//' of '// &
          whole(size(net%head))//' points, '//whole(count([(motions(i)%verdicts%admissible == yes &
@@ -437,7 +516,9 @@ contains
 
    !> Puts the motions at the nodes of a net into the result, those of least leading multiplier
    !! first.
-   subroutine put_motions(plane, net, motions, extremes, result)
+   subroutine put_motions(study, plane, net, motions, extremes, result)
+      !> The group.
+      type(values_type), intent(in) :: study
       !> The plane.
       type(plane_type), intent(in) :: plane
       !> The net.
@@ -449,7 +530,7 @@ contains
       !> The result.
       type(result_type), intent(inout) :: result
       real(wp), allocatable, dimension(:, :, :, :) :: q_min, q_max, phases, speeds
-      real(wp), allocatable :: leading(:, :, :), of_node(:)
+      real(wp), allocatable :: leading(:, :, :), of_node(:), values(:)
       complex(wp), allocatable :: multipliers(:, :, :, :)
       integer, allocatable :: verdicts_of(:, :, :, :), status(:, :, :), found(:, :), slot(:)
       real(wp) :: nan
@@ -502,11 +583,11 @@ contains
          end associate
       end do
       call result%open('abscissas', 'x', [n])
-      call result%put('abscissas', 'x', [(value_at(plane%changes(1), net%lines%axes(1)%at(i)), &
-         i=1, n)])
+      call axis_values(study, 'x', plane%changes(1), net%lines%axes(1)%at, values)
+      call result%put('abscissas', 'x', values)
       call result%open('ordinates', 'y', [m])
-      call result%put('ordinates', 'y', [(value_at(plane%changes(2), net%lines%axes(2)%at(i)), &
-         i=1, m)])
+      call axis_values(study, 'y', plane%changes(2), net%lines%axes(2)%at, values)
+      call result%put('ordinates', 'y', values)
       call result%open('slots', 'slot', [slots])
       call result%put('slots', 'slot', [(i, i=1, slots)])
       call result%open('motions', 'slot y x', [slots, m, n])
