@@ -129,7 +129,7 @@ contains
             if (.not. good .or. n > last - first + 1) then
                call describe_key(values%keys, place, text)
                if (key%kind == a_number .and. vanishes(item%value)) text = text// &
-                  '; a number so near 0 is not represented, write 0'
+                  '; a number this close to 0 cannot be represented; write 0'
                if (allocated(why)) text = text//why
                call blame(values, item, 'must be '//text)
                return

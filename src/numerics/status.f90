@@ -118,8 +118,8 @@ contains
       case (stat%ok)
          text = 'done'
       case (stat%singular)
-         text = 'the linear equations have no unique solution for these phases, or a body that no &
-            &spring or damper holds may be anywhere'
+         text = 'the linear equations have no unique solution for these phases, or the position of &
+            &a body without spring and damper is not determined'
       case (stat%free_amplitude)
          text = 'two equally spaced impacts with equal restitution leave the load amplitude free: &
             &ask for the equispaced motions of a clearance instead'
@@ -215,10 +215,10 @@ contains
             &there: what follows is not represented'
       case (stat%friction_undecided)
          text = 'elements of friction depend on each other at one instant, or a belt drags a &
-            &mass that nothing holds: what follows is not represented'
+            &mass that no spring holds: what follows is not represented'
       case (stat%permanent_stick)
-         text = 'friction sticks for ever wherever it came to, so that the motion is one of a &
-            &continuum: make what sticks rigid, or start from another state'
+         text = 'friction sticks for ever wherever it stops, so that there is a continuum of &
+            &motions: make what sticks rigid, or start from another state'
       case default
          text = 'unknown status code'
       end select

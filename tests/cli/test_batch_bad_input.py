@@ -306,4 +306,4 @@ def test_a_number_that_would_be_rounded_to_zero(text, batch):
     """A number in its range that would be rounded to zero is refused with that reason."""
     done = batch.case(changed(2, f"  xi = {text}"))
     assert done.status == 2
-    assert done.faults[0].endswith("; a number so near 0 is not represented, write 0")
+    assert done.faults[0].endswith("; a number this close to 0 cannot be represented; write 0")

@@ -322,6 +322,7 @@ def test_the_place_is_tested_first(name, tool):
     assert (done.status, done.out, done.faults) == (2, b"", [output])
     (tool.cwd / "closed").mkdir(mode=0o555)
     done = tool(name, *SYSTEM, *ENDLESS[name], "-o", "closed", preexec_fn=bound_by_permissions)
-    output = f"vibroimpact {name}: closed: Permission denied; must be a folder and disk that can be written"
+    must = "must be in a folder and on a disk that can be written to"
+    output = f"vibroimpact {name}: closed: Permission denied; {must}"
     assert (done.status, done.out, done.faults) == (2, b"", [output])
     assert contents(tool.cwd) == {"taken": b"mine"}

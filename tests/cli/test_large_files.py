@@ -131,6 +131,6 @@ def test_file_size_limit(program, old, binary, tmp_path):
     (output,) = done.stderr.decode().splitlines()
     assert output.startswith("results/case.csv: ")
     assert "File too large" in output or "could not be written whole" in output
-    assert output.endswith("; must be a folder and disk that can be written")
+    assert output.endswith("; must be in a folder and on a disk that can be written to")
     left = {path.name: path.read_bytes() for path in (tmp_path / "results").iterdir()}
     assert left == ({"case.csv": old} if old else {})

@@ -201,7 +201,7 @@ def test_file_of_another_kind_is_refused(tmp_path):
     path = tmp_path / "other.json"
     path.write_text("[1, 2]")
     with pytest.raises(
-        vi.errors.ParameterError, match="must be a file that the save of a result wrote"
+        vi.errors.ParameterError, match="must be a file written by `save` of a result"
     ):
         vi.Atlas.load(path)
 

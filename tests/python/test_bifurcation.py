@@ -211,7 +211,8 @@ def test_states_of_their_own():
 @pytest.mark.parametrize("name", ["r", "clearance"])
 def test_parameter_is_not_given_twice(name):
     with pytest.raises(
-        vi.errors.ParameterError, match=rf"^{name} = 1.2: must be left out, it is the parameter"
+        vi.errors.ParameterError,
+        match=rf"^{name} = 1.2: must be left out, since it is the parameter",
     ):
         vi.bifurcation_diagram(FIGURE6, name, [1.1, 1.3], r=1.2, clearance=1.2)
 

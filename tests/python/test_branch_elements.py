@@ -163,7 +163,7 @@ def test_of_a_file(tmp_path):
 
 
 @pytest.mark.parametrize(("parameter", "message"), [
-    ("contact", "there is nothing that it could change"), ("restitution", "nothing"),
+    ("contact", "it changes nothing"), ("restitution", "nothing"),
     ("slip_4", "the structure has 1 gap"),
 ])  # fmt: skip
 def test_parameters_that_it_has_not(parameter, message):

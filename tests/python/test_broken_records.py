@@ -50,7 +50,7 @@ def refused(path):
     with pytest.raises(vi.errors.ParameterError) as error:
         vi.load(path)
     assert str(error.value).startswith(
-        f"path = {str(path)!r}: must be a file that the save of a result wrote; "
+        f"path = {str(path)!r}: must be a file written by `save` of a result; "
     )
     assert len(str(error.value)) < 1000
     return str(error.value).partition("; ")[2]

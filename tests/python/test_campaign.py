@@ -255,7 +255,7 @@ def test_two_writers(tmp_path):
     record = plan.plan()
     with (
         plan.writing(record),
-        pytest.raises(vi.ParameterError, match=f"process {os.getpid()} on .* writes to it"),
+        pytest.raises(vi.ParameterError, match=f"process {os.getpid()} on .* is writing to it"),
     ):
         vi.campaign(sweep, tmp_path / "store")
     vi.campaign(sweep, tmp_path / "store")

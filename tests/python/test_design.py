@@ -197,7 +197,7 @@ def test_a_report_is_written_completely_or_not_at_all(tmp_path):
     pytest.importorskip("matplotlib")
     found = vi.design(OSC, **GOOD, **QUICK)
     for place, message in (
-        (tmp_path / "there" / "r.pdf", "r.pdf': must be in a folder that is there"),
+        (tmp_path / "there" / "r.pdf", "r.pdf': must be in an existing folder"),
         (tmp_path / "r.docx", "r.docx': must end with one of .pdf, .png, .svg"),
     ):
         with pytest.raises(vi.ParameterError, match=message):

@@ -249,7 +249,7 @@ def test_full_disk(nursery, undisturbed, small_disk):
         assert status == 2
         assert output == (
             f"vibroimpact campaign: {store}: No space left on device; "
-            "must be a folder and disk that can be written\n"
+            "must be in a folder and on a disk that can be written to\n"
         )
         whole(store, undisturbed[0])
         assert 0 < vi.Campaign(store).finished.sum() < 80
@@ -329,7 +329,7 @@ def test_two_clients(nursery, tmp_path):
         before = files_of(store)
         status, output = nursery.run(store, file=long)
         assert status == 2
-        assert f"process {process} on {os.uname().nodename} writes to it; wait" in output
+        assert f"process {process} on {os.uname().nodename} is writing to it; wait" in output
         assert files_of(store) == before
     finally:
         os.kill(process, signal.SIGKILL)

@@ -163,7 +163,8 @@ def rows_of(times):
 @pytest.mark.parametrize(
     ("text", "options", "message"),
     [
-        ("load,force\n" + "1,2\n" * 20, {}, "channel 'force': is a second load; must be one, or channels given"),
+        ("load,force\n" + "1,2\n" * 20, {},
+         "channel 'force': is a second load; there must be one, or give `channels`"),
         ("load,a\n" + "1,2\n" * 20, {"scale": [1.0]},
          "scale = [1.0]: must be 2 numbers, one for each channel"),
         ("load,a\n" + "1,2\n" * 20, {"units": ["N"]},
@@ -334,7 +335,7 @@ def test_a_rate_does_not_override_times(tmp_path):
     with pytest.raises(vi.ParameterError, match=r"rate = 500: must be left out, or .* 1000 Hz"):
         vi.read_record({"name": "load", "data": RECORD.load, "fs": 1000}, rate=500)
     path.write_text("time,load,t\n" + "".join(f"{i},1,{2 * i}\n" for i in range(40)))
-    with pytest.raises(vi.ParameterError, match="channel 't': is a second time; must be one"):
+    with pytest.raises(vi.ParameterError, match="channel 't': is a second time; there must be one"):
         vi.read_record(path)
     assert vi.read_record(path, channels=["time", "load", "none"]).rate == 1
 

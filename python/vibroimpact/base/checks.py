@@ -188,7 +188,9 @@ def path(value: Any, name: str = "path") -> Path:
         if b"\0" in os.fsencode(text):
             raise ParameterError(f"{name} = {text!r}: must not contain a null byte")
     except UnicodeEncodeError:
-        raise ParameterError(f"{name} = {text!r}: must be text that a path can have") from None
+        raise ParameterError(
+            f"{name} = {text!r}: must be text that can be encoded as a path"
+        ) from None
     return Path(text)
 
 

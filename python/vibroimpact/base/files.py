@@ -24,7 +24,7 @@ def place_for(path: str | Path, endings: Iterable[str]) -> Path:
     if place.suffix.lower() not in endings:
         raise ParameterError(f"path = {str(path)!r}: must end with one of {', '.join(endings)}")
     if not place.parent.is_dir():
-        raise ParameterError(f"path = {str(path)!r}: must be in a folder that is there")
+        raise ParameterError(f"path = {str(path)!r}: must be in an existing folder")
     return place
 
 

@@ -97,7 +97,7 @@ def compute(
     counters = new_counters() if counters is None else counters
     if digest and core_digest() != digest:
         raise ParameterError(
-            "the core of a worker is not that of this process; install the same vibroimpact on both"
+            "a worker has another build of the core than this process; install the same vibroimpact on both"
         )
 
     def found() -> Iterator[Result | str]:

@@ -119,7 +119,7 @@ class Store:
             if key in ("core", "vibroimpact") and held.get(key) != value:
                 raise ParameterError(
                     f"store = {str(self.folder)!r}: was computed by another build of vibroimpact "
-                    f"({held.get('vibroimpact')}); must be another folder, since results of two are not mixed"
+                    f"({held.get('vibroimpact')}); must be another folder: results of two builds are not mixed"
                 )
             if held.get(key) != value:
                 raise ParameterError(
@@ -285,7 +285,7 @@ class Contents(NamedTuple):
         about = json.loads(self.bytes(f"{path}/zarr.json"))
         (kind,) = (kind for kind, (name, _) in TYPES.items() if name == about["data_type"])
         if about["codecs"] != codecs(kind):
-            raise ValueError("its arrays are packed otherwise")
+            raise ValueError("its arrays are compressed in another way")
         return kind, about["shape"]
 
     def words(self, path: str) -> tuple[str, ...]:
@@ -461,7 +461,7 @@ def locked(folder: Path) -> Iterator[None]:
             lock.seek(0)
             holder = lock.read().decode(errors="replace").strip() or "another process"
             raise ParameterError(
-                f"store = {str(folder)!r}: {holder} writes to it; wait for its end, or use another store"
+                f"store = {str(folder)!r}: {holder} is writing to it; wait for it to finish, or use another store"
             ) from None
         except OSError as error:  # some network file systems have no locks
             raise OSError(

@@ -202,7 +202,9 @@ def path_bytes(path: str | os.PathLike[str], name: str = "path") -> bytes:
             f"{name} = {path!r}: must be a path, not {type(path).__name__}"
         ) from None
     except UnicodeEncodeError:
-        raise ParameterError(f"{name} = {path!r}: must be text that a path can have") from None
+        raise ParameterError(
+            f"{name} = {path!r}: must be text that can be encoded as a path"
+        ) from None
     if not found or b"\0" in found:
         raise ParameterError(
             f"{name} = {os.fsdecode(found)!r}: must not be empty or contain a null byte"

@@ -227,7 +227,7 @@ def add_units(parser: argparse.ArgumentParser) -> None:
     """The units of results."""
     parser.add_argument(
         "--units", metavar="UNITS",
-        help="units of the results, as 'mm N s' or SI, or dimensionless (default: those of the &system, but mm for m)",
+        help="units of the results, as 'mm N s' or SI, or dimensionless (default: those of the &system, mm for m)",
     )  # fmt: skip
 
 

@@ -39,8 +39,8 @@ def request(options: argparse.Namespace) -> Request:
     guessed = options.phases_over_pi is not None or options.phases is not None
     if options.sides is not None and not guessed:
         raise ParameterError(
-            f"--sides {options.sides}: must go with --phases-over-pi, about the phases of its impacts; without "
-            "both the equispaced motions RL are followed"
+            f"--sides {options.sides}: must go with --phases-over-pi, the approximate phases of its impacts; "
+            "without both the equispaced motions RL are followed"
         )
     walls: list[float] = options.restitution or []
     if not (guessed or options.files) and len(walls) == 2 and walls[0] != walls[1]:

@@ -67,7 +67,7 @@ def print_address(url: str) -> None:
     print(f"explorer: {url}   (Ctrl-C ends it)", flush=True)
     if "token=" in url:
         print(
-            "Other machines reach this page, and whoever has the link may use it. What is sent is not encrypted: "
-            "beyond a network that you trust, use ssh -L and an address of this machine alone.",
+            "Other machines can reach this page, and anyone who has the link can use it. The connection is "
+            "not encrypted: outside a network that you trust, use ssh -L and the address 127.0.0.1.",
             flush=True,
         )

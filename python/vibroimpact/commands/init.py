@@ -164,10 +164,10 @@ def run(options: argparse.Namespace) -> int:
         raise ParameterError(f"NAME: must be given, one of {', '.join(kinds())}; or --list")
     path = Path(options.file or f"{options.name}.nml")
     if path.exists() and not options.force:
-        raise ParameterError(f"{path}: is there already; must be another file, or --force")
+        raise ParameterError(f"{path}: already exists; must be another file, or --force")
     if not path.parent.is_dir():
         raise ParameterError(
-            f"-o {path}: there is no folder {path.parent}; must be in one that is there"
+            f"-o {path}: there is no folder {path.parent}; must be in an existing one"
         )
     write_text(path, template(options.name, str(path)))
     options.record.files.append(str(path))

@@ -444,7 +444,7 @@ def named_rates(structure: Structure, name: str, places: _Array, values: _Array)
     if kind == LAW:
         rates = rates_of_law(structure, Stop if word == "contact" else Friction, places, rates)
     if not rates.any():
-        raise ParameterError(f"parameters: {name!r}: there is nothing that it could change")
+        raise ParameterError(f"parameters: {name!r}: it changes nothing")
     if kind == RESTITUTION:
         for j in places[here, 1].tolist():
             if "restitution" not in to_columns(structure.gaps[j].restitution):

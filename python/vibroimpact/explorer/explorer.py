@@ -285,7 +285,7 @@ def simulate_run(state: State, progress: Progress | None = None) -> Trajectory:
     )  # fmt: skip
     if not trajectory.complete:
         raise ParameterError(
-            f"cycles = {run.cycles:g}: must be fewer here; they have more than {MOST_EVENTS} events"
+            f"cycles = {run.cycles:g}: must be fewer; these have more than {MOST_EVENTS} events"
         )
     return trajectory
 

@@ -59,7 +59,7 @@ def load(path: str | Path) -> Any:
     >>> vi.load(path)
     <Motion RL/1 at r = 0.94, d K/F0 = 37: admissible, unstable (max|lambda| = 3.828)>
     """
-    wanted = "must be a file that the save of a result wrote"
+    wanted = "must be a file written by `save` of a result"
     place = checks.path(path)
     if place.suffix.lower() == ".csv":
         raise ParameterError(

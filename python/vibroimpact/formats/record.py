@@ -125,7 +125,7 @@ def from_dict(kind: Any, data: Any) -> Any:
     check_parents(tables)
     if not all(isinstance(note, list) and len(note) == 2 for note in data["notes"]):
         raise ParameterError(
-            f"notes = {data['notes']!r}: must be pairs of a fault's mark and a text"
+            f"notes = {data['notes']!r}: must be pairs of a truth value, True for a fault, and a text"
         )
     notes = tuple((bool(note[0]), str(note[1])) for note in data["notes"])
     result = Result(
@@ -242,7 +242,7 @@ def check_texts(label: str, item: Any) -> None:
         try:
             item.encode(errors="surrogateescape")
         except UnicodeEncodeError:
-            raise ParameterError(f"{label} = {item[:60]!r}: must be a text of Unicode") from None
+            raise ParameterError(f"{label} = {item[:60]!r}: must be valid Unicode text") from None
 
 
 def table_of(name: str, data: dict[str, Any], declared: dict[str, Any], system: str) -> Table:

@@ -255,8 +255,8 @@ class Impacts:
         self.active &= ~(ok & (size > usual * UNLAWFUL**2))
         if self.active.sum() < max(LEAST_IMPACTS, LAWFUL * self.lawful.sum()):
             raise SingularError(
-                f"{int(self.active.sum())} of {int(self.lawful.sum())} impacts follow momentum and restitution "
-                f"with any one set of parameters: too few; {HINT}"
+                f"{int(self.active.sum())} of {int(self.lawful.sum())} impacts agree with momentum and restitution "
+                f"for any one set of parameters: too few; {HINT}"
             )
 
     def minima(self) -> list[Minimum]:
@@ -341,8 +341,8 @@ def by_laws(
             value, error = windows.priors[name]
             if abs(common[place] - value) > FAR_OFF * error:
                 raise SingularError(
-                    f"the load by its channel is {abs(common[place] - value) / error:.3g} standard errors from "
-                    f"that by the motion; {HINT}"
+                    f"the load of its channel is {abs(common[place] - value) / error:.3g} standard errors away "
+                    f"from the one that the motion implies; {HINT}"
                 )
     calibration = impacts.calibration
     if calibration and abs(g[-1] - 1) > FAR_OFF * calibration:

@@ -364,7 +364,7 @@ class Flights:
         places, values, errors = self.fold.angles[own], self.fold.values[own], self.errors[own]
         if np.count_nonzero(own) < 4 * N + 40:
             raise SingularError(
-                "pulses of the impacts leave too little of the motion: the bandwidth or the sampling rate may "
+                "the pulses of the impacts cover too much of the motion: the bandwidth or the sampling rate may "
                 f"be too small; {HINT}"
             )
         x = self.packed(begin)
@@ -379,7 +379,7 @@ class Flights:
         target = (values - value + J[:, ~fixed] @ x[~fixed]) / errors
         x[~fixed] = np.linalg.lstsq(J[:, ~fixed] / errors[:, None], target, rcond=1e-9)[0]
         if not abs(values).max() < 1e100:
-            raise SingularError(f"flights that are tried grow beyond all numbers; {HINT}")
+            raise SingularError(f"the trial flights overflow; {HINT}")
         rms = max(float(np.std(values)), 1e-300)
         speed = max(float(abs(x[4 + N : 4 + 2 * N]).max(initial=0.0)), 1e-300)
         scales = [

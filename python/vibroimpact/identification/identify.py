@@ -320,7 +320,7 @@ class Identification(Noun, study="identify"):
         osc = self.oscillator
         if osc is None or osc.F0 is None:
             raise ParameterError(
-                "units: must have M, K and F0 among the values; known=dict(M=...) and a load give them"
+                "units: M, K and F0 must be known; give known=dict(M=...) and a load"
             )
         return osc.units()
 
@@ -653,23 +653,23 @@ def identified(
     if law_speed is not None:
         law_speed = positive(law_speed, "law_speed")
     if law_speed is not None and law == "constant":
-        raise ParameterError(
-            f"law_speed = {law_speed!r}: must come with another law than 'constant'"
-        )
+        raise ParameterError(f"law_speed = {law_speed!r}: must be left out with law = 'constant'")
     tabulated = law.startswith("table")
     if law_knots is not None and not tabulated:
-        raise ParameterError(f"law_knots = {law_knots!r}: must come with law = 'table' or 'tables'")
+        raise ParameterError(
+            f"law_knots = {law_knots!r}: must be given with law = 'table' or 'tables'"
+        )
     knots = checks.integer(3 if law_knots is None else law_knots, "law_knots", 2, 20)
     own = Law(law, knots if tabulated else 0)
     for name in shared:
         if name not in own.shared:
             of = [repr(kind) for kind in KINDS if name in Law(kind).shared]
             raise ParameterError(
-                f"known {name} = {shared[name]!r}: must come with law = {' or '.join(of)}"
+                f"known {name} = {shared[name]!r}: must be given with law = {' or '.join(of)}"
             )
         if name in ("R1", "R2") and law != "constant" and law_speed is None:
             raise ParameterError(
-                f"known {name} = {shared[name]!r}: must come with law_speed, at which it is known"
+                f"known {name} = {shared[name]!r}: must be given with law_speed, at which it is known"
             )
     guess = {"xi": 0.01, "mu": 0.05, "R1": 0.7, "R2": 0.7}
     if start is not None:

@@ -44,12 +44,12 @@ def known_values(known: Mapping[str, float]) -> tuple[dict[str, float], dict[str
         else:
             values[name] = positive(value, f"known {name}", zero=name == "C")
     if values.get("mu") == 0:
-        raise ParameterError("known mu = 0.0: must be > 0, or impacts do not show in the motion")
+        raise ParameterError(
+            "known mu = 0.0: must be > 0, otherwise impacts do not affect the motion of M"
+        )
     if {"M", "K", "omega"} <= values.keys():
         if abs(values["K"] / values["M"] / values["omega"] ** 2 - 1) > 1e-6:
-            raise ParameterError(
-                "known M, K, omega: must be such that omega^2 = K/M, or two of them given"
-            )
+            raise ParameterError("known M, K, omega: must satisfy omega^2 = K/M; give two of them")
     elif {"M", "K"} <= values.keys():
         values["omega"] = math.sqrt(values["K"] / values["M"])
     elif {"M", "omega"} <= values.keys():

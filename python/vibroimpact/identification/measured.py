@@ -513,7 +513,7 @@ class VirtualRig:
             )
             if not run.complete:
                 raise ParameterError(
-                    f"d = {self.d!r}: must be larger; a record has more than {len(run.events)} impacts"
+                    f"d = {self.d!r}: must be larger; the record would have more than {len(run.events)} impacts"
                 )
             now, state = run.end, run.final_state
             yield run

@@ -192,7 +192,7 @@ def assembled(
             own = seconds(channel.values, unit)
             if times is not None and not np.array_equal(own, times):
                 raise ParameterError(
-                    f"channel {channel.name!r}: is a second time; must be one, or channels given"
+                    f"channel {channel.name!r}: is a second time; there must be one, or give `channels`"
                 )
             times = own
         if label is None:
@@ -201,7 +201,7 @@ def assembled(
             continue
         if label in arrays:
             raise ParameterError(
-                f"channel {channel.name!r}: is a second {label}; must be one, or channels given"
+                f"channel {channel.name!r}: is a second {label}; there must be one, or give `channels`"
             )
         assert label is not None
         factor = 1.0 if factors is None else factors[i]
@@ -212,7 +212,7 @@ def assembled(
     if not arrays:
         names = ", ".join(repr(channel.name) for channel in found) or "none"
         raise ParameterError(
-            f"channels {names}: must be named as one of {', '.join(SI)}, or channels given"
+            f"channels {names}: must be named as one of {', '.join(SI)}, or give `channels`"
         )
     if left:
         warnings.warn(
@@ -536,7 +536,7 @@ def read_netcdf(path: Path) -> Content:
                 channels.append((dim, Channel(str(name), unit, values)))
         if len(since) > 1:
             raise ParameterError(
-                f"times {', '.join(map(repr, since.values()))}: must be since the same moment"
+                f"times {', '.join(map(repr, since.values()))}: must start at the same moment"
             )
         rates = [data.attrs[name] for name in RATES if name in data.attrs]
         return Content(
@@ -577,8 +577,8 @@ def of_sep005(signals: Any) -> Content:
                 since = (moment - begin).total_seconds()
             except TypeError:
                 raise ParameterError(
-                    f"start_timestamp of {signal['name']!r} = {str(moment)!r}: must be with a time zone as the "
-                    "others, or all without"
+                    f"start_timestamp of {signal['name']!r} = {str(moment)!r}: must have a time zone if the "
+                    "others have one, and none otherwise"
                 ) from None
             if times is None:
                 times = np.arange(data.shape[-1] if data.ndim else 0) / positive(rate, "fs")

@@ -375,8 +375,8 @@ def with_other_loads(
             continue
         if turned:
             raise ParameterError(
-                "load and motion: must have the same positive direction; the motion answers to the load as if "
-                f"its sign were changed: {HINT}"
+                "load and motion: must have the same positive direction; the motion responds as if the sign "
+                f"of the load were reversed: {HINT}"
             )
         stiffness = scale.get("K", scale.get("M", math.nan) * found.values["omega"] ** 2)
         units_agree(steps[0], stiffness * found.lengths[0])

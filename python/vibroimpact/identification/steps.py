@@ -167,13 +167,13 @@ def of_record(
         own = record.bandwidth[name]
         if not own < rate / 2:
             raise ParameterError(
-                f"{where}rate = {rate:g}: must be more than twice the bandwidth of {own:g} Hz of {name}, or "
-                "what the sensor passes is folded onto the harmonics"
+                f"{where}rate = {rate:g}: must be more than twice the bandwidth of {own:g} Hz of {name}; "
+                "otherwise the signal is aliased onto the harmonics"
             )
         if own > rate / 4:
             step.notes.append(
-                f"bandwidth of {own:g} Hz of {name} at a rate of {rate:g} Hz: what the sensor passes above half "
-                "the rate is folded, which the errors do not contain"
+                f"bandwidth of {own:g} Hz of {name} at a rate of {rate:g} Hz: the signal above half the "
+                "rate is aliased, which the errors do not contain"
             )
     for name in ("load", quantity):
         if (channel := getattr(record, name)) is not None:

@@ -527,7 +527,7 @@ class Windows:
         colour = self.colour(left)
         if colour > UNEXPLAINED:
             raise SingularError(
-                f"what flights leave of the record is no noise: its sums over {WIDE} samples have {colour:.3g} "
+                f"the residuals of the flights are not white noise: sums over {WIDE} samples have {colour:.3g} "
                 f"times the variance of white noise; {HINT}"
             )
         return Flown(

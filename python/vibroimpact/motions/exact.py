@@ -57,7 +57,9 @@ def exact_structure(
 ) -> Motion:
     """As `exact`, of a structure."""
     if isinstance(guess, (Motion, Trajectory)) and not guess.of_structure:
-        raise ParameterError(f"guess = {guess!r}: must be that of a structure, as the system is")
+        raise ParameterError(
+            f"guess = {guess!r}: must be that of a structure, since the system is one"
+        )
     if isinstance(guess, (Motion, Trajectory)) and (
         load is None or (isinstance(load, Load) and not load.frequency)
     ):
@@ -266,7 +268,7 @@ def exact(
     each = given = None
     if isinstance(guess, (Motion, Trajectory)) and guess.of_structure:
         raise ParameterTypeError(
-            f"guess = {guess!r}: must be that of an oscillator, as the system is"
+            f"guess = {guess!r}: must be that of an oscillator, since the system is one"
         )
     if isinstance(guess, Motion):
         pattern = guess.pattern

@@ -675,7 +675,9 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         """The group &motion that produces it, of an oscillator."""
         if self.pattern.has_rest or self.load != 1.0:
             what = "rest" if self.pattern.has_rest else f"load = {self.load!r}"
-            raise ParameterError(f"motion with {what}: has no namelist; a &simulate comes to it")
+            raise ParameterError(
+                f"motion with {what}: has no namelist; a &simulate case can reach it"
+            )
         keys: dict[str, Any] = {"kind": self.kind, "cycles": self.pattern.cycles}
         if self.kind == "equispaced":
             return keys | {"clearance": self.clearance, "precision": self.precision}

@@ -885,7 +885,7 @@ def simulate_structure(
     failed = status not in (0, MORE_EVENTS)
     if status == EVENT_LIMIT:
         raise ParameterError(
-            f"max_events = {max_events}: must be more; it was reached within the discarded time"
+            f"max_events = {max_events}: must be larger; it was reached within the discarded time"
         )
     if failed and count == 0:
         if status == NARROW_GAP:
@@ -1086,7 +1086,7 @@ def simulate(
             )
             if not complete:
                 raise ParameterError(
-                    f"max_events = {max_events}: must be more; it was reached within the discarded cycles"
+                    f"max_events = {max_events}: must be larger; it was reached within the discarded cycles"
                 )
         first = state_of(system, now, begun)
         events, now, begun, complete = _run(

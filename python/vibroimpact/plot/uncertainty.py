@@ -48,7 +48,7 @@ def draw_uncertainty(
     checks.choice(what, "what", tuple(LABELS))
     values = getattr(found, what)
     if values is None:
-        raise ParameterError(f"what = {what!r}: must be 'probability', there were no limits")
+        raise ParameterError(f"what = {what!r}: must be 'probability', since no limits were given")
     plt = pyplot()
     plane = Plane(units, inverse)
     r, y = plane.r(found.r), plane.gap(found.clearance)

@@ -131,7 +131,9 @@ def keys_of_parameter(
     ends = {f"{prefix}low": low, f"{prefix}high": high}
     if isinstance(parameter, str):
         if at is not None:
-            raise ParameterError(f"{prefix}at = {at!r}: is only for a function as parameter")
+            raise ParameterError(
+                f"{prefix}at = {at!r}: must be left out unless the parameter is a function"
+            )
         return {word: parameter, **ends}
     if not callable(parameter):
         raise ParameterTypeError(
@@ -176,19 +178,19 @@ def series_of(
         found, numbers = entries_of(*pair)
         if found.shape != places.shape or (found != places).any():
             raise ParameterError(
-                f"the parameter gives another number of coordinates, gaps or harmonics at {p!r}"
+                f"the parameter returns a structure with another number of coordinates, gaps or harmonics at {p!r}"
             )
         if laws_of(pair[0]) != laws_of(structure):
             raise ParameterError(
-                f"the parameter gives another law of restitution, or motion of a wall, at {p!r}: it may change "
-                "only R and R0"
+                f"the parameter returns another law of restitution, or motion of a wall, at {p!r}: it may "
+                "change only R and R0"
             )
         return numbers
 
     scale = np.abs(expected)
     if (np.abs(values(at) - expected) > 1e-12 * np.maximum(scale, scale.max() * 1e-6)).any():
         raise ParameterError(
-            f"at = {at!r}: the parameter gives another structure or load there than that of the motion"
+            f"at = {at!r}: the structure and load that the parameter returns there differ from those of the motion"
         )
     for degree in DEGREES:
         nodes = np.cos(np.pi * (np.arange(degree + 1) + 0.5) / (degree + 1))

@@ -176,7 +176,7 @@ def _resume(
         whole = name in ("phase", "speed") or value == math.floor(value)
         if not (whole and (low <= value < high or (closed and value == high))):
             raise ParameterError(
-                f"state[{name!r}] = {value!r}: must be as a final_state has it, {low:g} to {high:g}"
+                f"state[{name!r}] = {value!r}: must be as in a final_state, {low:g} to {high:g}"
             )
     belongs = _belongs(system, given)
     n = len(belongs)

@@ -392,7 +392,9 @@ def _along_parameter(given: dict[str, Any]) -> None:
     values = given["values"] = rising(given.get("values", ()), points=given.pop("points", None))
     if name in ("r", "clearance"):
         if given.get(name) is not None:
-            raise ParameterError(f"{name} = {given[name]!r}: must be left out, it is the parameter")
+            raise ParameterError(
+                f"{name} = {given[name]!r}: must be left out, since it is the parameter"
+            )
         given[name] = float(values[0])
     if name == "r":
         first_point(given, given["r"])
@@ -408,7 +410,7 @@ def _along_parameter(given: dict[str, Any]) -> None:
     beside = given.get("point")
     elements = {} if beside is None else {"friction": beside.friction, "stops": beside.stops}
     if walls and elements.get("stops"):
-        raise ParameterError(f"parameter = {name!r}: must not be of walls that give")
+        raise ParameterError(f"parameter = {name!r}: must not be that of compliant walls")
     for wall in walls:
         if not isinstance(osc.restitution[wall], float):
             raise ParameterError(
@@ -564,7 +566,7 @@ def bifurcation_diagram(
     }
     for name, value in fixed.items():
         if name == parameter and value is not None:
-            raise ParameterError(f"{name} = {value!r}: must be left out, it is the parameter")
+            raise ParameterError(f"{name} = {value!r}: must be left out, since it is the parameter")
     keys = {
         "parameter": parameter, **(door.swept(along, parameter) or {"list": along}),
         "clearance": fixed["clearance"], "r": fixed["r"] if np.ndim(fixed["r"]) else None, "sweep": sweep,
@@ -590,6 +592,6 @@ def _beside(value: Any, name: str, along: _Array, values: ArrayLike) -> Any:
     array = checks.real_array(value, name, "numbers")
     if array.shape != along.shape or not np.array_equal(along, values):
         raise ParameterError(
-            f"{name} of shape {array.shape}: must be a number, or one for each of values, which have to rise then"
+            f"{name} of shape {array.shape}: must be a number, or one for each of values, then in ascending order"
         )
     return array

@@ -270,7 +270,7 @@ def uncertainty(
             "bands = True: must have at least two values of r and of the clearance, the window of the zone"
         )
     if limits and pattern.has_rest:
-        raise ParameterError("limit: must be without a pattern with rest, which has no chart")
+        raise ParameterError("limit: must be left out for a pattern with rest, which has no chart")
     changes = systems(
         osc, parameters, shares(count, len(parameters), np.random.default_rng(number))
     )

@@ -274,7 +274,8 @@ contains
          if (axis(i) > axis(i - 1)) cycle
          if (study%has(name)) call study%refuse(name, 'number '//whole(i)//' is not above number ' &
             //whole(i - 1))
-         if (.not. study%has(name)) call study%refuse(name//'_max', 'so many between do not differ')
+         if (.not. study%has(name)) call study%refuse(name//'_max', &
+            'so many values between them are not distinct')
          return
       end do
    end subroutine check_axis

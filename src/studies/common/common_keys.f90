@@ -114,8 +114,8 @@ contains
          else if (geometric .and. low <= 0) then
             call case%study%refuse('low', 'above 0 with spacing = ''geometric''')
          else if (.not. rise(parameter_values(case))) then
-            call case%study%refuse('values', 'so many between '//exact(low)//' and '// &
-               exact(high)//' do not differ')
+            call case%study%refuse('values', 'so many values between '//exact(low)// &
+               ' and '//exact(high)//' are not distinct')
          else if (parameters(place) == 'r') then
             if (any(at_resonance(case%osc%xi, parameter_values(case)))) call &
                case%study%refuse('low', resonance//'among the values')

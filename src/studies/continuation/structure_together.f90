@@ -85,8 +85,8 @@ contains
       do i = 1, n
          if (twin(found%gaps(i)) == twin(found%gaps(first(i)))) cycle
          message = 'gaps '//whole(found%gaps(first(i)) - 1)//' and '//whole(found%gaps(i) - 1)// &
-            ' close at one instant, and would not for other values of the parameters; change alike &
-            &what belongs to them'
+            ' close at one instant, but would not for other values of the parameters; change both &
+            &of them alike'
          return
       end do
       if (any([(coupling_at_instants(samples(i)%structure, found%gaps, impact_of), i=1, 3)] /= &

@@ -215,7 +215,7 @@ contains
          if (status == stat%more_events .and. size(events) < s%whole_number('max_events')) then
             result%empty = .true.
             call result%fail('max_events = '//whole(s%whole_number('max_events'))//': must be &
-               &more; it was reached within the discarded cycles')
+               &larger; it was reached within the discarded cycles')
             return
          end if
       end associate
@@ -368,7 +368,7 @@ contains
       end associate
       if (status == stat%event_limit) then
          result%empty = .true.
-         call result%fail('max_events = '//whole(most)//': must be more; it was reached within the &
+         call result%fail('max_events = '//whole(most)//': must be larger; it was reached within the &
             &discarded time')
          return
       end if

@@ -426,7 +426,7 @@ contains
       ! a factor changes only what is not 0
       if (factor) entries = nonzero(structure, load, entries)
       if (size(entries) == 0) then
-         message = 'there is nothing that it could change'
+         message = 'it changes nothing'
          return
       end if
       change%low = bounds(1)
