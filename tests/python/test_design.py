@@ -236,7 +236,7 @@ def test_a_design_is_converted_to_physical_units(tmp_path):
     from vibroimpact.plot.design import _lines
 
     assert any(
-        f"d = {length * found.values['clearance']:.5g} m from wall to wall" in line
+        f"d = {1000 * length * found.values['clearance']:.5g} mm from wall to wall" in line
         for line in _lines(found)
     )
     assert "(mm)" in shown.plot()[0].get_xlabel()
@@ -263,6 +263,49 @@ def test_seeds_minimise_the_same_level_and_agree_where_they_converge():
     one = vi.design(OSC, **{**rough, **QUICK, "evaluations": 16, "searches": 3})
     assert one.converged is False
     assert "not converged: the searches ended at" in one.verdict
+
+
+def test_units_and_ctrl_c_in_the_first_search():
+    """A rig's frequencies, clearances and limits may have units; what a first search has found is not lost."""
+    rig = vi.Oscillator.from_dimensional(
+        M="2.7 kg", K="42 kN/m", xi="1.1 %", m="110 g", restitution=0.75, F0="6 N"
+    )
+    units, cases = rig.units(), []
+    for numbers in (
+        {"r": ("19 Hz", "21 Hz"), "free": {"clearance": ("1 mm", "8 mm")}, "limit": "4 mm", "load": ("5 N", "6 N"),
+         "limits": {"speed": "1 m/s", "acceleration": "90 m/s^2"},
+         "tolerance": {"clearance": ("-0.1 mm", "0.1 mm")}},
+        {"r": tuple(units.frequency_ratio(f=f) for f in (19, 21)), "limit": 4e-3 / units.length,
+         "free": {"clearance": (1e-3 / units.length, 8e-3 / units.length)}, "load": (5 / 6, 1),
+         "limits": {"speed": 1 / units.velocity, "acceleration": 90 / units.acceleration},
+         "tolerance": {"clearance": (-1e-4 / units.length, 1e-4 / units.length)}},
+    ):  # fmt: skip
+        calls = []
+
+        def interrupt(_, note, calls=calls):
+            calls.append(note)
+            if len(calls) == 2:
+                raise KeyboardInterrupt
+
+        with pytest.raises(vi.StudyInterrupted) as caught:
+            vi.design(rig, target="displacement", progress=interrupt, **numbers)
+        found = caught.value.result
+        cases.append(found)
+        assert found.level == min(found.candidates["level"])
+        assert "mm for 99 % of the units: " in found.verdict
+        assert "<Design clearance = " in repr(found)
+        assert found.asked[0] == "Load frequencies 19 to 21 Hz."
+    ours, theirs = (one.keys for one in cases)
+    for name in (
+        "band",
+        "limit",
+        "free_clearance",
+        "load",
+        "limit_speed",
+        "limit_acceleration",
+        "tolerance_clearance",
+    ):
+        assert ours[name] == pytest.approx(theirs[name], rel=1e-12), name
 
 
 def test_ctrl_c_keeps_the_best_design(monkeypatch):

@@ -92,12 +92,17 @@ def test_the_page_says_what_was_asked(tmp_path):
     """The band, tolerances, limits, and physical dimensions with their units; also of a design from a file."""
     found = full()
     found.save(tmp_path / "design.json")
+    units = found.osc.units().to("mm N s")
+    length = units.length
     for one in (found, vi.load(tmp_path / "design.json")):
         text = " ".join(_lines(one))
         for part in (
-            "Frequency ratios 1 to 1.02.", "clearance -1 to 1 (deviations)", "mu 0.98 to 1.02 (factors)",
-            "R1 0.9 to 1.2 by 3 quantiles (factors)", "load 0.9 to 1.1.", "displacement <= 40",
-            "least_gap >= 0.0001", "multiplier <= 0.98", f"m = {found.values['mu'] * 2.7:.5g} kg, with M = 2.7 kg",
-            f"d = {found.values['clearance'] * 6 / 42e3:.5g} m from wall to wall",
+            f"Load frequencies {units.frequency:.6g} to {1.02 * units.frequency:.6g} Hz.",
+            f"clearance {-length:.6g} to {length:.6g} mm (deviations)", "mu 0.98 to 1.02 (factors)",
+            "R1 0.9 to 1.2 by 3 quantiles (factors)", "load 5.4 to 6.6 N.",
+            f"displacement <= {40 * length:.6g} mm",
+            f"least_gap >= {1e-4 * length:.6g} mm", "multiplier <= 0.98",
+            f"m = {found.values['mu'] * 2.7:.5g} kg, with M = 2.7 kg",
+            f"d = {found.values['clearance'] * length:.5g} mm from wall to wall",
         ):  # fmt: skip
             assert part in text

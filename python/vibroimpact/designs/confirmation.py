@@ -106,12 +106,15 @@ def firmer(problem: Problem, order: Order, archive: Archive) -> tuple[Archive, O
         )
         fine, coarse = grids(problem, order)
         values, levels = np.array(archive.values), np.array(archive.level)
-        judged = refined(problem, fine, values, levels, None)
+        judged = Archive()
+        refined(problem, fine, values, levels, None, judged)
         if judged.excess[judged.best] > 1:
             # what met the limits by fewer units does not meet them: the search begins again
             number = order.seed, order.searches + turn
-            found = explored(problem, coarse, order.evaluations, number, None)
-            judged.add(refined(problem, fine, *found, None))
+            found = explored(problem, coarse, order.evaluations, number, None, Archive())
+            further = Archive()
+            refined(problem, fine, *found, None, further)
+            judged.add(further)
         judged.searches, judged.judged_again = archive.searches, True
         archive = judged
     return archive, order

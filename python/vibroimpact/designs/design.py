@@ -22,6 +22,8 @@ from ..results.performance import LEAST, PARAMETERS
 from ..results.tables import Result, made
 from ..systems.distribution import Uncertain, uncertain
 from ..systems.oscillator import Oscillator, of_numbers
+from ..systems.units import range_text, units_to_show, value_text
+from ..systems.verbs import physical_arguments
 from .confirmation import CODE_OF, confirmed, firmer
 from .order import NAMES, Order, asked_by, numbers_of
 from .problem import LIMITED, OscillatorHost, Problem, parameters_of
@@ -242,18 +244,23 @@ class Design(Noun, study="design", example=EXAMPLE):
             )
         share = f"{100 * self.quantile:.6g} % of the units"
         symbol = ">=" if self.target == "damping" else "<="
+        osc = self.osc if self.case else None
         if self.converged is False:
             levels = ", ".join(
-                f"{x:.4g}" for x in sorted(self.searches["level"], reverse=symbol == ">=")
+                value_text(osc, self.target, x, 4)
+                for x in sorted(self.searches["level"], reverse=symbol == ">=")
             )
             above += f"; not converged: the searches ended at {levels}; more evaluations or searches would help"
         if self.limit is None:
-            return f"{self.target} {symbol} {self.level:.4g} for {share} of the search{above}"
-        wanted = f"{self.target} {symbol} {self.limit:.6g} for {share}"
+            level = value_text(osc, self.target, self.level, 4)
+            return f"{self.target} {symbol} {level} for {share} of the search{above}"
+        wanted = f"{self.target} {symbol} {value_text(osc, self.target, self.limit)} for {share}"
         if not self.samples:
-            return f"{wanted}: {self.level:.4g} in the search, not confirmed by samples{above}"
+            level = value_text(osc, self.target, self.level, 4)
+            return f"{wanted}: {level} in the search, not confirmed by samples{above}"
         low, high = self.interval
         weak = int(np.nanargmin(self.bands["probability"]))
+        along = "amplitude" if self.target == "damping" else "r"
         met = self.level <= self.limit if symbol == "<=" else self.level >= self.limit
         failed = "does not hold" if met else "was not reached"
         answer = {True: "holds", False: failed, None: "is not decided"}
@@ -262,7 +269,7 @@ class Design(Noun, study="design", example=EXAMPLE):
             f"(95 % interval {100 * low:.4g} to {100 * high:.4g} %); weakest part of the band: "
             f"{100 * self.bands['probability'][weak]:.4g} % "
             f"({100 * self.bands['low'][weak]:.4g} to {100 * self.bands['high'][weak]:.4g} %) from "
-            f"{self.bands['from'][weak]:.5g} to {self.bands['to'][weak]:.5g}{above}"
+            f"{range_text(osc, along, self.bands['from'][weak], self.bands['to'][weak], 5)}{above}"
         )
 
     @property
@@ -271,13 +278,18 @@ class Design(Noun, study="design", example=EXAMPLE):
         that is a function and was read from a file only the band."""
         first, last = self.ends
         along = "Initial displacements" if self.target == "damping" else "Frequency ratios"
-        found = [f"{along} {first:.6g} to {last:.6g}."]
+        osc = self.osc if self.case else None
+        kind = "amplitude" if self.target == "damping" else "r"
+        if units_to_show(osc) is not None and kind == "r":
+            along = "Load frequencies"
+        found = [f"{along} {range_text(osc, kind, first, last)}."]
         if self._asked is None and not self.case:
             return found
         problem, _ = self._asked or asked_by(self.osc, self.keys)
         spread = problem.tolerance | {"load": problem.load}
+        free = problem.free
         texts = [
-            f"{name} {item.text}{item.meaning if name in problem.free else ''}"
+            f"{name} {spread_text(osc, name, item, name in free)}{item.meaning if name in free else ''}"
             for name, item in spread.items()
             if item.low < item.high
         ]
@@ -286,14 +298,17 @@ class Design(Noun, study="design", example=EXAMPLE):
         limits = getattr(problem.host, "limits", {})
         if limits:
             parts = (
-                f"{name} {'>=' if name in LEAST else '<='} {value:.6g}"
+                f"{name} {'>=' if name in LEAST else '<='} {value_text(osc, name, value)}"
                 for name, value in limits.items()
             )
             found.append("Limits: " + ", ".join(parts) + ".")
         return found
 
     def __repr__(self) -> str:
-        chosen = ", ".join(f"{name} = {value:.6g}" for name, value in self.values.items())
+        osc = self.osc if self.case else None
+        chosen = ", ".join(
+            f"{name} = {value_text(osc, name, value)}" for name, value in self.values.items()
+        )
         return f"<Design {chosen}: {self.verdict}>"
 
     def confirm(
@@ -359,6 +374,12 @@ class Design(Noun, study="design", example=EXAMPLE):
             If the extension is none of these, or the folder is not there.
         """
         ACTIONS["report"](self, path)
+
+
+def spread_text(osc: Oscillator | None, name: str, item: Uncertain, free: bool) -> str:
+    """How a parameter is uncertain, in the units of the oscillator, if it has them."""
+    plain = item.normal or len(item.numbers) != 2 or (free and "factors" in item.meaning)
+    return item.text if plain else range_text(osc, name, item.low, item.high)
 
 
 def answered(case: str, tables: Mapping[str, Any], asked: tuple[Problem, Order]) -> Design:
@@ -427,6 +448,7 @@ def reach(item: Uncertain) -> _Array:
     return np.array([item.low, item.middle, item.high])
 
 
+@physical_arguments
 @with_progress
 def design(
     host: Oscillator | Callable[..., Any], *, r: ArrayLike | None = None, free: Mapping[str, Any],
@@ -523,7 +545,8 @@ def design(
     MissingExtraError
         Without SciPy.
     KeyboardInterrupt
-        After Ctrl-C, once a search has ended: its attribute `result` is the best design so far, without samples.
+        After Ctrl-C, once candidates were judged: its attribute `result` is the best design so far, without
+        samples; of a first search that was stopped it is judged by few units.
 
     Examples
     --------

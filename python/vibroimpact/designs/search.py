@@ -154,12 +154,19 @@ def search(problem: Problem, order: Order, progress: door.Progress | None) -> Ar
     archive = Archive()
     for number in range(order.searches):
         report = part_of(progress, number, 1, order.searches)
+        tried, best = Archive(), Archive()
         try:
-            found = explored(problem, coarse, order.evaluations, (order.seed, number), report)
-            archive.add(refined(problem, fine, *found, report))
+            found = explored(
+                problem, coarse, order.evaluations, (order.seed, number), report, tried
+            )
+            refined(problem, fine, *found, report, best)
+            archive.add(best)
         except KeyboardInterrupt:
+            # of a first search that was stopped, what it has, judged by all units or by few
             if not archive.level:
-                raise
+                if not tried.level:
+                    raise
+                archive.add(best if best.level else tried)
             archive.stopped = True
         if archive.agree or archive.stopped:
             break
@@ -167,27 +174,24 @@ def search(problem: Problem, order: Order, progress: door.Progress | None) -> Ar
 
 
 def explored(
-    problem: Problem, coarse: Grid, evaluations: int, seed: tuple[int, int], progress: door.Progress | None
+    problem: Problem, coarse: Grid, evaluations: int, seed: tuple[int, int], progress: door.Progress | None,
+    archive: Archive,
 ) -> tuple[_Array, _Array]:  # fmt: skip
-    """The candidates of one global search, by differential evolution, and their levels."""
+    """The candidates of one global search, by differential evolution, and their levels; all go to the archive."""
     differential_evolution = scipy("optimize", "a design", "design").differential_evolution
 
     low, high = np.array(list(problem.free.values()), dtype=float).T
     evaluations = max(evaluations, 8 * len(low))
-    tried: list[_Array] = []
-    levels: list[_Array] = []
     size = max(8, 8 * len(low))
 
     def level(shares: _Array) -> _Array:
         candidates = np.atleast_2d(shares.T)
-        found = judged(problem, coarse, candidates)
-        tried.append(candidates)
-        levels.append(found[1])
-        done = sum(map(len, tried)) / (evaluations + size)
+        _judge(problem, coarse, candidates, archive)
+        done = len(archive.level) / (evaluations + size)
         if progress is not None:
             progress(min(0.7, 0.7 * done), "global search")
         # an infinite level, of runs that failed, would make differences and variances of levels undefined
-        return np.asarray(np.minimum(found[1], 1e150))
+        return np.minimum(archive.level[-len(candidates) :], 1e150)
 
     try:
         rng = np.random.default_rng(seed)
@@ -198,7 +202,7 @@ def explored(
         )  # fmt: skip
     except (RuntimeError, TypeError) as error:
         raise cause_of(error) from None
-    return np.concatenate(tried), np.concatenate(levels)
+    return np.array(archive.values), np.array(archive.level)
 
 
 def cause_of(error: BaseException) -> BaseException:
@@ -207,15 +211,15 @@ def cause_of(error: BaseException) -> BaseException:
 
 
 def refined(
-    problem: Problem, fine: Grid, candidates: _Array, levels: _Array, progress: door.Progress | None
-) -> Archive:
-    """The best of some candidates judged by all units of a grid, and the steps down from there.
+    problem: Problem, fine: Grid, candidates: _Array, levels: _Array, progress: door.Progress | None,
+    archive: Archive,
+) -> None:  # fmt: skip
+    """The best of some candidates judged by all units of a grid, and the steps down from there, for the archive.
 
     More units and frequencies hardly lower a level: a candidate is left out if its known level is above one that
     is reached.
     """
     low, high = np.array(list(problem.free.values()), dtype=float).T
-    archive = Archive()
     promising, known = _promising(candidates, levels, high - low, 8)
     for begin in range(0, len(promising), 2):
         if begin and known[begin] > min(archive.level):
@@ -224,7 +228,6 @@ def refined(
         if progress is not None:
             progress(0.7 + 0.1 * begin / len(promising), "best candidates")
     descend(problem, fine, archive, low, high, progress)
-    return archive
 
 
 def _even_start(low: _Array, high: _Array, size: int, rng: np.random.Generator) -> _Array:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..base.files import place_for
 from ..results.tables import UNIT_OF
-from ..systems.units import SI
+from ..systems.units import SI, range_text, units_to_show, value_text
 from . import style
 
 if TYPE_CHECKING:
@@ -70,38 +70,50 @@ def _page(design: Design) -> Any:
         2, 2, left=LEFT, right=RIGHT, top=low - 0.05, bottom=0.06, hspace=0.45, wspace=0.35
     )
     panels = np.ravel(grid.subplots())
-    _draw_panels(panels, design, style.Scales(None))
+    _draw_panels(panels, design, style.Scales(_units(design)))
     return panels
+
+
+def _units(design: Design) -> Units | None:
+    """The units of a report."""
+    return units_to_show(design.osc) if design.case else None
 
 
 def _lines(design: Design) -> list[str]:
     """The text of a report."""
     lines = [*_wrapped(f"{design.verdict[0].upper()}{design.verdict[1:]}."), ""]
+    units = _units(design)
+    osc = design.osc if design.case else None
+    symbols = SYMBOLS | ({} if units is None else {"clearance": "$d$"})
     chosen = (
-        f"{SYMBOLS.get(name, name)} = {value:.6g} (from {low:.6g} to {high:.6g})"
+        f"{symbols.get(name, name)} = {value_text(osc, name, value)} (from {range_text(osc, name, low, high)})"
         for (name, value), (low, high) in zip(
             design.values.items(), design.ranges.values(), strict=True
         )
     )
     lines += _wrapped("Chosen: " + ", ".join(chosen) + ".")
-    known = design.case and None not in (design.osc.M, design.osc.K, design.osc.F0)
-    dimensions = _dimensions(design, design.osc.units() if known else None)
+    dimensions = _dimensions(design, units)
     if dimensions:
-        lines += _wrapped("In physical units: " + ", ".join(dimensions) + ".")
+        lines += _wrapped("That is " + ", ".join(dimensions) + ".")
     for text in design.asked:
         lines += _wrapped(text)
-    levels = ", ".join(f"{level:.4g}" for level in sorted(design.searches["level"]))
+    levels = ", ".join(
+        value_text(osc, design.target, level, 4) for level in sorted(design.searches["level"])
+    )
     lines += _wrapped(f"Best levels of the independent searches: {levels}.")
     if design.samples:
+        worst = value_text(osc, design.target, design.worst, 4)
         lines.append(
-            f"Worst of all samples: {design.worst:.4g}; simulations given up, counted as bad: {design.failed}."
+            f"Worst of all samples: {worst}; simulations given up, counted as bad: {design.failed}."
         )
     if design.sensitivity:
         slopes = [
             f"{SYMBOLS.get(name, name)} {slope:+.4g}" for name, slope in design.sensitivity.items()
         ]
         lines += _wrapped(
-            "Derivatives of the target of the worst unit by " + ", ".join(slopes) + "."
+            f"Derivatives of the target of the worst unit{' (dimensionless)' * (units is not None)} by "
+            + ", ".join(slopes)
+            + "."
         )
     return lines
 
@@ -121,8 +133,8 @@ def _dimensions(design: Design, units: Units | None) -> list[str]:
         d = chosen["clearance"] * units.length
         texts.append(f"d = {d:.5g} {units.name('F0/K')} from wall to wall")
     if "mu" in chosen:
-        mass = "kg" if units.names == SI else units.name("K/omega^2")
-        texts.append(f"m = {chosen['mu'] * units.M:.5g} {mass}, with M = {units.M:.5g} {mass}")
+        si = units.to(SI)
+        texts.append(f"m = {chosen['mu'] * si.M:.5g} kg, with M = {si.M:.5g} kg")
     return texts
 
 

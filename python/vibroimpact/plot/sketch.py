@@ -14,6 +14,8 @@ from .style import FREE, IMPACT, LOAD, PRIMARY, SETTINGS, pyplot
 
 __all__ = ["bodies_of", "draw_sketch", "draw_system"]
 
+#: Points of print for a unit of length from which labels have their full size.
+FULL_SIZE = 22.0
 #: Left and right end of M, of its slot, and of m; bottom and top of the same (arbitrary unit).
 BODY, SLOT, MASS = ((2.6, 8.2, 0.0, 3.0), (3.4, 7.4, 0.8, 2.2), (4.8, 6.0, 0.85, 1.75))
 #: Most bodies that are drawn; of more, the first ones and the last one.
@@ -323,6 +325,17 @@ def _draw_row(
             f"{len(row)} bodies" + (f", {len(hosts)} free masses in their slots" if hosts else ""),
             ha="center", va="center", fontsize=7,
         )  # fmt: skip
+    _fit_labels(ax)
+
+
+def _fit_labels(ax: Any) -> None:
+    """Smaller labels where many bodies share the width, so that they stay within their bodies."""
+    place, size = ax.get_position(), ax.figure.get_size_inches()
+    spans = np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim())
+    # points of print for a unit of length of the sketch
+    unit = 72 * min(place.width * size[0] / spans[0], place.height * size[1] / spans[1])
+    for text in ax.texts:
+        text.set_fontsize(max(4.0, text.get_fontsize() * min(1.0, unit / FULL_SIZE)))
 
 
 def _changing(load: Load | Record) -> NDArray[np.float64]:

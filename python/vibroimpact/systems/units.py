@@ -84,6 +84,13 @@ STATE = {
 START = {"amplitude": "F0/K", "y": "F0/K", "x_dot": "omega F0/K", "z_dot": "omega F0/K"}
 #: Arguments that hold values of a state by name.
 OF_STATES = ("state", "fixed")
+#: Those of what limits and targets limit.
+OF_FIGURES = {
+    "displacement": "F0/K", "rms": "F0/K", "acceleration": "omega^2 F0/K", "force": "F0",
+    "speed": "omega F0/K", "least_speed": "omega F0/K", "least_gap": "F0/K",
+}  # fmt: skip
+#: Arguments that hold values by name, and the units of these.
+BY_NAME = {"free": ARGUMENTS, "tolerance": ARGUMENTS, "limit": OF_FIGURES, "limits": OF_FIGURES}
 #: Arguments that hold values of the parameter that another argument names.
 OF_PARAMETER = ("bounds", "values", "at")
 #: Types that have no unit, which are most arguments.
@@ -519,6 +526,7 @@ def number_of(value: Any, name: str, unit: str, units: Callable[[], Units]) -> A
         raise ParameterError(f"{name} = {value!s}: must be in Hz, rpm or rad/s")
     if powers != tuple(wanted.tolist()) or angular != (unit == "omega"):
         kind = {"omega": "a frequency", "F0/K": "a length", "F0": "a force", "1/omega": "a time"}
+        kind["omega^2 F0/K"] = "an acceleration"
         raise ParameterError(f"{name} = {value!s}: must be {kind.get(unit, 'a velocity')}")
     size = float(size) if isinstance(size, Decimal) else size
     return size / units().to("SI").scale(unit)
@@ -565,15 +573,26 @@ def place_text(osc: Any, r: float, clearance: float, digits: int = 6) -> str:
     )
 
 
-def range_text(osc: Any, parameter: str, low: float, high: float, digits: int = 6) -> str:
-    """A range of values of a parameter for people, as "18 to 21 Hz" or "0.9 to 1.1"."""
-    units, unit = units_to_show(osc), ""
-    if units is not None and parameter == "r":
-        low, high, unit = low * units.frequency, high * units.frequency, f" {units.hertz}"
-    elif units is not None and parameter in ARGUMENTS:
-        scale = units.scale(ARGUMENTS[parameter])
-        low, high, unit = low * scale, high * scale, f" {units.name(ARGUMENTS[parameter])}"
-    return f"{low:.{digits}g} to {high:.{digits}g}{unit}"
+def shown_unit(osc: Any, name: str) -> tuple[float, str]:
+    """The factor and the unit with which values of an argument, or of what a limit limits, are shown."""
+    units, unit = units_to_show(osc), (ARGUMENTS | START | OF_FIGURES).get(name, "")
+    if units is None or not unit:
+        return 1.0, ""
+    if unit == "omega":
+        return units.frequency, f" {units.hertz}"
+    return units.scale(unit), f" {units.name(unit)}"
+
+
+def range_text(osc: Any, name: str, low: float, high: float, digits: int = 6) -> str:
+    """A range of values for people, as "18 to 21 Hz" or "0.9 to 1.1"."""
+    scale, unit = shown_unit(osc, name)
+    return f"{low * scale:.{digits}g} to {high * scale:.{digits}g}{unit}"
+
+
+def value_text(osc: Any, name: str, value: float, digits: int = 6) -> str:
+    """A value for people, as "4 mm" or "28"."""
+    scale, unit = shown_unit(osc, name)
+    return f"{value * scale:.{digits}g}{unit}"
 
 
 def dimensionless(osc: Scaled, name: str, value: Any, parameter: str = "") -> Any:
@@ -593,6 +612,16 @@ def dimensionless(osc: Scaled, name: str, value: Any, parameter: str = "") -> An
             )
             for i, axis in enumerate(value)
         )
+    if name in BY_NAME and isinstance(value, Mapping):
+        return {
+            key: number_of(part, f"{name}[{key!r}]", BY_NAME[name][key], osc.units)
+            if key in BY_NAME[name]
+            else part
+            for key, part in value.items()
+        }
+    if name == "limit":  # of the target
+        unit = OF_FIGURES.get(parameter)
+        return value if unit is None else number_of(value, name, unit, osc.units)
     unit = (ARGUMENTS | START).get(parameter if name in OF_PARAMETER else name)
     if unit is None:
         return value

@@ -10,7 +10,16 @@ from typing import Any, ParamSpec, TypeVar
 from ..base.errors import ParameterTypeError
 from .oscillator import Oscillator, Point
 from .structure import Load, Structure
-from .units import ARGUMENTS, OF_PARAMETER, OF_STATES, PLAIN, START, dimensionless, has_unit
+from .units import (
+    ARGUMENTS,
+    BY_NAME,
+    OF_PARAMETER,
+    OF_STATES,
+    PLAIN,
+    START,
+    dimensionless,
+    has_unit,
+)
 
 #: Texts that verbs take as arguments.
 EXAMPLES = '"19.5 Hz", "4 mm" and "6 N"'
@@ -169,7 +178,7 @@ def physical_arguments(function: Callable[Given, Found]) -> Callable[Given, Foun
     """A decorator: frequencies, lengths and loads of an oscillator that knows its units may have units."""
     names = list(inspect.signature(function).parameters)
     known = {*ARGUMENTS, *(START if "amplitude" in names else ())}
-    taken = {*known, *OF_STATES, *OF_PARAMETER, "plane"}
+    taken = {*known, *OF_STATES, *OF_PARAMETER, *BY_NAME, "plane"}
     places = [(i, name) for i, name in enumerate(names) if name in taken]
     with_units = ", ".join(f"`{name}`" for name in names if name in known)
     if with_units:
@@ -196,7 +205,9 @@ def physical_arguments(function: Callable[Given, Found]) -> Callable[Given, Foun
         if not isinstance(osc, Oscillator):
             return function(*args, **kwargs)
         for name in physical:
-            given[name] = dimensionless(osc, name, given[name], str(given.get("parameter")))
+            given[name] = dimensionless(
+                osc, name, given[name], str(given.get("parameter", given.get("target")))
+            )
         own = [given[name] for name in order[: len(args)]]
         rest: Any = {name: given[name] for name in kwargs}
         return function(*own, *args[len(own) :], **rest)  # type: ignore[arg-type]
