@@ -85,7 +85,8 @@ module vi_files
    end type new_file_type
 
    !> The requirement on the folder of results, as the end of a message.
-   character(*), parameter, public :: writable = '; must be in a folder and on a disk that can be written to'
+   character(*), parameter, public :: writable = &
+      '; must be in a folder and on a disk that can be written to'
 
 contains
 

@@ -72,7 +72,7 @@ def test_two_values_have_any_spacing(batch):
       for v in ("'equal'", "''", "linear")],
     ("'clearance'\n  low = 20, high = 26", "'xi', clearance = 9\n  low = 0, high = 0.1",
      "above 0 with spacing = 'geometric'", 3),
-    ("low = 20, high = 26, values = 4", "low = 1, high = 1.0000000000000004, values = 9", "do not differ", 3),
+    ("low = 20, high = 26, values = 4", "low = 1, high = 1.0000000000000004, values = 9", "are not distinct", 3),
     ("values = 4", "spacing = 'linear'", "was given before, in line 3", 3),
 ])  # fmt: skip
 def test_bad_spacing(old, new, wanted, line, batch):

@@ -191,7 +191,9 @@ def test_folder_that_cannot_be_made(folder, batch, command):
     assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
     below = folder.startswith("file")
     reason = "file is a file" if below else "cannot be made"
-    wanted = "must be a folder" + " and disk that can be written" * (not below)
+    wanted = (
+        "must be a folder" if below else "must be in a folder and on a disk that can be written to"
+    )
     assert done.faults == [f"{folder}: {reason}; {wanted}"]
     again = command("case.nml", "-o", folder)
     assert (again.status, again.out, len(again.faults)) == (2, b"", 1)

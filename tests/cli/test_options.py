@@ -190,7 +190,9 @@ def test_result_on_a_full_disk(form, tool):
     # the core writes tables, and detects partial ones by their size
     core = "the disk is full, or the file could not be written whole"
     reason = core if form == "csv" else "File too large"
-    output = f"vibroimpact basins: results/basins.{suffix}: {reason}; must be a folder and disk"
+    output = (
+        f"vibroimpact basins: results/basins.{suffix}: {reason}; must be in a folder and on a disk"
+    )
     assert done.stderr.startswith(output)
     assert len(done.stderr.splitlines()) == 1
     assert list(tool.cwd.iterdir()) == []

@@ -172,7 +172,7 @@ def test_files_of_another_kind_by_suffix(results, tmp_path):
         "none.nc",
         "none.mat",
     ):
-        with pytest.raises(vi.errors.ParameterError, match=rf"{name}': must be a file that"):
+        with pytest.raises(vi.errors.ParameterError, match=rf"{name}': must be a file written by"):
             vi.load(tmp_path / name)
 
 

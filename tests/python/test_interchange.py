@@ -177,12 +177,12 @@ def test_files_of_another_kind(text, tmp_path):
     path.write_text(text, encoding="utf-8")
     for read in (vi.load, vi.Atlas.load):
         with pytest.raises(
-            vi.errors.ParameterError, match=r"other\.json': must be a file that"
+            vi.errors.ParameterError, match=r"other\.json': must be a file written by"
         ) as caught:
             read(path)
         assert caught.value.__cause__ is None
     path.write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(vi.errors.ParameterError, match="must be a file that"):
+    with pytest.raises(vi.errors.ParameterError, match="must be a file written by"):
         vi.load(path)
 
 
@@ -193,7 +193,7 @@ def test_cut_and_missing_files(results, tmp_path):
     whole = path.read_text()
     for part in (1, len(whole) // 2, len(whole) - 1):
         path.write_text(whole[:part])
-        with pytest.raises(vi.errors.ParameterError, match="must be a file that"):
+        with pytest.raises(vi.errors.ParameterError, match="must be a file written by"):
             vi.load(path)
     with pytest.raises(vi.errors.ParameterError, match=r"none\.json.*No such file"):
         vi.load(tmp_path / "none.json")

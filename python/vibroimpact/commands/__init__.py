@@ -1,8 +1,8 @@
 """The subcommands of `vibroimpact`, one module each.
 
-A module has HELP (one line; for a study the core provides it), DESCRIPTION, EXAMPLE (works as pasted, in
-the folder of the project), `arguments(parser)`, which adds its arguments, and `run(options)`, which gives the
-exit status. A study whose command needs no text or option of its own needs no module, see `study.py`.
+A module has DESCRIPTION, EXAMPLE (works as pasted, in the folder of the project), `arguments(parser)`, which adds
+its arguments, and `run(options)`, which gives the exit status; `HELPS` has what each does in one line. A study whose
+command needs no text or option of its own needs no module, see `study.py`.
 """
 
 from __future__ import annotations
@@ -26,10 +26,20 @@ STUDIES: dict[str, str] = {
     name: study["meaning"]
     for name, study in language()["results"].items() if name != "motion"
 }  # fmt: skip
-#: In the order of the help text.
-NAMES = (
-    "run", *STUDIES, "prove", "campaign", "explore", "plot", "reproduce", "init", "doctor", "completion",
-)  # fmt: skip
+#: What each command does, in the order of the help text, so that this needs none of their modules.
+HELPS = {
+    "run": "run namelist files",
+    **STUDIES,
+    "prove": "prove the motions, branches and zones of namelist files",
+    "campaign": "compute all cases of a sweep into a store",
+    "explore": "explore zones and motions interactively in a browser",
+    "plot": "draw the cases of namelist files",
+    "reproduce": "recompute the tables and figures of the 1983 paper",
+    "init": "write a commented namelist to start from",
+    "doctor": "report what is installed, whether it computes correctly, and what is missing",
+    "completion": "print a script that enables completion in the shell",
+}
+NAMES = tuple(HELPS)
 
 #: Formats of results, with the extensions of their names; the first one is the default.
 FORMATS = {"csv": "csv", "netcdf": "nc", "json": "json", "matlab": "mat"}

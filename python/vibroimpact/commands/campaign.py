@@ -14,7 +14,6 @@ from ..campaigns.run import campaign
 from ..campaigns.sweep import Sweep
 from ..cases.case import read_namelist
 
-HELP = "compute all cases of a sweep into a store"
 DESCRIPTION = """Compute all cases of the &sweep of a namelist file, and keep the results in a store (Zarr). The
 same command resumes a campaign that was interrupted or killed; cases in the store are not
 computed again. A case that is rejected or fails is written to STORE/failures as a namelist.

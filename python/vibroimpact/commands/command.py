@@ -15,7 +15,7 @@ from io import StringIO
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from ..base.errors import VibroimpactError
-from . import NAMES, PICTURES, STUDIES, Record, add_common, name_file, need_extras
+from . import HELPS, NAMES, PICTURES, STUDIES, Record, add_common, name_file, need_extras
 from .options import number
 
 if TYPE_CHECKING:
@@ -117,7 +117,7 @@ def main_parser() -> tuple[Parser, dict[str, Parser]]:
         "--version", action=Version, nargs=0, help="show the version of the program, and exit"
     )
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
-    each = {name: commands.add_parser(name, help=help_of(name)) for name in NAMES}
+    each = {name: commands.add_parser(name, help=does) for name, does in HELPS.items()}
     return parser, each
 
 
@@ -149,12 +149,6 @@ def module_of(name: str) -> Any:
 
         return plain_command(name)
     return import_module(place)
-
-
-def help_of(name: str) -> str:
-    """What a subcommand does."""
-    meaning: str = STUDIES[name] if name in STUDIES else module_of(name).HELP
-    return meaning
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -215,8 +209,8 @@ def outcome(name: str, options: argparse.Namespace) -> int:
         if error.filename is None:  # standard output
             raise
         options.record.fault(
-            f"vibroimpact {name}: {error.filename}: {error.strerror}; must be a folder and disk that can be "
-            "written"
+            f"vibroimpact {name}: {error.filename}: {error.strerror}; must be in a folder and on a disk that "
+            "can be written to"
         )
     except KeyboardInterrupt:
         status = 1

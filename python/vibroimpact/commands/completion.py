@@ -6,7 +6,6 @@ import argparse
 
 from ..base.errors import MissingExtraError
 
-HELP = "print a script that enables completion in the shell"
 DESCRIPTION = """Print a script that lets a shell complete commands, options, their values and files. It needs
 the extra `completion`: pip install 'vibroimpact[completion]'.
 

@@ -19,7 +19,6 @@ from ..base.errors import VibroimpactError
 from ..motions.exact import exact
 from ..systems.oscillator import Oscillator, Pattern
 
-HELP = "report what is installed, whether it computes correctly, and what is missing"
 DESCRIPTION = """Report the compiler, the LAPACK library and the number of OpenMP threads in use, whether a
 motion of the 1983 paper is computed correctly, and which optional libraries are installed;
 for each missing one, its purpose and how to install it. Missing optional libraries are not

@@ -7,7 +7,6 @@ import argparse
 from ..base.errors import ParameterError
 from ..formats.load import load
 
-HELP = "explore zones and motions interactively in a browser"
 DESCRIPTION = """Serve a page on this machine and open it. The page shows the zones of stable motions over
 frequency ratio and clearance, which follow the sliders, and the motions under the pointer,
 with simulations, bifurcation diagrams, links and namelists, a map of max|X|/A, and a box of

@@ -17,7 +17,6 @@ from ..results.tables import keys_for
 from . import STUDIES
 from .options import takes
 
-HELP = "write a commented namelist to start from"
 DESCRIPTION = """Write NAME.nml, a namelist of one kind of case in which every key is explained and which can
 be run unchanged. An existing file is not overwritten."""
 EXAMPLE = "vibroimpact init zone"

@@ -14,7 +14,6 @@ from ..cases.case import Case, read_namelist
 from ..systems.units import checked_names
 from . import PICTURES, add_files, add_folder, add_units, picture_writer, ready
 
-HELP = "draw the cases of namelist files"
 DESCRIPTION = """Draw the cases of namelist files to DIR/NAME.png or another format (NAME_1, NAME_2 if a case
 has two motions or branches). Motions and simulations are drawn with time history, load,
 acceleration and phase portrait, branches along their parameter, charts, zones and atlases in

@@ -15,7 +15,6 @@ from ..proofs.certificate import VERDICTS
 from . import PICTURES, add_files, add_folder, picture_writer, ready
 from .request import Request, read_cases
 
-HELP = "prove the motions, branches and zones of namelist files"
 DESCRIPTION = """Prove in ball arithmetic what is true of the motions, branches and zones of namelist files: that
 each motion exists, meets no other wall, and is stable or not. Each certificate is written to
 DIR/NAME_proof.json (NAME_1_proof, NAME_2_proof if a case has several motions or branches), which

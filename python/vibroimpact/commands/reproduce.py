@@ -10,7 +10,6 @@ from ..reproduce import NAMES, reproduce
 from ..reproduce.tasks import TASKS
 from . import Fresh, add_folder
 
-HELP = "recompute the tables and figures of the 1983 paper"
 DESCRIPTION = textwrap.fill(
     "Recompute the tables and figures of Popplewell, Bapat and McLachlan (1983) and compare them with the printed "
     f"values. Available: {', '.join(NAMES)}.", 92,

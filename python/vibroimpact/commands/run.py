@@ -6,7 +6,6 @@ import argparse
 
 from . import add_files, add_forms, add_units
 
-HELP = "run namelist files"
 DESCRIPTION = """Run the cases of namelist files, of any kind. Each result is written to DIR/NAME.csv, with
 the same digits as the stand-alone program vibroimpact-batch gives, or in another format,
 which preserves every bit and can be read by vibroimpact.load (NAME_1, NAME_2 if a case has
