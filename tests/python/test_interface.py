@@ -500,3 +500,15 @@ def test_records_with_the_case_of_another_system():
         vi.ParameterError, match=r"exponents.* must be left out; the case is that of an oscillator"
     ):
         vi.Lyapunov.from_dict(theirs.to_dict() | {"case": ours.case})
+
+
+@pytest.mark.parametrize(
+    "name", ["simulate", "find", "exact", "response", "bifurcation_diagram", "lyapunov", "basins"]
+)
+def test_help_shows_every_form_of_call(name):
+    """Of an oscillator by the signature, and of a structure and of a point by a line each."""
+    verb = getattr(vi, name)
+    assert next(iter(inspect.signature(verb).parameters)) == "osc"
+    forms = " ".join(verb.__doc__.split("\n\n")[1].split())
+    assert f"Of a structure: ``{name}(structure, load" in forms
+    assert f"Of a point (`Oscillator.at`): ``{name}(point, " in forms

@@ -1,8 +1,8 @@
 """The subcommands of `vibroimpact`, one module each.
 
 A module has DESCRIPTION, EXAMPLE (works as pasted, in the folder of the project), `arguments(parser)`, which adds
-its arguments, and `run(options)`, which gives the exit status; `HELPS` has what each does in one line. A study whose
-command needs no text or option of its own needs no module, see `study.py`.
+its arguments, and `run(options)`, which gives the exit status; `HELPS` has what each does in one line. A study
+whose command needs no text or option of its own needs no module, see `study.py`.
 """
 
 from __future__ import annotations

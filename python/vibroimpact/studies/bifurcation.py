@@ -318,7 +318,12 @@ class BifurcationDiagram(
         if self.of_structure:
             found = self._periodic()
         else:
-            found = f"{len(self.runs)} runs, {len(self.points)} impacts, {len(self.windows)} periodic windows"
+            counts = {
+                "run": len(self.runs),
+                "impact": len(self.points),
+                "periodic window": len(self.windows),
+            }
+            found = ", ".join(f"{n} {what}{'s' * (n != 1)}" for what, n in counts.items())
         own = None if self.of_structure else self.osc
         span = range_text(own, self.parameter, self.values[0], self.values[-1])
         return f"<BifurcationDiagram over {self.parameter} = {span}: {found}{cut}>"

@@ -29,15 +29,25 @@ Found = TypeVar("Found")
 OF_POINT = {"osc": "osc", "r": "r", "clearance": "clearance", "load": "amplitude"}
 
 
-def usage(name: str, kind: type | None, of_structure: Callable[..., Any]) -> str:
-    """A paragraph of the docstring with the signature of a verb for structures."""
-    signature = inspect.signature(of_structure)
-    plain = [
-        item.replace(annotation=inspect.Parameter.empty) for item in signature.parameters.values()
-    ]
-    shown = signature.replace(parameters=plain, return_annotation=inspect.Signature.empty)
+def usage(
+    name: str, kind: type | None, of_structure: Callable[..., Any], of_point: list[Any]
+) -> str:
+    """A paragraph of the docstring with the signatures of a verb for structures and, if it takes them, points."""
     of = "a motion of a structure" if kind else "a structure"
-    return f"Of {of}: ``{name}{shown}``."
+    shown = plain_signature([*inspect.signature(of_structure).parameters.values()])
+    text = f"Of {of}: ``{name}{shown}``."
+    if of_point:
+        first = inspect.Parameter("point", inspect.Parameter.POSITIONAL_OR_KEYWORD)
+        shown = plain_signature([first, *of_point])
+        text += f" Of a point (`Oscillator.at`): ``{name}{shown}``."
+    return text
+
+
+def plain_signature(parameters: list[inspect.Parameter]) -> inspect.Signature:
+    """A signature without types."""
+    return inspect.Signature(
+        [item.replace(annotation=inspect.Parameter.empty) for item in parameters]
+    )
 
 
 def every_system(
@@ -67,7 +77,10 @@ def every_system(
         signature = inspect.signature(of_oscillator).parameters
         parameters, name = list(signature), of_oscillator.__name__
         summary, *text = inspect.cleandoc(of_oscillator.__doc__ or "").split("\n\n", 1)
-        of_oscillator.__doc__ = "\n\n".join([summary, usage(name, kind, of_structure), *text])
+        left = {*set(OF_POINT) - set(along[:1]), *along[1:]}
+        of_point = [item for key, item in signature.items() if key not in left]
+        own = usage(name, kind, of_structure, [] if no_point or kind else of_point)
+        of_oscillator.__doc__ = "\n\n".join([summary, own, *text])
 
         @functools.wraps(of_oscillator)
         def either(*args: Any, **kwargs: Any) -> Any:
