@@ -368,8 +368,8 @@ contains
       end associate
       if (status == stat%event_limit) then
          result%empty = .true.
-         call result%fail('max_events = '//whole(most)//': must be larger; it was reached within the &
-            &discarded time')
+         call result%fail('max_events = '//whole(most)//': must be larger; it was reached within &
+            &the discarded time')
          return
       end if
       ! the table, once more in the columns of the result, and room to make them
