@@ -255,8 +255,8 @@ class Impacts:
         self.active &= ~(ok & (size > usual * UNLAWFUL**2))
         if self.active.sum() < max(LEAST_IMPACTS, LAWFUL * self.lawful.sum()):
             raise SingularError(
-                f"{int(self.active.sum())} of {int(self.lawful.sum())} impacts agree with momentum and restitution "
-                f"for any one set of parameters: too few; {HINT}"
+                f"{int(self.active.sum())} of {int(self.lawful.sum())} impacts agree with momentum and "
+                f"restitution for any one set of parameters: too few; {HINT}"
             )
 
     def minima(self) -> list[Minimum]:
