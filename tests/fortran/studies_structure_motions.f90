@@ -7,9 +7,10 @@ module studies_structure_motions
    use vi_exponents, only: average_type, exponents_along, exponents_type
    use vi_kinds, only: wp
    use vi_motion, only: no, unknown, yes
+   use vi_presumed_events, only: presume, sequence_fault
    use vi_simulated_structure, only: new_simulated_structure, simulated_structure_type
    use vi_status, only: stat
-   use vi_structure, only: load_type, new_load, new_structure, structure_type
+   use vi_structure, only: check_structure, load_type, new_load, new_structure, structure_type
    use vi_structure_find, only: open_gaps, random_structure_states
    use vi_structure_found, only: add_motion, found_list_type
    use vi_structure_period, only: exact, periodic_structure, periodic_structure_arrays, &
@@ -37,7 +38,59 @@ contains
       call test_refused_exponents()
       call test_undefined_cycles()
       call test_sums_of_exponents()
+      call test_presumed_events()
    end subroutine test_structure_motions
+
+   !> The events of a motion determine it: a gap whose wall moves, a stop that cannot pull, and
+   !! friction that reverses.
+   subroutine test_presumed_events()
+      type(structure_type) :: structure
+      type(load_type) :: load
+      type(settled_type) :: motion, found
+      character(:), allocatable :: text
+      real(wp), allocatable :: phases(:)
+      real(wp) :: law(7, 3)
+      integer, allocatable :: kinds(:)
+      integer :: i, status
+
+      law = 0
+      law(:5, 1) = [0.6_wp, 10.0_wp, 0.05_wp, 0.02_wp, 0.7_wp]
+      law(:4, 2) = [0.8_wp, 4.0_wp, 30.0_wp, 2.0_wp]
+      law(:4, 3) = [0.0_wp, 5.0_wp, 0.05_wp, 0.05_wp]
+      structure = new_structure(reshape([1.0_wp, 0.0_wp, 0.0_wp, 0.5_wp, 0.1_wp, 0.0_wp, 0.0_wp, &
+         0.05_wp, 2.0_wp, -1.0_wp, -1.0_wp, 1.5_wp], [2, 2, 3]), reshape([1.0_wp, 0.0_wp, 0.0_wp, &
+         -1.0_wp, 1.0_wp, -1.0_wp], [2, 3]), law)
+      load = new_load(1.1_wp, reshape([1.0_wp, 0.2_wp, 0.0_wp, 0.3_wp], [2, 2, 1]), [0.0_wp, &
+         0.0_wp])
+      call settle(structure, load, 0.0_wp, [0.0_wp, 0.0_wp], [0.0_wp, 0.0_wp], 300, 1, 0, motion, &
+         status)
+      call check(status == stat%ok .and. size(motion%gaps) == 11, 'presumed: a motion')
+      if (status /= stat%ok) return
+      allocate (phases, source=motion%motion%phases)
+      kinds = [(motion%events(i)%kind, i=1, size(phases))]
+      call check_structure(structure, status)
+      call sequence_fault(structure, motion%gaps, kinds, text)
+      call check(len(text) == 0, 'presumed: events that can follow each other')
+      call sequence_fault(structure, motion%gaps, cshift(kinds, 1), text)
+      call check(len(text) > 0, 'presumed: events that cannot')
+      call presume(structure, load, motion%gaps, kinds, phases, 1, .false., found, status)
+      call check(status == stat%ok .and. found%motion%residual < 1.0e-13_wp, &
+         'presumed: all equations hold')
+      call check(maxval(abs(found%motion%states - motion%motion%states)) < 1.0e-10_wp .and. &
+         maxval(abs(found%motion%speeds - motion%motion%speeds)) < 1.0e-10_wp, &
+         'presumed: the same states and speeds')
+      call check(maxval(abs(found%motion%verdicts%multipliers &
+         - motion%motion%verdicts%multipliers)) < 1.0e-8_wp, 'presumed: the same multipliers')
+      call check(found%motion%verdicts%admissible == yes .and. found%motion%verdicts%stable &
+         == yes, 'presumed: the same verdicts')
+      phases(1) = phases(1) + 1.0e-4_wp
+      call presume(structure, load, motion%gaps, kinds, phases, 1, .false., found, status)
+      call check(found%motion%verdicts%consistent == no .and. found%motion%verdicts%stable == &
+         unknown, 'presumed: other instants')
+      call presume(structure, load, motion%gaps, kinds, phases, 1, .true., found, status)
+      call check(status == stat%ok .and. found%motion%verdicts%consistent == yes, &
+         'presumed: an exact motion nearby')
+   end subroutine test_presumed_events
 
    !> A motion given several times over is the same one, unless gaps, phases or a rest differ or
    !! there is no motion of the shorter period.
