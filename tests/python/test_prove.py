@@ -495,6 +495,19 @@ def test_refused():
     stop = vi.Structure([1], [0.1], [1], [vi.Gap([1], 1, 0.8)])
     with pytest.raises(vi.ParameterError, match="must be one of an Oscillator"):
         vi.exact(stop, vi.Load(1.0, cosine=[1]), ([0.1], [0])).prove()
+    for call in (
+        lambda: vi.prove_box(stop, "RL", r=1.0, clearance=2.0),
+        lambda: vi.prove_all(stop, 1.0, 2.0),
+    ):
+        with pytest.raises(
+            vi.ParameterTypeError, match=r"must be a vibroimpact\.Oscillator, not Structure"
+        ):
+            call()
+    osc = vi.Oscillator(xi=0.05, mu=0.1, restitution=0.3)
+    rest = next(motion for motion in vi.find(osc, 0.3, 0.5) if motion.pattern.has_rest)
+    for call in (rest.prove, lambda: vi.prove_box(osc, rest.pattern, r=0.3, clearance=0.5)):
+        with pytest.raises(vi.ParameterError, match=r"pattern = 'R\*L\*': must be without rest"):
+            call()
 
 
 @pytest.mark.slow

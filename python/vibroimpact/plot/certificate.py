@@ -42,6 +42,6 @@ def draw_certificate(certificate: Any, ax: Any = None) -> Any:
     ax.set_xlabel(style.parameter_label("r"))
     ax.set_ylabel(style.parameter_label("clearance"))
     style.add_legend(
-        ax, loc="center right"
+        ax, loc="lower center"
     )  # the best place takes long to find among so many strips
     return ax

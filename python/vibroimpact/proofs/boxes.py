@@ -36,6 +36,8 @@ EXPLICIT_DEGREE = 5
 UNIQUE = (2.0**-7, 2.0**-11, 2.0**-16)
 #: Steps of Newton's method, and the relative step after which it has converged.
 NEWTON, CLOSE = 8, 1e-13
+#: What proofs refuse.
+WITH_REST = "pattern = {!r}: must be without rest, which proofs do not support"
 #: What a box may lack.
 NO_MOTION = "Newton's method does not contract in a box around it (near a fold, pitchfork or graze)"
 NEAR_CIRCLE = "stability: a multiplier is too near to the unit circle"
@@ -84,9 +86,7 @@ class Family:
             )
         sides = motion.pattern.sides
         if motion.pattern.has_rest:
-            raise ParameterError(
-                f"pattern = {sides!r}: must be without rest, which proofs do not support"
-            )
+            raise ParameterError(WITH_REST.format(sides))
         if not motion.load > 0:
             raise ParameterError(f"load = {motion.load!r}: must be above 0 for a proof")
         numbers = (motion.osc.xi, motion.osc.mu, motion.r, motion.clearance, motion.load)

@@ -22,7 +22,7 @@ from ..studies.branch import Branch
 from ..studies.find import find
 from ..systems.oscillator import Oscillator, Pattern, pattern_of
 from .balls import decimal, decimal_text, flint, hexadecimal, upward
-from .boxes import NEAR_CIRCLE, NO_MOTION, NO_SPEED, Box, Family, cover, sizes_of
+from .boxes import NEAR_CIRCLE, NO_MOTION, NO_SPEED, WITH_REST, Box, Family, cover, sizes_of
 from .certificate import Certificate
 from .equations import System, characteristic, determinant, flights, period_map
 from .verdicts import between_walls, inside, krawczyk, multiplier_bound
@@ -249,6 +249,8 @@ def prove_box(
     begin = time.perf_counter()
     checks.instance(osc, "osc", Oscillator)
     pattern = pattern_of(pattern)
+    if pattern.has_rest:
+        raise ParameterError(WITH_REST.format(pattern.sides))
     if restitution is not None and (R1 is not None or R2 is not None):
         raise ParameterError(
             f"restitution = {restitution!r}: must be left out if R1 or R2 is given"
