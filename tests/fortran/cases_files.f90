@@ -581,7 +581,7 @@ contains
       integer :: i
 
       do i = 1, size(texts)
-         call check_fault(key_type('x'), 'x = '//trim(texts(i)), 'near 0', i <= 2)
+         call check_fault(key_type('x'), 'x = '//trim(texts(i)), 'close to 0', i <= 2)
       end do
       call check_fault(key_type('x', a_whole), 'x = 1e-999', 'near 0', .false.)
    end subroutine test_near_zero

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from vibroimpact.base.errors import ParameterError, ParameterTypeError
+from vibroimpact.identification.known import known_values
 from vibroimpact.results.tables import language
 from vibroimpact.systems.units import MIXED, NAMED, powers_of
 
@@ -701,6 +702,42 @@ def test_quantities_of_pint():
         M=2.7 * ureg.kg, K=42 * ureg.kN / ureg.m, xi=0.011, m=110 * ureg.gram, restitution=0.75, F0=6 * ureg.newton
     )  # fmt: skip
     assert (heavy.M, heavy.K, heavy.mu) == pytest.approx((2.7, 42e3, TEXTS.mu), rel=1e-14)
+
+
+def test_values_of_rigs_take_units():
+    """Units, bases, structures, virtual rigs and known values: a value may have a unit."""
+    inch = vi.Oscillator.from_dimensional(
+        M="1 lb", K="65 lbf/in", xi=0.01, m="20 g", restitution=0.7, F0="2 N", units="in lbf s"
+    )
+    assert inch.units(F0="2 N") == inch.units()
+    same = vi.Units(M="1 lb", K="65 lbf/in", F0="2 N", names="in lbf s")
+    assert same.M == pytest.approx(inch.units().M, rel=1e-14)
+    gap = inch.structure(d="25.4 mm").gaps[0].opening
+    assert gap == pytest.approx(0.5, rel=1e-14)
+    metres = inch.base_load("600 rpm", acceleration="0.0254 m/s^2")
+    assert metres == pytest.approx(inch.base_load(10.0, acceleration=1.0), rel=1e-14)
+    rig = vi.VirtualRig(
+        M="2.7 kg", K="42 kN/m", m="110 g", d="5 mm", xi="1.5 %", restitution=0.75, F0="6 N",
+        frequency="19.6 Hz", bandwidth="2 kHz",
+    )  # fmt: skip
+    assert rig == vi.VirtualRig(
+        M=2.7, K=42e3, m=0.11, d=5e-3, xi=0.015, restitution=0.75, F0=6.0, frequency=19.6, bandwidth=2000.0
+    )  # fmt: skip
+    found = known_values({"M": "2.7 kg", "omega": "1200 rpm", "C": "7 N s/m"})
+    wanted = known_values({"M": 2.7, "omega": 40 * np.pi, "C": 7.0})
+    for one, other in zip(found, wanted, strict=True):
+        assert one == pytest.approx(other, rel=1e-14)
+    for call, message in (
+        (lambda: vi.Units(M="2 N", K=1, F0=1), "M = 2 N: must be a mass"),
+        (lambda: inch.base_load("3 mm", displacement=1), "f = 3 mm: must be a frequency"),
+        (
+            lambda: inch.base_load(3, acceleration="3 mm"),
+            "acceleration = 3 mm: must be an acceleration",
+        ),
+        (lambda: known_values({"K": "3 N"}), "known K = 3 N: must be a stiffness"),
+    ):
+        with pytest.raises(ParameterError, match=f"^{message}"):
+            call()
 
 
 def test_every_verb_takes_units():

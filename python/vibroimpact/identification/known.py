@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 from ..base import checks
 from ..base.errors import ParameterError, ParameterTypeError
-from ..systems.units import positive
+from ..systems.units import OTHERS, POWERS, own_number, positive
 from .laws import KNOWN_OF_LAW
 
 #: What may be known, and its unit.
@@ -33,6 +33,8 @@ def known_values(known: Mapping[str, float]) -> tuple[dict[str, float], dict[str
     values: dict[str, float] = {}
     for name, value in known.items():
         checks.choice(name, "known: name", tuple(KNOWN))
+        if name == "omega" or name in POWERS or name in OTHERS:
+            value = own_number(value, name, label=f"known {name}")
         if name in ("xi", "mu", "R1", "R2"):
             values[name] = checks.number(
                 value, "restitution" if name[0] == "R" else name, f"known {name}"

@@ -19,11 +19,13 @@ from ..motions.trajectory import Trajectory, simulate_structure
 from ..systems.oscillator import Oscillator
 from ..systems.restitution import Law, Restitution
 from ..systems.structure import LARGEST, Gap, Load, Structure
-from ..systems.units import positive, with_u
+from ..systems.units import CYCLES, OTHERS, POWERS, own_number, positive, with_u
 
 __all__ = ["SensorRecord", "VirtualRig", "virtual_record"]
 
 _Array = NDArray[np.float64]
+#: Values of a rig that may have units.
+OF_RIG = {*POWERS, *OTHERS, *CYCLES}
 #: A number for the sensors of the motion, or one for each of some channels by name.
 PerChannel = float | Mapping[str, float] | None
 #: What may be known of the sensor of each channel.
@@ -388,7 +390,8 @@ class VirtualRig:
             "calibration",
             "contact",
         ):
-            value = positive(getattr(self, name), name, zero=name not in above)
+            value = own_number(getattr(self, name), name) if name in OF_RIG else getattr(self, name)
+            value = positive(value, name, zero=name not in above)
             if (
                 name in ("xi", "drift", "amplitude", "calibration", "ring_damping")
                 and not value < 1

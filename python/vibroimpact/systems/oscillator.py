@@ -24,6 +24,7 @@ from .units import (
     Units,
     checked_names,
     dimensionless,
+    own_number,
     place_text,
     plain_number,
     positive,
@@ -299,7 +300,8 @@ class Oscillator:
                 f"d = {d!r}: must be given to an oscillator that knows M and K only"
             )
         else:
-            half, M, K = 0.5 * positive(d, "d"), self.M, self.K
+            own = own_number(d, "d", self.unit_names or SI)
+            half, M, K = 0.5 * positive(own, "d"), self.M, self.K
         if isinstance(restitution, (tuple, list)) and len(restitution) != 2:
             raise ParameterError(
                 f"restitution = {restitution!r}: must be one coefficient or law, or two: right, left"
@@ -324,9 +326,9 @@ class Oscillator:
         Parameters
         ----------
         f : float
-            Frequency of the base, cycles per unit of time (Hz).
+            Frequency of the base, cycles per unit of time (Hz), or with a unit, as "19.5 Hz".
         displacement, velocity, acceleration : float
-            Amplitude of one of them, in the units of M and K.
+            Amplitude of one of them, in the units of M and K, or with a unit, as "1 m/s^2".
 
         Returns
         -------
@@ -350,7 +352,8 @@ class Oscillator:
         """
         if self.M is None or self.K is None:
             raise ParameterError("M = None: must be the primary mass for a motion of the base")
-        omega = 2 * math.pi * positive(f, "f")
+        names = self.unit_names or SI
+        omega = 2 * math.pi * positive(own_number(f, "f", names), "f")
         amplitudes = {
             "displacement": displacement,
             "velocity": velocity,
@@ -361,9 +364,8 @@ class Oscillator:
             raise ParameterError(
                 f"displacement, velocity, acceleration: must be one of them; given: {given}"
             )
-        amplitude = positive(amplitudes[given[0]], given[0]) / omega ** [*amplitudes].index(
-            given[0]
-        )
+        value = own_number(amplitudes[given[0]], given[0], names)
+        amplitude = positive(value, given[0]) / omega ** [*amplitudes].index(given[0])
         return amplitude * math.hypot(self.K, omega * 2 * self.xi * math.sqrt(self.K * self.M))
 
     def units(self, F0: float | None = None) -> Units:
@@ -386,9 +388,7 @@ class Oscillator:
                 "F0 = None: must be the load amplitude for units; give it here as units(F0=...), or to "
                 "Oscillator.from_dimensional"
             )
-        return Units(
-            self.M, self.K, positive(self.F0 if F0 is None else F0, "F0"), self.unit_names or SI
-        )
+        return Units(self.M, self.K, self.F0 if F0 is None else F0, self.unit_names or SI)  # type: ignore[arg-type]
 
     def at(
         self, r: float | str, clearance: float | str, load: float | str | Load = 1.0, friction: float | str = 0.0,

@@ -59,6 +59,12 @@ Powers: TypeAlias = tuple[int, int, int]
 POWERS: dict[str, Powers] = {
     "M": (-1, 1, 2), "m": (-1, 1, 2), "K": (-1, 1, 0), "C": (-1, 1, 1), "xi": (0, 0, 0), "F0": (0, 1, 0),
 }  # fmt: skip
+#: Further ones, and the frequencies among them, which count cycles.
+OTHERS: dict[str, Powers] = {
+    "mu": (0, 0, 0), "d": (1, 0, 0), "displacement": (1, 0, 0), "velocity": (1, 0, -1),
+    "acceleration": (1, 0, -2), "contact": (0, 0, 1),
+}  # fmt: skip
+CYCLES = ("f", "frequency", "ring_frequency", "rate", "bandwidth")
 #: Units by name: their size in SI, their powers of length, force and time, and whether they count an angle.
 NAMED: dict[str, tuple[float, Powers, bool]] = {
     **{name: (size, (1, 0, 0), False) for name, size in KNOWN[0].items()},
@@ -106,7 +112,7 @@ class Units:
     Parameters
     ----------
     M, K, F0 : float
-        Primary mass, stiffness, load amplitude.
+        Primary mass, stiffness, load amplitude: numbers in these units, or with their own, as "42 kN/m".
     names : str
         Units of length, force and time in which they are given, as in `Oscillator.from_dimensional`.
 
@@ -132,9 +138,10 @@ class Units:
     names: str = SI
 
     def __post_init__(self) -> None:
-        for name in ("M", "K", "F0"):
-            object.__setattr__(self, name, positive(getattr(self, name), name))
         object.__setattr__(self, "names", checked_names(self.names, "names"))
+        for name in ("M", "K", "F0"):
+            value = own_number(getattr(self, name), name, self.names)
+            object.__setattr__(self, name, positive(value, name))
 
     def _repr_html_(self) -> str:
         """The representation in Jupyter."""
@@ -538,9 +545,15 @@ def plain_number(value: Any, name: str, powers: Powers, names: str) -> Any:
         return value
     size, found, angular = in_si(value, name) if isinstance(value, str) else of_pint(value, name)
     if found != powers or angular:
-        own = {(1, 0, 0): "length", (0, 1, 0): "force", (-1, 1, 2): "mass", (-1, 1, 0): "stiffness"}
-        kind = own.get(powers, "damping" if any(powers) else "number")
-        raise ParameterError(f"{name} = {value!s}: must be a {kind}")
+        own = {
+            (1, 0, 0): "length", (0, 1, 0): "force", (-1, 1, 2): "mass", (-1, 1, 0): "stiffness",
+            (-1, 1, 1): "damping coefficient", (1, 0, -1): "velocity", (1, 0, -2): "n acceleration",
+            (0, 0, 1): "time", (0, 0, 0): "number",
+        }  # fmt: skip
+        kind = own[powers]
+        raise ParameterError(
+            f"{name} = {value!s}: must be a{kind if kind[:2] == 'n ' else f' {kind}'}"
+        )
     sizes = [Decimal(repr(known[own])) for known, own in zip(KNOWN, names.split(), strict=True)]
     own_size = math.prod(one**power for one, power in zip(sizes, powers, strict=True))
     return float(size / own_size) if isinstance(size, Decimal) else size / float(own_size)
@@ -593,6 +606,23 @@ def value_text(osc: Any, name: str, value: float, digits: int = 6) -> str:
     """A value for people, as "4 mm" or "28"."""
     scale, unit = shown_unit(osc, name)
     return f"{value * scale:.{digits}g}{unit}"
+
+
+def own_number(value: Any, name: str, names: str = SI, label: str = "") -> Any:
+    """A value of a rig with a unit in units of length, force and time by name; what has none is returned as it is.
+
+    Frequencies count cycles, but `omega` radians; `label` is the name for messages.
+    """
+    if not has_unit(value):
+        return value
+    label = label or name
+    if name not in CYCLES and name != "omega":
+        return plain_number(value, label, (POWERS | OTHERS)[name], names)
+    size, powers, angular = in_si(value, label) if isinstance(value, str) else of_pint(value, label)
+    if powers != (0, 0, -1) or not angular:
+        raise ParameterError(f"{label} = {value!s}: must be a frequency in Hz, rpm or rad/s")
+    found = float(size) * KNOWN[2][names.split()[2]] / (1.0 if name == "omega" else 2 * math.pi)
+    return float(f"{found:.15g}")  # 2 kHz are 2000 Hz
 
 
 def dimensionless(osc: Scaled, name: str, value: Any, parameter: str = "") -> Any:
