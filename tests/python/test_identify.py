@@ -139,7 +139,7 @@ def test_drifting_restitution_is_an_average():
 
 
 def random_rig(seed):
-    """A rig about the bench one that has a stable motion with impacts, and the motion."""
+    """A rig about the bench one that has a stable motion with impacts, and the motion; its sensors are stated."""
     draw = np.random.default_rng(seed)
     while True:
         M, K = 2.7 * draw.uniform(0.7, 1.4), 42e3 * draw.uniform(0.7, 1.4)
@@ -148,7 +148,8 @@ def random_rig(seed):
         clearance = draw.uniform(15, 80)
         rig = vi.VirtualRig(
             M=M, K=K, m=mu * M, d=clearance * F0 / K, xi=xi, restitution=walls, F0=F0,
-            frequency=r * np.sqrt(K / M) / (2 * np.pi), bandwidth=1500,
+            frequency=r * np.sqrt(K / M) / (2 * np.pi), bandwidth=1500, contact=0.0, offset=0.0,
+            known_bandwidth=True,
         )  # fmt: skip
         run = vi.simulate(rig.oscillator, rig.r, rig.clearance, cycles=40, discard=600)
         try:

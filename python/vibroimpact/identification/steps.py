@@ -138,7 +138,7 @@ def of_record(
         k = repetition.cycles
         better = Omega + k * tones(values, rate, Omega / k, tones_of(rate, Omega, k)).off
         other = period_of(values, rate, better)
-        if other.cycles == k and other.drift < repetition.drift:
+        if other.cycles == k and other.drift < SLIPPED:
             Omega, repetition = better, other
     step.Omega = Omega
     cycles = cycles_of(record, Omega)
