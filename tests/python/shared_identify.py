@@ -6,3 +6,5 @@ BENCH = {
     "frequency": 19.5,
 }  # fmt: skip
 KNOWN = {"M": 2.7, "K": 42e3, "m": 0.11}
+#: Impacts of no duration, and sensors of which all is known: with little noise, small effects show.
+IDEAL = {"contact": 0.0, "offset": 0.0, "known_bandwidth": True}

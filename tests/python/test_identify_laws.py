@@ -6,7 +6,7 @@ import vibroimpact as vi
 
 pytest.importorskip("scipy")
 from scipy.stats import binom
-from shared_identify import BENCH, KNOWN
+from shared_identify import BENCH, IDEAL, KNOWN
 
 #: A power law on both walls, which is one above 0.02 m/s, and load amplitudes of three records.
 LAW = tuple(vi.PowerLaw(R, speed=0.02, exponent=0.1, sharpness=20) for R in (1.0, 0.9))
@@ -19,7 +19,9 @@ SNR = 60.0
 def records_at_loads(walls, seed):
     """Records of the bench rig at three load amplitudes."""
     return [
-        vi.VirtualRig(**BENCH | {"F0": F0, "restitution": walls}, snr=SNR).record(2.0, rng=seed + i)
+        vi.VirtualRig(**BENCH | IDEAL | {"F0": F0, "restitution": walls}, snr=SNR).record(
+            2.0, rng=seed + i
+        )
         for i, F0 in enumerate(LOADS)
     ]
 
@@ -121,7 +123,7 @@ def test_keys_of_a_law(keys, values, tmp_path):
 def test_equal_speeds_do_not_tell_the_exponent():
     """A record whose impacts have one speed names the exponent; the rest is as with constants."""
     walls = (vi.PowerLaw(1.0, speed=0.02, exponent=0.1, sharpness=20),) * 2
-    rig = vi.VirtualRig(**BENCH | {"d": 0.0036, "restitution": walls, "frequency": 20.6})
+    rig = vi.VirtualRig(**BENCH | IDEAL | {"d": 0.0036, "restitution": walls, "frequency": 20.6})
     record = rig.record(rng=4)
     constant, found = (
         vi.identify(record, calibration=0, known=KNOWN, law=law) for law in ("constant", "power")
@@ -161,7 +163,9 @@ KNEE_LOADS = (5.5, 6.1, 6.7)
 
 def records_of(walls, loads=KNEE_LOADS, seed=1):
     """Records of the bench rig at some load amplitudes."""
-    rigs = (vi.VirtualRig(**BENCH | {"F0": F0, "restitution": walls}, snr=SNR) for F0 in loads)
+    rigs = (
+        vi.VirtualRig(**BENCH | IDEAL | {"F0": F0, "restitution": walls}, snr=SNR) for F0 in loads
+    )
     return [rig.record(2.0, rng=seed + i) for i, rig in enumerate(rigs)]
 
 
@@ -219,7 +223,7 @@ def test_a_table_is_found():
 
 def test_what_two_speeds_tell_of_a_table_is_named():
     """A periodic motion with one and two speeds on its walls determines no table of five knots, and no knee."""
-    record = vi.VirtualRig(**BENCH).record(rng=1)
+    record = vi.VirtualRig(**BENCH | IDEAL).record(rng=1)
     tables = vi.identify(record, calibration=0, known=KNOWN, law="tables", law_knots=5)
     # one speed on the right wall, at the middle knot; two on the left one
     assert set(tables.undetermined) >= {
