@@ -211,12 +211,17 @@ subroutine fill_wholes(handle, names, n, values, m, words)
    character(kind=c_char), intent(in) :: words(m)
    character(40) :: line
    character(m) :: list
+   integer :: last
 
    line = transfer(names, line)
    list = transfer(words, list)
-   ! a word may consist of blanks
-   call fill(handle, trim(line(:16)), trim(line(17:)), values, &
-      list(:index(list, new_line('a'), back=.true.) - 1))
+   ! a word may consist of blanks, or be empty; a line feed stands behind each
+   last = index(list, new_line('a'), back=.true.)
+   if (last > 0) then
+      call fill(handle, trim(line(:16)), trim(line(17:)), values, list(:last - 1))
+   else
+      call fill(handle, trim(line(:16)), trim(line(17:)), values)
+   end if
 end subroutine fill_wholes
 
 !> Says what there is to say of a result: a line on how it was cut short (or none), then remarks; a

@@ -285,14 +285,14 @@ contains
       character(*), intent(in) :: table, name
       !> Row by row; for words their places.
       integer, intent(in) :: values(:)
-      !> Words separated by line feeds; empty if the column has none.
-      character(*), intent(in) :: words
+      !> Words separated by line feeds, if the column has any; a single one may be empty.
+      character(*), intent(in), optional :: words
       type(result_type), pointer :: result
 
       result => result_of(handle)
       if (.not. associated(result)) return
       if (result%place(table, name) == 0) return
-      if (len(words) > 0) then
+      if (present(words)) then
          call result%put_codes(table, name, values, split(words, new_line('a')))
       else
          call result%put(table, name, values)

@@ -140,8 +140,10 @@ contains
       else
          good = len(list) == 0
       end if
-      if (good) then
+      if (good .and. len(list) > 0) then
          call fill_wholes(handle, table, name, values, list)
+      else if (good) then
+         call fill_wholes(handle, table, name, values)
       else
          call set_fault(handle, 'column '//name//' of '//table//': a value is no place of a &
             &word, or it has words and is no column of words')

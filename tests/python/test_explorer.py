@@ -244,7 +244,7 @@ def test_a_line_across_the_plane_is_the_same_both_ways():
     for wrong in ([30.0] * 3, clearance[::-1] * np.nan):
         with pytest.raises(ParameterError, match="clearance"):
             vi.bifurcation_diagram(osc, "r", r, clearance=wrong)
-    with pytest.raises(ParameterError, match="rise"):
+    with pytest.raises(ParameterError, match="ascending"):
         vi.bifurcation_diagram(osc, "r", r[::-1], clearance=clearance)
 
 

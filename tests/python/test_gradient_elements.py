@@ -135,5 +135,5 @@ def test_what_has_no_derivative():
     motion = vi.exact(belt, vi.Load.none(), vi.simulate(belt, duration=100))
     with pytest.raises(vi.ParameterError, match="not be self-excited"):
         motion.gradient()
-    with pytest.raises(vi.ParameterError, match="there is nothing that it could change"):
+    with pytest.raises(vi.ParameterError, match="it changes nothing"):
         settled(structure, load).gradient(["contact"])

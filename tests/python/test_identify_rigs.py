@@ -44,6 +44,13 @@ def test_a_rig_is_found(kind, seed):
     assert max(map(abs, off)) < 4
 
 
+def test_impacts_that_the_motion_lacks_are_doubted():
+    """Three of its five impacts are taken for one, whose motion describes the flights: the spikes tell."""
+    found, right, _ = score(6014, "other")
+    assert not right
+    assert any("it may have more impacts" in text for text in found.doubts)
+
+
 def three_impacts():
     """A rig whose motion has three impacts, which tell the free mass, with its record."""
     rig, (_, load, acceleration, _), _, sides = random_rig(0, "defg")

@@ -429,6 +429,18 @@ def test_csv_of_the_core(every, tmp_path):
     np.testing.assert_allclose(r, np.array([R, 1.01 * R]) * UNITS.frequency, rtol=1e-14)
 
 
+def test_a_result_with_one_empty_word_is_written_in_other_units(tmp_path):
+    """The labels of states that have not settled are all empty; the core counts an empty word as one."""
+    result = vi.bifurcation_diagram(
+        RIG, "r", [0.98, 0.99], clearance="4 mm", states=2, settling=50
+    )
+    assert set(result.labels.ravel().tolist()) == {""}
+    for i, units in enumerate((None, "SI", "mm N s", "dimensionless")):
+        result.save(tmp_path / f"{i}.csv", units=units)
+        rows = numbers_in(tmp_path / f"{i}.csv")[2]
+        assert len(rows) == 4
+
+
 def assert_cells(found, wanted):
     """Numbers agree, and other cells are the same."""
     for one, other in zip(found.ravel(), wanted.ravel(), strict=True):

@@ -10,7 +10,7 @@ data say. Modes that ring after the impacts, and an offset of the sensor, are fi
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -33,6 +33,9 @@ ODD = 6.0
 COARSE = ((512, 14), (256, 14), (128, 10), (64, 8))
 #: What is not predicted, over its scatter and over the largest such value, is an impact.
 UNPREDICTED, SHARE = 8.0, 0.02
+#: Time from an impact within which what is not predicted may be its pulse, s; what is not predicted elsewhere,
+#: over that of the weakest impact, that is another impact.
+PULSE, ABRUPT = 2e-3, 0.7
 #: Seconds after an impact that are left out at first, and at most; the rest of a flight that must remain.
 FIRST_PULSE, LONGEST_PULSE, LEAST_FLIGHT = 4e-3, 12e-3, 0.3
 #: Residual over its error at which a pulse has ended, and by how much of its length the left out part is longer.
@@ -244,14 +247,38 @@ def unpredicted(values: _Array, past: int) -> _Array:
     return rest / scatter
 
 
-def onsets(values: _Array, rate: float, Omega: float, k: int) -> list[_Array]:
-    """Angles at which impacts seem to begin in a folded record, by finer and coarser places, and none."""
-    whole, found = 2 * math.pi * k, []
+def news_of(
+    values: _Array, rate: float, Omega: float, k: int
+) -> Iterator[tuple[_Array, _Array, int]]:
+    """By finer and coarser places of a folded record: their angles, what their past does not tell, over its
+    scatter, and the number of places in this past."""
     for most, past in COARSE:
         coarse = folded(values, rate, Omega, k, most)
         grid = (np.arange(most * k) + 0.5) * 2 * math.pi / most
-        even = np.interp(grid, coarse.angles, coarse.means, period=whole)
-        news = abs(unpredicted(even - even.mean(), past))
+        even = np.interp(grid, coarse.angles, coarse.means, period=2 * math.pi * k)
+        yield grid, abs(unpredicted(even - even.mean(), past)), past
+
+
+def unexplained(values: _Array, rate: float, Omega: float, k: int, angles: _Array) -> float | None:
+    """The angle at which a record changes as abruptly as at the weakest of its impacts, far from all of them."""
+    half, abrupt, place = math.pi * k, 0, 0.0
+    for grid, news, past in news_of(values, rate, Omega, k):
+        apart = abs((grid[:, None] - angles + half) % (2 * half) - half)
+        pulse = PULSE * Omega
+        far = apart.min(axis=1) > max(pulse, (past + 2) * (grid[1] - grid[0]))
+        if not far.any():
+            continue
+        weakest = min(news[near].max(initial=0.0) for near in (apart <= pulse).T)
+        most = news[far].max()
+        if most > max(ABRUPT * weakest, UNPREDICTED):
+            abrupt, place = abrupt + 1, float(grid[far][news[far].argmax()])
+    return place if abrupt >= len(COARSE) - 1 else None
+
+
+def onsets(values: _Array, rate: float, Omega: float, k: int) -> list[_Array]:
+    """Angles at which impacts seem to begin in a folded record, by finer and coarser places, and none."""
+    found = []
+    for grid, news, past in news_of(values, rate, Omega, k):
         strong = news > max(UNPREDICTED, SHARE * news.max())
         # an impact is news for as long as it is in the past of what follows
         recent = np.convolve(np.concatenate([strong[-past:], strong]), np.ones(past), "valid")[:-1]

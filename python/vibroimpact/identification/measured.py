@@ -377,7 +377,7 @@ class VirtualRig:
 
     def __post_init__(self) -> None:
         if self.contact is None:
-            frequency = positive(self.frequency, "frequency")
+            frequency = positive(own_number(self.frequency, "frequency"), "frequency")
             object.__setattr__(self, "contact", min(CONTACT, CONTACT_CYCLES / frequency))
         above = ("M", "K", "m", "d", "F0", "frequency", "rate", "bandwidth", "ring_frequency")
         for name in (

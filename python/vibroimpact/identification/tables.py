@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..results.tables import made
 from .fit import DOUBTFUL, Fit
-from .flights import LEAST_GAIN, Measured, predicted, rung
+from .flights import LEAST_GAIN, Measured, predicted, rung, unexplained
 from .known import KNOWN
 from .laws import Law
 from .measured import SensorRecord
@@ -251,6 +251,15 @@ def doubts_of(
                 f"flights alone describe the record, but the motion adds {more:.3g} to their sum of squares of "
                 f"{step.free.square:.4g}: a known m, d or coefficient of restitution, or the law, may be wrong, "
                 "or an impact is missing"
+            )
+    if data is not None and step.record is not None:
+        values = getattr(step.record, step.quantity)
+        place_of = unexplained(values, step.record.rate, data.Omega, data.k, data.angles)
+        if place_of is not None:
+            late = (place_of - data.angles[0]) % (2 * math.pi * data.k) / data.Omega
+            texts.append(
+                f"{late * 1e3:.3g} ms after impact 1 of the motion ({data.pattern.symbols[0]}) the record changes "
+                "as abruptly as at an impact, but the motion has none there: it may have more impacts"
             )
     if data is not None and away.max() > FAR:
         place = int(away.argmax())
