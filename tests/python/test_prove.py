@@ -276,6 +276,35 @@ def test_box_is_not_proven():
         vi.prove_box(OSC, "RL", r=1.04, clearance=25, restitution=0.7, R1=0.7)
 
 
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"r": None}, "r = None: must be a number with"),
+        ({"clearance": None}, "clearance = None: must be a"),
+        ({"most_boxes": 0}, "most_boxes = 0: must be a whole number"),
+        ({"most_boxes": float("nan")}, "most_boxes = nan: must be a whole number"),
+    ],
+)
+def test_boxes_are_checked(given, message):
+    """r and the clearance have no default; most_boxes is a whole number, whether or not there is a box."""
+    with pytest.raises((vi.ParameterError, vi.ParameterTypeError), match=f"^{message}"):
+        vi.prove_box(OSC, "RL", **({"r": 1.04, "clearance": 25.0} | given))
+
+
+def test_proofs_with_units():
+    """An oscillator with M, K and F0 takes Hz and mm: the same proof as with the numbers."""
+    rig = vi.Oscillator.from_dimensional(
+        M="2.7 kg", K="42 kN/m", xi=0.0114, m="0.11 kg", restitution=0.75, F0="6 N"
+    )
+    at = rig.at("20.6 Hz", "3.6 mm")
+    box = vi.prove_box(rig, "RL", r="20.6 Hz", clearance=("3.6 mm", "3.61 mm"))
+    same = vi.prove_box(rig, "RL", r=at.r, clearance=(at.clearance, rig.at(1, "3.61 mm").clearance))
+    assert box.proven
+    assert (box.system, box.boxes) == (same.system, same.boxes)
+    found = vi.prove_all(rig, "20.6 Hz", "3.6 mm", 2)
+    assert found.boxes == vi.prove_all(rig, at.r, at.clearance, 2).boxes
+
+
 def proof_of_zone(tolerance=0.1, low=20.0):
     """A narrow strip across a zone, with its upper end in it, and its certificate."""
     zone = vi.zone(OSC, "RL", r=(1.04, 1.0404), clearance=(low, 80), symmetric=True, lines=5)

@@ -435,10 +435,11 @@ def test_a_result_with_one_empty_word_is_written_in_other_units(tmp_path):
         RIG, "r", [0.98, 0.99], clearance="4 mm", states=2, settling=50
     )
     assert set(result.labels.ravel().tolist()) == {""}
-    for i, units in enumerate((None, "SI", "mm N s", "dimensionless")):
-        result.save(tmp_path / f"{i}.csv", units=units)
-        rows = numbers_in(tmp_path / f"{i}.csv")[2]
-        assert len(rows) == 4
+    rows = []
+    for units in (None, "SI", "mm N s", "dimensionless"):
+        result.save(tmp_path / "result.csv", units=units)
+        rows.append(len(numbers_in(tmp_path / "result.csv")[2]))
+    assert rows == rows[:1] * 4
 
 
 def assert_cells(found, wanted):
@@ -795,6 +796,13 @@ def test_every_verb_takes_units():
 def test_wrong_units_are_named(given, message):
     with pytest.raises((ParameterError, ParameterTypeError), match=f"^{message}"):
         TEXTS.at(*given)
+
+
+def test_friction_with_a_wrong_unit_is_named():
+    """A message names the argument friction, not the load, whose unit it has."""
+    assert TEXTS.at(1.0, "4 mm", friction="0.3 N").friction == pytest.approx(0.05, rel=1e-14)
+    with pytest.raises(ParameterError, match=r"^friction = 5 mm: must be a force"):
+        TEXTS.at(1.0, "4 mm", friction="5 mm")
 
 
 def test_what_has_no_units_takes_numbers():

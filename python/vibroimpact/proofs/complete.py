@@ -15,6 +15,7 @@ from ..base import checks
 from ..base.errors import ParameterError
 from ..base.progress import with_progress
 from ..systems.oscillator import Oscillator
+from ..systems.verbs import physical_arguments
 from .balls import ball, decimal, flint
 from .boxes import PARAMETERS, Family
 from .certificate import Certificate
@@ -48,6 +49,7 @@ REFINED = 12
 SLACK, TINY = 1 + 2.0**-40, 1e-30
 
 
+@physical_arguments
 @with_progress
 def prove_all(
     osc: Oscillator, r: float, clearance: float, max_impacts: int = 3, max_cycles: int = 1, *,

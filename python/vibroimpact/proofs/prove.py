@@ -21,6 +21,7 @@ from ..motions.periodic import equispaced
 from ..studies.branch import Branch
 from ..studies.find import find
 from ..systems.oscillator import Oscillator, Pattern, pattern_of
+from ..systems.verbs import physical_arguments
 from .balls import decimal, decimal_text, flint, hexadecimal, upward
 from .boxes import NEAR_CIRCLE, NO_MOTION, NO_SPEED, WITH_REST, Box, Family, cover, sizes_of
 from .certificate import Certificate
@@ -201,6 +202,7 @@ def prove_branch(
     )  # fmt: skip
 
 
+@physical_arguments
 def prove_box(
     osc: Oscillator, pattern: Pattern | str, r: Interval, clearance: Interval, *, xi: Interval | None = None,
     mu: Interval | None = None, R1: Interval | None = None, R2: Interval | None = None,
@@ -223,7 +225,7 @@ def prove_box(
     restitution : (lowest, highest) or float, optional
         R1 = R2, in place of both: it keeps symmetric motions symmetric, which is much easier to prove.
     most_boxes : int, optional
-        Boxes that are tried.
+        Boxes that are tried, at least 1.
 
     Returns
     -------
@@ -251,6 +253,7 @@ def prove_box(
     pattern = pattern_of(pattern)
     if pattern.has_rest:
         raise ParameterError(WITH_REST.format(pattern.sides))
+    most_boxes = checks.integer(most_boxes, "most_boxes", 1, 10**9)
     if restitution is not None and (R1 is not None or R2 is not None):
         raise ParameterError(
             f"restitution = {restitution!r}: must be left out if R1 or R2 is given"
@@ -264,7 +267,12 @@ def prove_box(
         "R2": R2,
         "restitution": restitution,
     }
-    spans = {name: ends_of(value, name) for name, value in given.items() if value is not None}
+    required = ("r", "clearance")  # None stands for the oscillator's own value of the others
+    spans = {
+        name: ends_of(value, name)
+        for name, value in given.items()
+        if value is not None or name in required
+    }
     middle = {name: float(low + high) / 2 for name, (low, high) in spans.items()}
     walls = middle.get("restitution")
     right, left = (

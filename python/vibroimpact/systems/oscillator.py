@@ -453,7 +453,7 @@ class Oscillator:
         )
         ratio, gap = checks.frequency_ratio(ratio, self.xi), positive(gap, "clearance")
         wanted = "a force over F0 from 0 to 1e100"
-        rubs = checks.to_float(dimensionless(self, "load", friction), "friction", wanted)
+        rubs = checks.to_float(dimensionless(self, "friction", friction), "friction", wanted)
         if not 0 <= rubs <= 1e100:
             raise ParameterError(f"friction = {rubs!r}: must be {wanted}")
         walls = None if stops is None else _stiff_walls(stops)

@@ -82,7 +82,7 @@ NAMED: dict[str, tuple[float, Powers, bool]] = {
 QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*((?:1/)?[^\d\s.].*?)\s*")
 FACTOR = re.compile(r"([A-Za-z%]+)(?:\^?(-?\d))?")
 #: The dimensionless units of arguments of verbs, by name; a state is a mapping of its own.
-ARGUMENTS = {"r": "omega", "clearance": "F0/K", "load": "F0"}
+ARGUMENTS = {"r": "omega", "clearance": "F0/K", "load": "F0", "friction": "F0"}
 STATE = {
     "t": "1/omega", "x": "F0/K", "y": "F0/K", "z": "F0/K", "x_dot": "omega F0/K", "z_dot": "omega F0/K"
 }  # fmt: skip
