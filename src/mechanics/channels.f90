@@ -43,6 +43,8 @@ module vi_channels
       real(wp) :: from = 0
       !> Cells of an interrupted search so far, those without doubt, and the level of the longest.
       integer :: cells = 0, clear = 0, longest = levels
+      !> Time of the state from which it bounded the fourth derivatives.
+      real(wp) :: bounded = 0
    end type pace_type
 
    !> The event: a row reaches its upper (+1) or lower (-1) limit.
@@ -61,6 +63,8 @@ module vi_channels
 
    !> Cells after which the pairs are computed directly again.
    integer, parameter :: cells = 64
+   !> Steps within a cell after which the bounds on fourth derivatives are computed again.
+   integer, parameter :: many = 256
    !> 1/i, and 1/i!. An index of implied loops would be a variable that all threads share.
    real(wp), parameter :: numbers(order + 1) = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, &
       15, 16, 17, 18, 19, 20, 21], &
@@ -173,15 +177,22 @@ contains
       type(watch_type), intent(inout) :: watch
       !> The event.
       type(reached_type), intent(out) :: reached
-      real(wp) :: h, time, found, speed, t, horizon, brief
+      real(wp) :: bounded, brief, found, h, horizon, speed, t, time
       integer :: clear, hold, j, level, longest, n, next, now, row, steps, taken, wall
-      logical :: fresh, grouped, small
+      logical :: crowded, fresh, grouped, small
 
       ! where a cell costs less than a search, long cells in doubt are divided, not searched
       small = m*rows <= 64
       brief = 1/max(regime%rows%most_fastest, tiny(1.0_wp))
       grouped = regime%rows%groups > 0 .and. .not. regime%rows%grows
-      call bound_fourth_of_pairs(regime, m, x0, v0, pairs(:, 5), pairs(:, 6))
+      bounded = pace%bounded
+      if (bounded > 0) then
+         call pairs_at(regime, m, harmonics, x0, v0, phase, bounded, pairs(:, 1), pairs(:, 2), &
+            turns(:, 1))
+         call bound_fourth_of_pairs(regime, m, pairs(:, 1), pairs(:, 2), pairs(:, 5), pairs(:, 6))
+      else
+         call bound_fourth_of_pairs(regime, m, x0, v0, pairs(:, 5), pairs(:, 6))
+      end if
       if (grouped) then
          call begin_watch(regime, x0, v0, pairs(:, 5), watch)
          do j = 1, starts
@@ -209,7 +220,7 @@ contains
          next = 3 - now
          if (t + h > horizon .and. reached%steps >= most) then
             ! here all is computed directly, whether the search is interrupted or not
-            pace = pace_type(level, hold, t, steps - 1, clear, longest)
+            pace = pace_type(level, hold, t, steps - 1, clear, longest, bounded)
             reached%interrupted = .true.
             return
          end if
@@ -261,12 +272,14 @@ contains
             pairs(:, 2*now - 1), pairs(:, 2*now), turns(:, now))
          found = min(t + h, limit)
          row = 0
+         crowded = .false.
          do j = 1, n
             call search(regime, x0, v0, phase, pairs(:, 2*now - 1), pairs(:, 2*now), &
                turns(:, now), doubtful(:, j), departure_of(doubtful(1, j), starts, leaving), &
                values(doubtful(1, j), 5), t, found, h, &
                work, wall, time, speed, taken, reached%complete)
             reached%steps = reached%steps + taken
+            crowded = crowded .or. taken > many
             if (.not. reached%complete) return
             if (wall == 0) cycle
             found = time
@@ -282,6 +295,15 @@ contains
          t = t + h
          now = next
          fresh = .false.
+         if (crowded .and. .not. (grouped .or. regime%rows%grows)) then
+            ! what is left of a damped motion may be far below the bound of its beginning
+            bounded = t
+            call pairs_at(regime, m, harmonics, x0, v0, phase, t, pairs(:, 2*now - 1), &
+               pairs(:, 2*now), turns(:, now))
+            call bound_fourth_of_pairs(regime, m, pairs(:, 2*now - 1), pairs(:, 2*now), &
+               pairs(:, 5), pairs(:, 6))
+            call bound_rows(regime, pairs(:, 5), pairs(:, 6), values(:, 5))
+         end if
          hold = hold - 1
          if (n == 0 .and. hold < 0) level = max(1, level - 1)
       end do

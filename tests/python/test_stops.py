@@ -372,6 +372,22 @@ def test_wrong_length():
         vi.Structure([1.0], [0.1], [1.0], [3])
 
 
+@pytest.mark.parametrize(
+    ("spring", "stiffness", "damping", "duration"),
+    [(1.0, 100.0, 30.0, 50.0), (1.0, 1.0, 10.0, 300.0), (0.0, 1.0, 3.0, 400.0)],
+)
+def test_overdamped_stop_at_equilibrium(spring, stiffness, damping, duration):
+    """A mass creeps back to the opening and never leaves: the search for the end of the contact, whose depth
+    falls below any share of the first one, stays short."""
+    s = vi.Structure([1.0], [0.0], [spring], [vi.Stop([1.0], 0.0, stiffness, damping)])
+    run = vi.simulate(s, duration=duration, state=([0.0], [1.0]))
+    assert run.events["kind"].tolist() == ["touch"]
+    root = math.sqrt(damping**2 / 4 - spring - stiffness)
+    slow = (spring + stiffness) / (damping / 2 + root)
+    depth = math.exp(-slow * duration) / (2 * root)
+    assert run.final_state[0][0] == pytest.approx(depth, rel=1e-9)
+
+
 def test_values():
     """Equality, text and the modes of a structure."""
     stop = vi.Stop([1, 0], 0.5, 20, damping=2, release="force")
