@@ -431,9 +431,7 @@ def test_csv_of_the_core(every, tmp_path):
 
 def test_a_result_with_one_empty_word_is_written_in_other_units(tmp_path):
     """The labels of states that have not settled are all empty; the core counts an empty word as one."""
-    result = vi.bifurcation_diagram(
-        RIG, "r", [0.98, 0.99], clearance="4 mm", states=2, settling=50
-    )
+    result = vi.bifurcation_diagram(RIG, "r", [0.98, 0.99], clearance="4 mm", states=2, settling=50)
     assert set(result.labels.ravel().tolist()) == {""}
     rows = []
     for units in (None, "SI", "mm N s", "dimensionless"):
