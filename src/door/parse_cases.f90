@@ -221,6 +221,10 @@ contains
          call join_groups(pack(studies%name, studies%starts_from(of_oscillator) == '' .and. &
             is_for(studies%models, of_oscillator)), names)
          message = '&system: no '//names//' follows'
+         if (size(groups) == 1) return
+         if (all(other_groups(3:6) /= groups(2)%name)) return
+         line = groups(2)%line
+         message = '&'//groups(2)%name//': must follow a &structure, not a &system'
          return
       end if
       allocate (system%units)

@@ -16,6 +16,7 @@ MODES = """&structure frequencies = 1, 2, damping_ratios = 0.1, 0, shapes = 1, 1
 FAULTS = [
     (GAP + CASE, "gap", "must follow a &structure", 1),
     (STRUCTURE + RUN, "structure", "no &gap, &stop or &friction follows", 1),
+    ("&system xi = 0.1, mu = 0.1, r = 1 /\n" + GAP + RUN, "gap", "must follow a &structure, not a &system", 2),
     (STRUCTURE + GAP, "structure", "no &motion, &simulate", 1),
     (STRUCTURE + GAP + LOAD * 2 + RUN, "load", "is the second of this &structure", 4),
     (CASE + GAP, "gap", "must follow a &structure and precede its studies", 5),

@@ -474,6 +474,9 @@ def of_wall():
     (lambda point: vi.periodic(point, *GUESS), "must not be a point; the clearance is a result"),
     (lambda point: vi.zone(point, "RL", (0.8, 1.2), (2, 200)), "must not be a point; give its osc"),
     (lambda point: vi.branch(point, "clearance", (10, 60)), "must not be a point; give a motion there"),
+    (lambda point: vi.stability_flags(point, [[0.0], [3.0]], "RL"), "must not be a point; give its osc"),
+    (lambda point: vi.equispaced(OSC.at(0.94, 37.0, friction=0.1)), "must have rigid walls, no friction"),
+    (lambda point: vi.equispaced(point, r=2.0), "r = 2.0: must be left out"),
     (lambda point: vi.simulate(LAW, 0.94, r=0.5, clearance=37.0, cycles=1), "r is given twice"),
     (lambda point: vi.exact(LAW, 0.94, 37.0, GUESS, 1.0, 9), "6 arguments given by position"),
     (lambda point: vi.lyapunov(LAW), "lyapunov.*missing a required argument: 'r'"),
@@ -485,6 +488,14 @@ def test_arguments_of_systems_are_neither_dropped_nor_given_twice(call, message)
     """Of a point, a structure, and an oscillator whose restitution depends on the speed."""
     with pytest.raises((TypeError, vi.ParameterError), match=message):
         call(OSC.at(0.94, 37.0))
+
+
+def test_verbs_of_oscillators_alone_take_points_too():
+    point, states = OSC.at(0.94, 37.0), np.zeros((5, 2))
+    found, wanted = vi.equispaced(point), vi.equispaced(OSC, 0.94, 37.0)
+    assert [motion.to_json() for motion in found] == [motion.to_json() for motion in wanted]
+    one, two = (vi.simulate_bundle(*system, 20, states) for system in ((point,), (OSC, 0.94, 37.0)))
+    np.testing.assert_array_equal(one.z, two.z)
 
 
 def test_records_with_the_case_of_another_system():

@@ -491,8 +491,8 @@ class Oscillator:
 class Point:
     """An oscillator at a point: the same system as a structure with its load, and the scales of both.
 
-    It comes from `Oscillator.at`. `simulate`, `exact`, `find`, `basins`, `lyapunov`, `response` and
-    `bifurcation_diagram` take it; its structure and load go wherever those of a structure do.
+    It comes from `Oscillator.at`. Verbs that take an oscillator, r and clearance take it in place of these; its
+    structure and load go wherever those of a structure do.
 
     Attributes
     ----------

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, ParamSpec, TypeVar
 
 from ..base.errors import ParameterTypeError
@@ -100,15 +100,15 @@ def every_system(
                     wanted = no_point or "an oscillator at a point is the first argument"
                     raise ParameterTypeError(f"{key} = {value!r}: must not be a point; {wanted}")
             if isinstance(first, Point):
-                kwargs = spread_out(first, args[1:], kwargs)
+                kwargs = spread_out(name, parameters, first, args[1:], kwargs, along)
                 args = ()
             if isinstance(first, Point) and first._has_elements:
-                return handed_over(named(parameters, args, kwargs), first)
+                return handed_over(named(name, parameters, args, kwargs), first)
             if of_law and (
                 getattr(args[0] if args else kwargs.get("osc"), "_has_law", False)
                 or isinstance(kwargs.get("load"), Load)
             ):
-                return handed_over(named(parameters, args, kwargs))
+                return handed_over(named(name, parameters, args, kwargs))
             return of_oscillator(*args, **kwargs)
 
         def called(args: tuple[Any, ...], kwargs: dict[str, Any]) -> Any:
@@ -121,40 +121,6 @@ def every_system(
                     f"{name}(): {error}; of a structure the arguments are {', '.join(own.parameters)}"
                 ) from None
             return of_structure(*args, **kwargs)
-
-        def named(
-            names: list[str], args: tuple[Any, ...], kwargs: dict[str, Any]
-        ) -> dict[str, Any]:
-            """All arguments by their names."""
-            if len(args) > len(names):
-                raise TypeError(
-                    f"{name}(): {len(args)} arguments given by position; these are {', '.join(names)}"
-                )
-            found = dict(zip(names, args, strict=False))
-            for key in found.keys() & kwargs.keys():
-                raise TypeError(
-                    f"{name}(): {key} is given twice, {found[key]!r} and {kwargs[key]!r}"
-                )
-            return found | kwargs
-
-        def spread_out(
-            point: Point, args: tuple[Any, ...], kwargs: dict[str, Any]
-        ) -> dict[str, Any]:
-            """The arguments by name, of which a point gives several."""
-            of_point = {
-                key: getattr(point, attribute)
-                for key, attribute in OF_POINT.items() if key in parameters and key not in along[:1]
-            }  # fmt: skip
-            names = [key for key in parameters if key not in of_point and key not in along[1:]]
-            further = {key: value for key, value in kwargs.items() if value is not point}
-            found = named(names, args, further)
-            of_point.pop(str(found.get("parameter")), None)
-            for key in [*of_point, *along[1:]]:
-                if key in found:
-                    raise ParameterTypeError(
-                        f"{key} = {found[key]!r}: must be left out; {point!r} gives it"
-                    )
-            return of_point | found
 
         def handed_over(given: dict[str, Any], point: Point | None = None) -> Any:
             assert of_law
@@ -182,9 +148,58 @@ def every_system(
                 )
             return of_structure(point.structure, point.load, **given)
 
+        either.takes_points = True  # type: ignore[attr-defined]
         return either
 
     return decorate
+
+
+def named(
+    verb: str, names: list[str], args: tuple[Any, ...], kwargs: Mapping[str, Any]
+) -> dict[str, Any]:
+    """All arguments of a verb by their names."""
+    if len(args) > len(names):
+        raise TypeError(
+            f"{verb}(): {len(args)} arguments given by position; these are {', '.join(names)}"
+        )
+    found = dict(zip(names, args, strict=False))
+    for key in found.keys() & kwargs.keys():
+        raise TypeError(f"{verb}(): {key} is given twice, {found[key]!r} and {kwargs[key]!r}")
+    return {**found, **kwargs}
+
+
+def spread_out(
+    verb: str, parameters: list[str], point: Point, args: tuple[Any, ...], kwargs: Mapping[str, Any],
+    along: tuple[str, ...] = (),
+) -> dict[str, Any]:  # fmt: skip
+    """The arguments of a verb by name, of which a point gives several; `along` is as in `every_system`."""
+    of_point = {
+        key: getattr(point, attribute)
+        for key, attribute in OF_POINT.items() if key in parameters and key not in along[:1]
+    }  # fmt: skip
+    names = [key for key in parameters if key not in of_point and key not in along[1:]]
+    further = {key: value for key, value in kwargs.items() if value is not point}
+    found = named(verb, names, args, further)
+    of_point.pop(str(found.get("parameter")), None)
+    for key in [*of_point, *along[1:]]:
+        if key in found:
+            raise ParameterTypeError(
+                f"{key} = {found[key]!r}: must be left out; {point!r} gives it"
+            )
+    return of_point | found
+
+
+def of_plain_point(
+    verb: str, parameters: list[str], point: Point, args: tuple[Any, ...], kwargs: Mapping[str, Any]
+) -> dict[str, Any]:
+    """The arguments of a verb that takes an oscillator alone, from a point of one."""
+    if not {"r", "clearance"} <= {*parameters}:
+        raise ParameterTypeError(f"osc = {point!r}: must not be a point; give its osc")
+    if point._has_elements or isinstance(point.amplitude, Load):
+        raise ParameterTypeError(
+            f"osc = {point!r}: must have rigid walls, no friction, and a number as its load"
+        )
+    return spread_out(verb, parameters, point, args, kwargs)
 
 
 def physical_arguments(function: Callable[Given, Found]) -> Callable[Given, Found]:
@@ -201,8 +216,13 @@ def physical_arguments(function: Callable[Given, Found]) -> Callable[Given, Foun
         note = f"With units, as {EXAMPLES}, of an oscillator that knows M, K and F0: {with_units}."
         function.__doc__ = "\n\n".join([*parts[:place], note, *parts[place:]])
 
+    takes_points = hasattr(function, "takes_points")
+
     @functools.wraps(function)
     def converted(*args: Given.args, **kwargs: Given.kwargs) -> Found:
+        if not takes_points and args and isinstance(args[0], Point):
+            spread = of_plain_point(function.__name__, names, args[0], args[1:], kwargs)
+            return converted(**spread)  # type: ignore[call-arg]
         for i, name in places:  # most calls have numbers
             value = args[i] if i < len(args) else kwargs.get(name)
             if type(value) not in PLAIN and has_unit(value):
