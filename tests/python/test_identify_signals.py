@@ -289,3 +289,18 @@ def test_progress_is_told():
     assert {note for _, note in told} <= {"single flights", "flights of a period"}
     with pytest.raises(vi.ParameterTypeError, match="progress = 3"):
         vi.identify(record, known=KNOWN, progress=3)
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-9, 1e-6, 1e-4, 0.03])
+@pytest.mark.parametrize("rate", [1000.0, 5000.0])
+def test_a_record_without_impacts_has_none(rate, noise):
+    """The steady motion of the primary mass alone, at any signal-to-noise ratio."""
+    M, K, F0, Omega = 2.7, 42e3, 6.0, 2 * np.pi * 15
+    t, draw = np.arange(0, 3, 1 / rate), np.random.default_rng(1)
+    whole = F0 / (K - M * Omega**2 + 2j * 0.0114 * np.sqrt(M * K) * Omega)
+    motion = np.imag(-(Omega**2) * whole * np.exp(1j * Omega * t))
+    load = F0 * (np.sin(Omega * t) + noise * draw.normal(size=t.size))
+    motion += noise * np.ptp(motion) / 2 * draw.normal(size=t.size)
+    found = vi.identify(rate=rate, load=load, acceleration=motion)
+    assert found.status == "no impacts"
+    assert len(found.impact_times) == 0

@@ -43,6 +43,9 @@ LEAST_PERIODS, PARTS, QUIET, ODD, ALIKE, UNREPEATED = 10, 64, 5.0, 4.0, 1.1, 0.0
 LEAST_PICKS = 0.1
 #: Places of the spectrum on either side of a harmonic that tell its error.
 BESIDE = 5
+#: What harmonics leave of an acceleration without impacts, over its white noise; and what counts as nothing, over
+#: the whole.
+NOISY, SMOOTH = 1.2, 1e-3
 
 
 class Tones(NamedTuple):
@@ -262,6 +265,14 @@ def period_of(values: _Array, rate: float, omega: float) -> Repetition:
 def white_noise(values: _Array) -> float:
     """Standard deviation of the noise of single samples, by sixth differences, in which motion is small."""
     return float(np.median(abs(np.diff(values, 6)))) / 0.6745 / math.sqrt(math.comb(12, 6))
+
+
+def is_smooth(values: _Array, rate: float, omega: float, count: int) -> bool:
+    """Whether a few harmonics of the load describe an acceleration to its white noise, or to a thousandth.
+
+    Impacts would have left all harmonics."""
+    left = values - tones(values, rate, omega, count).at(centred(values.size, rate))
+    return float(np.std(left)) < max(NOISY * white_noise(values), SMOOTH * float(np.std(values)))
 
 
 def most_cycles(span: float) -> int:

@@ -20,6 +20,7 @@ from .signals import (
     Rhythm,
     Tones,
     centred,
+    is_smooth,
     load_frequency,
     most_cycles,
     no_rhythm,
@@ -182,13 +183,14 @@ def of_record(
     k, noise, colour, drift = repetition
     noise = max(noise, record.noise.get(quantity, 0.0))
     bandwidth = record.bandwidth.get(quantity)
-    if order == 2:
+    smooth_record = order == 2 and is_smooth(values, rate, Omega, LOAD_TONES)
+    if order == 2 and not smooth_record:
         times, step.signs = spikes(values, rate, Omega, bandwidth)
         times -= 0.0 if bandwidth is None else RISE / bandwidth
         step.times = times + (len(record) - 1) / 2 / rate + record.start
         step.rhythm = rhythm(Omega * times / (2 * math.pi), step.signs, cycles, k)
     else:
-        step.rhythm = no_rhythm("not periodic")
+        step.rhythm = no_rhythm("no impacts" if smooth_record else "not periodic")
     repeats = k and step.rhythm.status not in ("accumulation", "rest")
     if force is None and not repeats:
         return step
@@ -227,6 +229,8 @@ def of_record(
         data.shape = np.append(-1j, tone * np.exp(-1j * np.array(clear) * data.phase))
     if "F0" in scale:
         data.F0, data.F0_error = scale["F0"], 1e-9 * scale["F0"]
+    if smooth_record:
+        return step
     step.apart = data
     if not repeats:
         return step
