@@ -10,7 +10,7 @@ PACKAGE = Path(vi.__file__).parent
 #: Modules that all parts of the package share: errors and checks of values, files written whole or not at all,
 #: interruptible calls, figures of many systems, progress bars, the style of pictures, areas and winding numbers of
 #: closed curves.
-SERVICES = {"base", "results.performance", "plot", "studies.geometry"}
+SERVICES = {"base", "results.performance", "plot", "proofs.balls", "studies.geometry"}
 
 
 def imported(path):

@@ -280,7 +280,7 @@ def test_restitution_that_depends_on_the_speed():
         ({"bounds": (math.nan, 30)}, ["bounds[0]", "nan"]), ({"bounds": 3}, ["bounds", "3"]),
         ({"parameter": ""}, ["parameter", "no such name"]),
         ({"at": 1.0}, ["at", "function"]), ({"parameter": rotor}, ["at"]),
-        ({"parameter": rotor, "bounds": (-1, 1), "at": 0.5}, ["at", "0.5", "another structure"]),
+        ({"parameter": rotor, "bounds": (-1, 1), "at": 0.5}, ["at", "0.5", "differ from those of the motion"]),
         ({"longest_step": 0.0}, ["longest_step", "0"]), ({"max_points": 3}, ["max_points", "3"]),
     ],
 )  # fmt: skip

@@ -558,7 +558,7 @@ def identify(
     >>> found.pattern, found.undetermined
     (Pattern(sides='RLL', cycles=1), [])
     >>> low, high = found.interval("xi")
-    >>> bool(low < 0.01143 < high), found.errors["xi"] < 0.0002
+    >>> bool(low < 0.01143 < high), found.errors["xi"] < 0.0005
     (True, True)
     """
     arrays: dict[str, Any] = {

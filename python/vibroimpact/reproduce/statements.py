@@ -14,6 +14,7 @@ import numpy as np
 from .. import (
     Branch,
     Certificate,
+    Motion,
     Oscillator,
     Pattern,
     branch,
@@ -23,7 +24,6 @@ from .. import (
 )
 from ..base.errors import MissingExtraError
 from ..base.files import write_text
-from ..motions.motion import Motion
 from ..proofs.balls import exact
 from . import appendix, canvas, damper, table1
 from .digits import upper_boundary
