@@ -182,5 +182,7 @@ def test_words_that_no_file_holds_are_refused(word):
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
     data = vi.branch(vi.equispaced(osc, 0.94, 37.0)[0], "clearance", (36.0, 38.0)).to_dict()
     data["tables"]["points"]["columns"]["detail"][0] = word
-    with pytest.raises(vi.ParameterError, match=r"points.detail = .*: must be (a text|valid Unicode)"):
+    with pytest.raises(
+        vi.ParameterError, match=r"points.detail = .*: must be (a text|valid Unicode)"
+    ):
         vi.Branch.from_dict(data)
