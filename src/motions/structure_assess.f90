@@ -1,6 +1,6 @@
 !> Multipliers of a periodic motion of a structure, and the verdicts on it.
 module vi_structure_assess
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
    use vi_assess, only: admission, consistency, stability
    use vi_channels, only: first_event, leading_term, leaving_type, pace_type, reached_type, &
       space_type
@@ -248,7 +248,7 @@ contains
       integer :: i, info, j, leading, n
 
       n = size(verdicts%p, 1)
-      if (.not. all(abs(verdicts%p) <= huge(1.0_wp))) return
+      if (.not. all(ieee_is_finite(verdicts%p))) return
       allocate (a, source=verdicts%p)
       allocate (left(n, n), right(n, n), re(n), im(n), work(66*n), pivot(n))
       call geev('V', 'V', n, a, n, re, im, left, n, right, n, work, size(work), info)
