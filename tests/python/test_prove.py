@@ -629,9 +629,12 @@ def test_all_motions_of_several_cycles():
 
 @pytest.mark.slow
 def test_all_motions_of_three_impacts(share):
-    """The same of RL, RRL and RLL at ten points, and of two load cycles at one of them."""
-    proofs = [assert_all(*point, 3) for point in POINTS[: share(len(POINTS))]]
-    for proof in [*proofs, assert_all(*POINTS[5], 3, 2)]:
+    """The same of RL, RRL and RLL at ten points, and, where all are tried, of two load cycles at one of them."""
+    tried = POINTS[: share(len(POINTS))]
+    proofs = [assert_all(*point, 3) for point in tried]
+    if tried == POINTS:
+        proofs.append(assert_all(*POINTS[5], 3, 2))
+    for proof in proofs:
         checker.check(json.loads(proof.to_json()))
 
 
