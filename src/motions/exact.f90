@@ -197,15 +197,18 @@ contains
       integer, intent(in) :: cycles
       !> x_i, theta_i, and the step in them (2N).
       real(wp), intent(in) :: unknowns(:), step(:)
-      real(wp), dimension(size(unknowns)/2) :: length, change
-      integer :: n
+      real(wp) :: length, shrinks
+      integer :: i, n, next
 
-      n = size(length)
-      length = cshift(unknowns(n + 1:), 1) - unknowns(n + 1:)
-      length(n) = length(n) + two_pi*cycles
-      change = cshift(step(n + 1:), 1) - step(n + 1:)
+      n = size(unknowns)/2
       share = 1
-      if (any(-change > 0.5_wp*length)) share = minval(0.5_wp*length/(-change), -change > 0)
+      do i = 1, n
+         next = merge(1, i + 1, i == n)
+         length = unknowns(n + next) - unknowns(n + i)
+         if (i == n) length = length + two_pi*cycles
+         shrinks = step(n + i) - step(n + next)
+         if (shrinks > 0) share = min(share, 0.5_wp*length/shrinks)
+      end do
    end function step_share
 
    !> The factor on a Newton step that makes known motions repel it.
