@@ -319,17 +319,14 @@ contains
       do i = (row - 1)*filled%inner + 1, row*filled%inner
          select case (filled%column%kind)
          case (reals)
-            if (abs(scale - 1) > 0) then
-               call add_scaled(scale*filled%x(i), buffer)
-            else
-               call add_number(filled%x(i), buffer)
-            end if
+            call add_number(filled%x(i), scale, buffer)
          case (complexes)
             if (is_modulus(filled)) then
-               call add_number(abs(cmplx(filled%x(2*i - 1), filled%x(2*i), wp)), buffer)
+               call add_number(abs(cmplx(filled%x(2*i - 1), filled%x(2*i), wp)), 1.0_wp, &
+                  buffer)
             else
-               call add_number(filled%x(2*i - 1), buffer)
-               call add_number(filled%x(2*i), buffer)
+               call add_number(filled%x(2*i - 1), 1.0_wp, buffer)
+               call add_number(filled%x(2*i), 1.0_wp, buffer)
             end if
          case (wholes)
             call add(buffer, ','//whole(filled%k(i)))
@@ -374,40 +371,33 @@ contains
       call add(buffer, '"')
    end subroutine add_word
 
-   !> Adds a number that was multiplied by a factor, with the 15 digits that rounding leaves, after
-   !! a comma: 4 mm are 4.00000000000000E+000.
-   pure subroutine add_scaled(value, buffer)
-      !> A number.
-      real(wp), intent(in) :: value
-      !> The text so far.
-      type(buffer_type), intent(inout) :: buffer
-      character(22) :: digits
-
-      if (ieee_is_finite(value)) then
-         write (digits, '(es22.14e3)') value
-         call add(buffer, ','//digits(verify(digits, ' '):))
-      else
-         call add_number(value, buffer)
-      end if
-   end subroutine add_scaled
-
-   !> Adds a number with all its digits (17) after a comma; numbers that are not finite are written
-   !! as Python reads them.
-   pure subroutine add_number(value, buffer)
-      !> A number.
-      real(wp), intent(in) :: value
+   !> Adds a number times a factor after a comma: with all digits (17) where the factor is 1, else
+   !! with the 15 that rounding leaves, so that 4 mm are 4.00000000000000E+000. Numbers that are not
+   !! finite are written as Python reads them.
+   pure subroutine add_number(number, scale, buffer)
+      !> The number, and the factor.
+      real(wp), intent(in) :: number, scale
       !> The text so far.
       type(buffer_type), intent(inout) :: buffer
       character(24) :: digits
+      real(wp) :: value
 
-      if (ieee_is_finite(value)) then
-         write (digits, '(es24.16e3)') value
-         call add(buffer, ','//digits(verify(digits, ' '):))
-      else if (ieee_is_nan(value)) then
-         call add(buffer, ',nan')
-      else
-         call add(buffer, trim(merge(',inf ', ',-inf', value > 0)))
+      value = number
+      if (abs(scale - 1) > 0) value = scale*number
+      if (.not. ieee_is_finite(value)) then
+         if (ieee_is_nan(value)) then
+            call add(buffer, ',nan')
+         else
+            call add(buffer, trim(merge(',inf ', ',-inf', value > 0)))
+         end if
+         return
       end if
+      if (abs(scale - 1) > 0) then
+         write (digits, '(es22.14e3)') value
+      else
+         write (digits, '(es24.16e3)') value
+      end if
+      call add(buffer, ','//trim(digits(verify(digits, ' '):)))
    end subroutine add_number
 
 end module vi_csv
