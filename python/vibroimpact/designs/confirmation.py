@@ -22,6 +22,8 @@ CONFIDENCE, BANDS = 0.95, 10
 CHUNK = 10_000
 #: Samples by which the choice of units in the search is checked, and how often more units are taken.
 FEW, ROUNDS = 2000, 2
+#: Their seed, which no confirmation has.
+CHECK = 2**32
 #: The core's codes of verdicts.
 CODE_OF = {verdict: code for code, verdict in VERDICT.items()}
 
@@ -96,7 +98,7 @@ def firmer(problem: Problem, order: Order, archive: Archive) -> tuple[Archive, O
         if archive.level[best] > limit or (order.limit is None and not problem.limited):
             break
         chosen = dict(zip(problem.free, archive.values[best], strict=True))
-        tried, bands = confirmed(problem, order, chosen, FEW, order.seed + 2, None)
+        tried, bands = confirmed(problem, order, chosen, FEW, CHECK, None)
         shares = bands["good"] / np.maximum(1, bands["samples"])
         if min(tried["probability"], shares.min()) >= problem.quantile:
             break
@@ -110,7 +112,7 @@ def firmer(problem: Problem, order: Order, archive: Archive) -> tuple[Archive, O
         refined(problem, fine, values, levels, None, judged)
         if judged.excess[judged.best] > 1:
             # what met the limits by fewer units does not meet them: the search begins again
-            number = order.seed, order.searches + turn
+            number = order.searches + turn
             found = explored(problem, coarse, order.evaluations, number, None, Archive())
             further = Archive()
             refined(problem, fine, *found, None, further)

@@ -525,9 +525,8 @@ def design(
     settling, keep : int
         Load cycles after which a simulation without a period counts as settled, and those then examined.
     rng : int, numpy.random.Generator or None
-        Seed of the random numbers of the searches and of the confirmation, or a generator from which a seed is
-        drawn; None: another seed in each call. The seed that was used is in the case of the result. The units and
-        initial states by which candidates are judged do not depend on it.
+        Seed of the samples of the confirmation, or a generator from which a seed is drawn; None: another seed in
+        each call. The seed that was used is in the case of the result. The search does not depend on it.
     threads : int, optional
         Default: one for each processor. The result does not depend on it.
     progress : callable, optional

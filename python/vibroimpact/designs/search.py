@@ -94,7 +94,7 @@ class Grid:
 def grid(problem: Problem, units: int, nodes: int, states: int) -> Grid:
     """Units by a Sobol sequence, the first without deviations, and frequencies with both ends of the band.
 
-    They do not depend on the seed of a design, so that designs of all seeds minimise the same level.
+    They do not depend on the seed of a design, which only draws the samples of its confirmation.
     """
     qmc = scipy("stats", "a design", "design").qmc
 
@@ -156,9 +156,7 @@ def search(problem: Problem, order: Order, progress: door.Progress | None) -> Ar
         report = part_of(progress, number, 1, order.searches)
         tried, best = Archive(), Archive()
         try:
-            found = explored(
-                problem, coarse, order.evaluations, (order.seed, number), report, tried
-            )
+            found = explored(problem, coarse, order.evaluations, number, report, tried)
             refined(problem, fine, *found, report, best)
             archive.add(best)
         except KeyboardInterrupt:
@@ -174,10 +172,13 @@ def search(problem: Problem, order: Order, progress: door.Progress | None) -> Ar
 
 
 def explored(
-    problem: Problem, coarse: Grid, evaluations: int, seed: tuple[int, int], progress: door.Progress | None,
+    problem: Problem, coarse: Grid, evaluations: int, number: int, progress: door.Progress | None,
     archive: Archive,
 ) -> tuple[_Array, _Array]:  # fmt: skip
-    """The candidates of one global search, by differential evolution, and their levels; all go to the archive."""
+    """The candidates of one global search, by differential evolution, and their levels; all go to the archive.
+
+    Its random numbers follow from its number alone, so that every design of a problem is the same.
+    """
     differential_evolution = scipy("optimize", "a design", "design").differential_evolution
 
     low, high = np.array(list(problem.free.values()), dtype=float).T
@@ -194,7 +195,7 @@ def explored(
         return np.minimum(archive.level[-len(candidates) :], 1e150)
 
     try:
-        rng = np.random.default_rng(seed)
+        rng = np.random.default_rng((0, number))
         differential_evolution(
             level, list(zip(low, high, strict=True)), vectorized=True, updating="deferred", polish=False,
             popsize=size, init=_even_start(low, high, size, rng), seed=rng, tol=1e-3,
