@@ -23,8 +23,9 @@ from .cases.run import run_namelists
 from .designs.design import Design, design
 from .formats.load import load
 from .identification.identify import Identification, identify
-from .identification.measured import SensorRecord, VirtualRig, virtual_record
+from .identification.measured import SensorRecord
 from .identification.sensor_files import read_record
+from .identification.virtual_rig import VirtualRig, virtual_record
 from .motions.bundle import Bundle, simulate_bundle
 from .motions.exact import exact
 from .motions.flags import StabilityFlags, stability_flags
