@@ -43,6 +43,9 @@ SPARE, ROUNDS, STEPS = 4, 12, 12
 #: Standard deviations by which the scatter of a flight is larger where an impact is missing; jumps below so many
 #: errors are none.
 MISSED, CLEAR = 8.0, 3.5
+#: Standard deviations by which a pulse is unlike the others, where another impact is hidden in it; and least
+#: number of pulses that tell what they are like.
+UNLIKE, ALIKE = 10.0, 12
 #: Time from the ends of a flight within which no spike is a missing impact, s.
 NEAR_ENDS = 1e-3
 #: Largest error of the time of an impact that is one, s.
@@ -381,6 +384,46 @@ class Windows:
         )
         return both[0], both[1], both[2]
 
+    def crowded(self, states: _Array) -> _Bool:
+        """Impacts whose pulse is unlike the others, over their jumps, so that another impact is hidden in it.
+
+        No flight shows such an impact, but the free mass has it. It would spoil the equations of its neighbours by
+        less than they may be off by chance, and still move the parameters by several errors.
+        """
+        jumps = self.jumps_of(states)
+        # the contact itself may look different in each sample
+        late = (self.since > APART) & (self.since <= self.after)
+        near = np.flatnonzero(late & self.flies[self.flight] & (self.flight > 0))
+        near = near[jumps[self.flight[near] - 1] != 0]
+        impact, since = self.flight[near] - 1, self.since[near]
+        L, _ = self.waves(since, self.common)
+        rest = self.values[near] - self.loaded(self.t[near])
+        rest -= (L * states[impact + 1]).sum(axis=1)
+        jump = jumps[impact]
+        crowded = np.zeros(jumps.size, dtype=bool)
+        bins = np.floor(since / max(0.5 * self.step, 0.1e-3)).astype(np.int64)
+        strong = abs(jump) >= np.median(abs(jumps[jumps != 0])) if jump.size else jump > 0
+        for one in np.unique(bins):
+            own = bins == one
+            some = own & strong
+            if some.sum() < ALIKE:
+                continue
+            # a straight line through what strong impacts leave over their jumps, within the sample
+            place = since - since[some].mean()
+            shape = np.column_stack([np.ones(place.size), place])
+            ratio = rest[some] / jump[some]
+            weights = np.ones(ratio.size)
+            for _ in range(5):
+                root = np.sqrt(weights)
+                line = np.linalg.lstsq(shape[some] * root[:, None], ratio * root, rcond=1e-10)[0]
+                off = ratio - shape[some] @ line
+                spread = max(float(np.median(abs(off))) / 0.6745, 1e-300)
+                weights = 1 / (1 + (off / (2 * spread)) ** 2) ** 2
+            left = rest[own] - jump[own] * (shape[own] @ line)
+            unlike = abs(left) > UNLIKE * np.hypot(self.noise, jump[own] * spread)
+            crowded[impact[own][unlike]] = True
+        return crowded
+
     def loaded(self, t: _Array) -> _Array:
         """The motion under the load alone, with the offset."""
         none = np.empty(0)
@@ -521,6 +564,7 @@ class Windows:
         now = self.refine(1e-3)
         states, inverse, turned, left, weights, slope = now
         t, jumps, _, resolved = self.met(states, inverse)
+        resolved &= ~self.crowded(states)
         W, slope = self.with_priors(weights, slope, self.common)
         free = self.free()
         self.states = states
