@@ -38,8 +38,11 @@ UNPREDICTED, SHARE = 8.0, 0.02
 PULSE, ABRUPT = 2e-3, 0.7
 #: Seconds after an impact that are left out at first, and at most; the rest of a flight that must remain.
 FIRST_PULSE, LONGEST_PULSE, LEAST_FLIGHT = 4e-3, 12e-3, 0.3
-#: Residual over its error at which a pulse has ended, and by how much of its length the left out part is longer.
-ENDED, MARGIN = 3.0, 0.6
+#: Residual over its error at which a pulse has ended, and by how much of its length the left out part is longer at
+#: most: by so many times what the pulse takes to fade to it from ten times as much.
+ENDED, MARGIN, FADES = 3.0, 0.6, 1.0
+#: Misfit of flights that repeat above which they are not those of the record.
+HOPELESS = 25.0
 #: Modes that ring at most; misfit above which one more, or one more impact, is tried, and other starts; what one
 #: more has to take from the sum of squares and which share of it; rates of decay from which a mode starts (1/s);
 #: and most steps of a fit, after which another one follows.
@@ -50,8 +53,9 @@ DECAYS = (30.0, 100.0, 300.0, 900.0)
 #: Least and largest rate of decay of a mode that rings, over its frequency; the lowest such frequency, over that
 #: of the load, and the highest one, over that of the places.
 LEAST_DAMPED, MOST_DAMPED, LOWEST, HIGHEST = 0.002, 0.5, 4, 0.25
-#: Jumps of the velocity below so many errors, or below this share of the largest one, are no impacts.
-CLEAR, WEAK = 5.0, 0.01
+#: Jumps of the velocity below so many errors, or below this share of the largest one, are no impacts, unless
+#: without them a good misfit is so many times as large.
+CLEAR, WEAK, NEEDED = 5.0, 0.01, 2.0
 #: Largest number of impacts that are added to none, and in each load cycle to those that were predicted by
 #: nothing.
 MOST_IMPACTS, MISSING = 8, 2
@@ -332,6 +336,8 @@ class Flights:
         self.xi = xi
         self.whole = 2 * math.pi * data.k
         self.errors = noise / np.sqrt(fold.counts)
+        #: The start that led to the best flights.
+        self.begin: _Array = np.empty(0)
 
     def rings(self, pole: complex) -> bool:
         """Whether a mode rings for more than half a period, and fades, within the band of the folded record."""
@@ -483,7 +489,8 @@ class Flights:
         step = self.whole / self.data.Omega / self.fold.angles.size
         tau = since(self.fold.angles, angles, self.data)
         back = self.whole / self.data.Omega - tau
-        bad = abs(found.left) > ENDED * max(1.0, math.sqrt(min(found.misfit, 25.0)))
+        limit = ENDED * max(1.0, math.sqrt(min(found.misfit, 25.0)))
+        bad, large = abs(found.left) > limit, abs(found.left) > 10 * limit
         order = np.argsort(angles)
         gaps = np.empty(angles.size)
         gaps[order] = (
@@ -498,7 +505,11 @@ class Flights:
             # the pulse ends before the first long part without such residuals
             ends = np.flatnonzero(np.diff(own) > max(0.6e-3, 6 * step))
             last = own[ends[0]] if ends.size else own[-1] if own.size else 0.0
-            after[i] = min(room, last * (1 + MARGIN) + 2 * step)
+            # as the transient of a filter fades, a tenth at a time; what else is left may be no pulse
+            ten = 0.0
+            if found.misfit < GOOD:
+                ten = tau[large & (tau[:, i] <= last), i].max(initial=0.0)
+            after[i] = min(room, last + min(MARGIN * last, FADES * (last - ten)) + 2 * step)
             ahead = np.sort(
                 back[bad & (back[:, i] <= min(FIRST_PULSE / 2, 0.3 * gaps_before[i])), i]
             )
@@ -607,14 +618,18 @@ class Flights:
         return best[1]
 
     def pruned(self, found: FreeFit) -> FreeFit:
-        """Without jumps that are none."""
+        """Without jumps that are none: a jump whose pulse covers its flight is not clear, but is one where the
+        flights without it do not describe the record."""
         while found.data.angles.size > 1:
             sizes = abs(found.data.jumps)
             score = np.minimum(sizes / found.jump_errors / CLEAR, sizes / sizes.max() / WEAK)
             i = int(np.argmin(score))
             if score[i] >= 1:
                 break
-            found = self.without(found, i)
+            fewer = self.without(found, i)
+            if found.misfit < GOOD and fewer.misfit > NEEDED * found.misfit:
+                break
+            found = fewer
         return found
 
     def without(self, found: FreeFit, i: int) -> FreeFit:
@@ -639,9 +654,12 @@ class Flights:
         self.fold = fold._replace(values=fold.means + middle - each / fold.counts)
         return self.fit(self.point(found), found.pulse)
 
-    def best(self, starts: list[_Array], report: Callable[[float, str], None]) -> FreeFit:
+    def best(
+        self, starts: list[_Array], report: Callable[[float, str], None], other: Callable[[], bool]
+    ) -> FreeFit:
         """The flights between impacts that begin at some angles, and those that are missing; of several starts
-        the first good one, or the best. `report` is told which share of the starts was tried."""
+        the first good one, or the best. `report` is told which share of the starts was tried. Where the first one
+        is hopeless, `other` is asked whether the record is known to be another one."""
         best: FreeFit | None = None
         for i, angles in enumerate(starts):
             report(i / len(starts), "flights of a period")
@@ -652,9 +670,13 @@ class Flights:
                     raise
                 continue
             if best is None or found.square < best.square:
-                best = found
+                best, self.begin = found, angles
             if best.misfit < GOOD:
                 break
+            if i == 0 and best.misfit > HOPELESS and other():
+                raise SingularError(
+                    f"flights that repeat leave {best.misfit:.3g} times the scatter from period to period"
+                )
         assert best is not None
         return self.curved(best)
 

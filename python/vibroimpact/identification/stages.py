@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 from ..base.errors import ParameterError, SingularError
 from .aperiodic import LEAST_IMPACTS, by_flights, by_laws
 from .fit import DOUBTFUL, Fit, fit
-from .flights import Measured
+from .flights import HOPELESS, Measured
 from .known import HINT
 from .laws import KNOWN_OF_LAW, Law
 from .motions import Impacting
-from .signals import no_rhythm, repeated
-from .start import start_of, start_of_times
-from .steps import Step, flown, flown_apart
+from .signals import LEAST_PICKS, no_rhythm, repeated
+from .start import start_of, start_of_phases, start_of_times
+from .steps import Step, cycles_of, flown, flown_apart, silent
 
 _Array = NDArray[np.float64]
 #: Standard errors between an impact of the fitted motion and one of the flights, above which a fit is doubtful.
@@ -118,8 +118,14 @@ def alone(
     best: Fit | None = None
     failed: SingularError | None = None
     others = STARTS if step.free is not None and "xi" not in constant else ()
-    for xi in (None, *others):
+    starts = [(xi, False) for xi in (None, *others)]
+    # where Newton's method fails or goes elsewhere, it begins from the linear equations for the picked phases
+    starts += [(xi, True) for xi in (None, *others)] if step.free is not None else []
+    for xi, linear in starts:
         assert step.data is not None
+        if linear and best is not None:
+            break
+        near: tuple[Impacting, ...] = ()
         if step.free is not None:
             start = constant if xi is None else constant | {"xi": xi}
             values, static, phase = start_of(step, start, guess)
@@ -127,7 +133,12 @@ def alone(
             step.data, values, static, phase = start_of_times(step.data, scale, constant, guess)
         own = law if law.kind == "constant" else Law("impacts", step.data.angles.size)
         try:
-            found = fit([step.data], constant, values, [static], [phase], M, K, own, rough=rough)
+            if linear:
+                values, static, phase, motion = start_of_phases(step.data, constant, values, static)
+                near = (motion,)
+            found = fit(
+                [step.data], constant, values, [static], [phase], M, K, own, near, rough=rough
+            )
         except SingularError as error:
             failed = failed or error
             continue
@@ -203,10 +214,22 @@ def identified_by(
         if clear(single[1]) and not again(single[0][0]):
             return because(single, "its scatter from period to period is more than its noise")
         attempts = ["as it is", "apart"]
+
+    def aperiodic() -> bool:
+        """Whether single flights tell all parameters, and have impacts that do not repeat."""
+        nonlocal single
+        if single is None:
+            report, steps[0].report = steps[0].report, silent
+            single = apart(steps, *given)
+            steps[0].report = report
+        return clear(single[1]) and not again(single[0][0])
+
     for i, attempt in enumerate(attempts):
         told(steps, progress, i + (single is not None), len(attempts) + 1)
         others = [copy(step) for step in steps]
         measured = [step for step in others if step.record is not None]
+        if len(measured) == len(steps) == 1:
+            measured[0].aperiodic = aperiodic
         if failed is not None and not measured:
             break
         try:
@@ -221,6 +244,8 @@ def identified_by(
                     step.data = replace(step.data, k=2 * step.data.k)
                     if step.data.k > step.most_cycles:
                         raise SingularError("too few periods")
+                    if hopeless(step):
+                        raise SingularError("flights of half this period explain nothing")
                 if attempt == "exactly" and not (
                     step.data.calibration and step.data.F0 is not None
                 ):
@@ -231,10 +256,15 @@ def identified_by(
                 single = single or apart(steps, *given)
                 if clear(single[1]):
                     return because(single, "flights between no impacts describe it")
+                number = max((step.times.size for step in others if several(step)), default=0)
+                if number:
+                    return because(single, f"{number} impacts are picked that no flights show")
                 return others, None, law
             found, own = fitted(others, *given)
         except SingularError as error:
             failed = failed or error
+            if len(steps) == 1 and single is not None and aperiodic():
+                return because(single, str(failed))
             continue
         # what only another pattern makes possible has to be good
         if failed is not None and max(found.misfits) > DOUBTFUL:
@@ -271,6 +301,19 @@ def part_of(
 ) -> None:  # fmt: skip
     """Report a share of a part of the work."""
     progress((begin + size * share) / parts, note)
+
+
+def hopeless(step: Step) -> bool:
+    """Whether no flights that repeat were found that are near a record."""
+    known = [free.misfit for free, _ in step.known_flights.values()]
+    return bool(known) and min(known) > HOPELESS
+
+
+def several(step: Step) -> bool:
+    """Whether more impacts are picked in a record than noise may look like."""
+    return step.record is not None and (
+        step.times.size >= LEAST_PICKS * cycles_of(step.record, step.Omega)
+    )
 
 
 def again(step: Step) -> bool:

@@ -8,10 +8,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..base.errors import SingularError
 from ..motions.periodic import periodic
 from ..systems.oscillator import Oscillator
 from .flights import Measured, predicted
 from .laws import Law
+from .motions import Impacting
 from .steps import Step
 
 
@@ -73,6 +75,28 @@ def start_of(
     each = np.clip((z_after - after) / (before - z_before), 0.05, 0.99)
     values |= dict(zip(Law("impacts", each.size).names, each.tolist(), strict=True))
     return values, static, phase
+
+
+def start_of_phases(
+    data: Measured, known: Mapping[str, float], values: Mapping[str, float], static: float
+) -> tuple[dict[str, float], float, float, Impacting]:
+    """d, F0/K and load phase by the linear equations (26) and (30) for the phases of the impacts, and the motion.
+
+    With these phases given, the equations need no guess, and Newton's method starts where they are fulfilled,
+    though not by the load that was measured.
+    """
+    osc = Oscillator(xi=values["xi"], mu=values["mu"], restitution=(values["R1"], values["R2"]))
+    linear = periodic(osc, data.Omega / values["omega"], data.angles - data.angles[0], data.pattern)
+    if not linear.clearance > 0:
+        raise SingularError(
+            f"the linear equations give a clearance of {linear.clearance:.4g}: must be above 0"
+        )
+    found = {**values, "d": known.get("d", linear.clearance * static)}
+    static = found["d"] / linear.clearance
+    jumps = (linear.X_dot_after - linear.X_dot_before) * static * values["omega"]
+    none = np.empty(0)
+    motion = Impacting(data.angles, jumps, none, none, none)
+    return found, static, linear.load_phase - float(data.angles[0]), motion
 
 
 def start_of_times(

@@ -13,7 +13,18 @@ from numpy.typing import NDArray
 
 from ..base import checks
 from ..base.errors import ParameterError, SingularError
-from .flights import MOST_MODES, PLACES, Flights, Folded, FreeFit, Measured, beside, folded, onsets
+from .flights import (
+    HOPELESS,
+    MOST_MODES,
+    PLACES,
+    Flights,
+    Folded,
+    FreeFit,
+    Measured,
+    beside,
+    folded,
+    onsets,
+)
 from .known import HINT
 from .measured import MOTIONS, SensorRecord
 from .signals import (
@@ -48,8 +59,6 @@ RISE = 0.2
 #: Delay (s) that an unknown filter may have, and by which share the delays of filters of one -3 dB frequency
 #: differ: of order 2 it is half that of order 4, of order 8 twice.
 UNKNOWN_DELAY, DELAY_OF_OTHERS = 2e-3, 0.5
-#: Misfit of free flights above which they explain nothing.
-HOPELESS = 25.0
 #: Variance of the parts of a record over that of noise above which the frequency of the load may be off.
 SLIPPED = 1.2
 #: Misfit of free flights above which others are looked for; share of it that others may have at the most.
@@ -61,6 +70,11 @@ RESTLESS, COLOURED, MUCH = 1.4, 3.0, 0.03
 
 def silent(share: float, note: str) -> None:
     """Tell nobody what share of the work is done, and what is done next."""
+
+
+def unasked() -> bool:
+    """Nothing is known of whether a record repeats nothing."""
+    return False
 
 
 class Step:
@@ -101,6 +115,9 @@ class Step:
         self.notes: list[str] = []
         #: Told what share of the flights is fitted.
         self.report: Callable[[float, str], None] = silent
+        #: Whether single flights show that the record repeats nothing; asked where flights that repeat are
+        #: hopeless.
+        self.aperiodic: Callable[[], bool] = unasked
 
 
 def of_record(
@@ -297,6 +314,8 @@ def flown(
     if free.misfit > POOR and not (exactly or quick):
         # a load that is known to its calibration alone may lead to other impacts
         other = flights_of(step, scale, known, guess, True)
+        if free.misfit > HOPELESS:
+            starts = [flights.begin]
         with contextlib.suppress(SingularError):
             exact = best_of(step, other, starts, True)
             if exact.misfit < LESS * free.misfit:
@@ -367,7 +386,7 @@ def best_of(step: Step, flights: Flights, starts: list[_Array], exactly: bool) -
     if which in step.known_flights:
         free, flights.fold = step.known_flights[which]
     else:
-        free = flights.best(starts, step.report)
+        free = flights.best(starts, step.report, step.aperiodic)
         step.known_flights[which] = free, flights.fold
     return free
 
