@@ -12,6 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 from reference_rig import K, M, flights, period_of
+from scipy.signal import butter, sosfreqz
 
 STEP = 1e-30
 #: Errors of the map from impact to impact over typical sizes: without any, what is known of the state of a motion
@@ -135,17 +136,23 @@ def bound(
     return dict(zip(NAMES, errors.tolist(), strict=False))
 
 
-def noise_of(values, rate, frequency=None):
-    """Standard deviation of white noise with the density of that of a record.
+def noise_of(values, rate, frequency=None, lowpass=None):
+    """Standard deviation of white noise that is as dense as that of a record in its flights.
 
-    It is by sixth differences, in which slower motion is small; or of a periodic record by its spectrum between
-    the harmonics of a frequency, below 300 Hz, which a low-pass leaves as it is: that also has aliases of spikes.
+    It is by sixth differences, in which slower motion is small. Noise that has passed a low-pass with the signal
+    is as dense below its -3 dB frequency as before it, but its samples are smaller: then it is by the scatter of
+    the samples of a periodic record in parts of its period, of which the median has no impact, over what the
+    low-pass lets pass. (The spectrum between harmonics also has what the sampling of short pulses scatters, which
+    is in no flight.)
     """
-    if frequency is None:
+    if lowpass is None:
         return float(np.median(abs(np.diff(values, 6)))) / 0.6745 / math.sqrt(math.comb(12, 6))
-    window = np.hanning(values.size)
-    size = abs(np.fft.rfft((values - values.mean()) * window)) ** 2 / (window @ window)
-    order = np.fft.rfftfreq(values.size, 1 / rate) / frequency
-    between = (abs(order % 1 - 0.5) < 0.2) & (order * frequency < 300)
-    # half of an exponential distribution is below its mean times log 2
-    return math.sqrt(float(np.median(size[between])) / math.log(2))
+    turns = np.arange(values.size) / rate * frequency % 1
+    part = (turns * 64).astype(int)
+    scatter = []
+    for one in range(64):
+        own = part == one
+        fitted = np.polynomial.Polynomial.fit(turns[own], values[own], 3, full=True)[1][0]
+        scatter.append(float(fitted[0]) / (own.sum() - 4))
+    passed = abs(sosfreqz(butter(2, lowpass, fs=rate, output="sos"), 4096)[1]) ** 2
+    return math.sqrt(float(np.median(scatter)) / float(np.mean(passed)))
