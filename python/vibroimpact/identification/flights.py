@@ -76,6 +76,8 @@ class Measured:
     angles: _Array = field(default_factory=lambda: np.empty(0))
     angle_errors: _Array = field(default_factory=lambda: np.empty(0))
     jumps: _Array = field(default_factory=lambda: np.empty(0))
+    #: (N) Errors of the changes of velocity.
+    jump_errors: _Array = field(default_factory=lambda: np.empty(0))
     #: (n) Angles outside of the pulses, the motion there, and its errors. Without a record there are none.
     places: _Array = field(default_factory=lambda: np.empty(0))
     values: _Array = field(default_factory=lambda: np.empty(0))

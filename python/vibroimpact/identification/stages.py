@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from functools import partial
+from itertools import combinations, product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,13 +21,17 @@ from .laws import KNOWN_OF_LAW, Law
 from .motions import Impacting
 from .signals import LEAST_PICKS, no_rhythm, repeated
 from .start import start_of, start_of_phases, start_of_times
-from .steps import Step, cycles_of, flown, flown_apart, silent
+from .steps import Step, cycles_of, flown, flown_apart, ordered, silent
 
 _Array = NDArray[np.float64]
 #: Standard errors between an impact of the fitted motion and one of the flights, above which a fit is doubtful.
 FAR = 5.0
 #: Damping ratios with which a fit that stopped short is begun again.
 STARTS = (0.003, 0.01, 0.02, 0.04)
+#: Jumps of the velocity below so many errors may be on the other wall; most such impacts that are tried.
+UNCLEAR, MOST_UNCLEAR = 4.0, 3
+#: Coefficients of restitution with which the linear equations are tried.
+TRIED = (0.7, 0.6, 0.85)
 #: Largest ratio of two load amplitudes that should be the same.
 LARGEST_RATIO = 1.5
 #: What a wrong unit changes a record by, for the message.
@@ -118,14 +123,8 @@ def alone(
     best: Fit | None = None
     failed: SingularError | None = None
     others = STARTS if step.free is not None and "xi" not in constant else ()
-    starts = [(xi, False) for xi in (None, *others)]
-    # where Newton's method fails or goes elsewhere, it begins from the linear equations for the picked phases
-    starts += [(xi, True) for xi in (None, *others)] if step.free is not None else []
-    for xi, linear in starts:
+    for xi in (None, *others):
         assert step.data is not None
-        if linear and best is not None:
-            break
-        near: tuple[Impacting, ...] = ()
         if step.free is not None:
             start = constant if xi is None else constant | {"xi": xi}
             values, static, phase = start_of(step, start, guess)
@@ -133,12 +132,7 @@ def alone(
             step.data, values, static, phase = start_of_times(step.data, scale, constant, guess)
         own = law if law.kind == "constant" else Law("impacts", step.data.angles.size)
         try:
-            if linear:
-                values, static, phase, motion = start_of_phases(step.data, constant, values, static)
-                near = (motion,)
-            found = fit(
-                [step.data], constant, values, [static], [phase], M, K, own, near, rough=rough
-            )
+            found = fit([step.data], constant, values, [static], [phase], M, K, own, rough=rough)
         except SingularError as error:
             failed = failed or error
             continue
@@ -147,10 +141,37 @@ def alone(
         # that the rig changed during the record is not the fit's
         if max(best.misfits) < DOUBTFUL * step.data.drift:
             return best
+    if best is None and step.free is not None and step.free.misfit < DOUBTFUL:
+        assert step.data is not None
+        best = from_phases(step, step.data, scale, constant, guess, law, rough)
     if best is None:
         assert failed is not None
         raise failed
     return best
+
+
+def from_phases(
+    step: Step, data: Measured, scale: Mapping[str, float], constant: dict[str, float],
+    guess: Mapping[str, float], law: Law, rough: bool,
+) -> Fit | None:  # fmt: skip
+    """The fit to a record where Newton's method fails, or goes elsewhere, from what the flights give.
+
+    Each start is by the linear equations for the phases of the impacts, which need no guess, with several damping
+    ratios and coefficients of restitution; None if none leads to a motion.
+    """
+    assert step.free is not None
+    own = law if law.kind == "constant" else Law("impacts", data.angles.size)
+    for xi, R in product((max(step.free.xi, STARTS[0]), *STARTS[1:3]), TRIED):
+        walls = dict.fromkeys(("R1", "R2", *Law("impacts", data.angles.size).names), R)
+        values = {**guess, "omega": step.free.omega, "xi": xi, **walls, **constant}
+        try:
+            start, static, phase, motion = start_of_phases(data, constant, values, step.free.static)
+            return fit(
+                [data], constant, start, [static], [phase], scale.get("M"), scale.get("K"), own, (motion,), rough
+            )  # fmt: skip
+        except SingularError:
+            continue
+    return None
 
 
 def halved(
@@ -207,7 +228,7 @@ def identified_by(
     if any(step.data is None for step in steps):
         return apart(steps, *given)
     single: tuple[list[Step], Fit | None, Law] | None = None
-    attempts = ["as it is", "fewer", "exactly", "apart", "twice"]
+    attempts = ["as it is", "other walls", "fewer", "exactly", "apart", "twice"]
     if len(steps) == 1 and steps[0].restless:
         # what almost repeats is sooner found by single flights, and little else is tried
         single = apart(steps, *given)
@@ -260,7 +281,12 @@ def identified_by(
                 if number:
                     return because(single, f"{number} impacts are picked that no flights show")
                 return others, None, law
-            found, own = fitted(others, *given)
+            if attempt == "other walls":
+                if len(steps) > 1 or law.kind != "constant":
+                    raise SingularError("several records, or a law")
+                found, own = on_other_walls(others[0], scale, shared, guess, law), law
+            else:
+                found, own = fitted(others, *given)
         except SingularError as error:
             failed = failed or error
             if len(steps) == 1 and single is not None and aperiodic():
@@ -307,6 +333,28 @@ def hopeless(step: Step) -> bool:
     """Whether no flights that repeat were found that are near a record."""
     known = [free.misfit for free, _ in step.known_flights.values()]
     return bool(known) and min(known) > HOPELESS
+
+
+def on_other_walls(
+    step: Step, scale: Mapping[str, float], constant: dict[str, float], guess: Mapping[str, float], law: Law
+) -> Fit:  # fmt: skip
+    """The fit to a record some of whose impacts are on another wall than the sign of an unclear jump says."""
+    data, best = step.data, None
+    assert data is not None
+    clear_by = abs(data.jumps) / data.jump_errors
+    weak = [int(i) for i in np.argsort(clear_by)[:MOST_UNCLEAR] if clear_by[i] < UNCLEAR]
+    for turned in (some for n in range(len(weak)) for some in combinations(weak, n + 1)):
+        signs = np.sign(data.jumps)
+        signs[list(turned)] *= -1
+        if abs(signs.sum()) == signs.size:
+            continue
+        other = ordered(data, signs)
+        found = from_phases(step, other, scale, constant, guess, law, False)
+        if found and (best is None or max(found.misfits) < max(best.misfits)):
+            best, step.data = found, other
+    if best is None or max(best.misfits) > DOUBTFUL:
+        raise SingularError("no exact motion with impacts on other walls")
+    return best
 
 
 def several(step: Step) -> bool:

@@ -354,16 +354,25 @@ def flown(
     inside = (times >= 0) & (times <= 2 * half)
     step.times = times[inside] + record.start
     step.signs = np.tile(np.sign(data.jumps[order]), turns.size)[inside]
-    # begun where R comes before L, as in `Pattern.standard`
+    step.data = ordered(
+        replace(data, jump_errors=free.jump_errors, beside=beside(free)), np.sign(data.jumps)
+    )
+    step.rhythm = Rhythm("periodic", data.k, np.empty(0), np.empty(0))
+
+
+def ordered(data: Measured, signs: _Array) -> Measured:
+    """Impacts on walls of some signs, begun where R comes before L, as in `Pattern.standard`."""
+    whole = 2 * math.pi * data.k
+    order = np.argsort(data.angles % whole)
+    sides = letters_of(signs[order])
     first = max(range(len(sides)), key=lambda i: sides[i:] + sides[:i])
     order = np.roll(order, -first)
     angles = np.unwrap(data.angles[order] % whole, period=whole)
     angles[1:] += whole * (angles[1:] < angles[0])
-    step.data = replace(
+    return replace(
         data, sides=sides[first:] + sides[:first], angles=angles, angle_errors=data.angle_errors[order],
-        jumps=data.jumps[order], beside=beside(free),
+        jumps=data.jumps[order], jump_errors=data.jump_errors[order],
     )  # fmt: skip
-    step.rhythm = Rhythm("periodic", data.k, np.empty(0), np.empty(0))
 
 
 def flights_of(
