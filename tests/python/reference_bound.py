@@ -54,13 +54,53 @@ def impact(theta, state, side, other, t, Omega):
     return np.array([t, X, V + jump, state[3] - jump / mu])
 
 
-def moving(rig, first, last, sides, begin=0.0):
+def moving(rig, first, last, sides):
     """Impacts and states of a motion whose impacts in a cycle are some walls, and the load phase at time 0."""
-    for phase in begin + np.linspace(0, 2 * math.pi, 24, endpoint=False):
+    for phase in np.linspace(0, 2 * math.pi, 24, endpoint=False):
         found = flights(rig, first, last, phase)
         if found is not None and (not sides or (period_of(rig, found[1])[1] * 2).find(sides) >= 0):
             return found[1], found[2], phase
     raise ValueError(f"no motion {sides}")
+
+
+def moved_at(rig, times, sides, phase):
+    """Impacts and states of the motion of a rig with impacts at some times on some walls (1 or -1).
+
+    With the times given, momentum and restitution at the impacts are linear in the jumps and in the state at the
+    start. They are more equations than unknowns: what they leave (m/s) tells whether the times are of a motion.
+    """
+    theta = np.array([rig.xi, rig.mu, *rig.restitution, rig.d, rig.F0, phase])
+    N, Omega = times.size, 2 * math.pi * rig.frequency
+    # columns: displacement and velocity at the start, then the jumps; the last one is the motion under the load
+    by = np.zeros((2, N, N + 3))
+    for column, state in enumerate(((times[0], 1, 0, 0), (times[0], 0, 1, 0))):
+        by[:, :, column] = motion(np.array([*theta[:5], 0, 0]), state, times, Omega)[:2]
+    for i in range(N):
+        later = motion(np.array([*theta[:5], 0, 0]), (times[i], 0, 1, 0), times[i + 1 :], Omega)
+        by[:, i + 1 :, 2 + i] = later[:2]
+    by[:, :, -1] = motion(theta, (times[0], 0, 0, 0), times, Omega)[:2]
+    X, V = by
+    walls = np.zeros(N + 3)
+    walls[-1] = rig.d / 2
+    rates = np.diff(X + np.outer(sides, walls), axis=0) / np.diff(times)[:, None]
+    inner = np.arange(1, N - 1)
+    jumps = np.eye(N + 3)[2 + inner]
+    before, after = rates[:-1], rates[1:]
+    R = np.where(sides[inner] > 0, *rig.restitution)[:, None]
+    momentum = jumps + rig.mu * (after - before)
+    restitution = after - V[inner] - jumps + R * (before - V[inner])
+    equations = np.vstack([momentum, restitution])
+    found = np.linalg.lstsq(equations[:, :-1], -equations[:, -1], rcond=None)[0]
+    found = np.append(found, 1.0)
+    jump = found[2:-1]
+    states = [
+        (t, np.array([x, v + own, 0, z]))
+        for t, x, v, own, z in zip(
+            times[:-1], X @ found, V @ found, jump, rates @ found, strict=False
+        )
+    ]
+    impacts = list(zip(times[:-1], sides, jump, strict=False))
+    return (impacts, states, phase), equations @ found
 
 
 def bound(
@@ -72,16 +112,16 @@ def bound(
     load_error=0.0,
     phase_error=math.inf,
     margin=1e-4,
-    begin=0.0,
+    own=None,
 ):
     """Least standard errors by name, of so many samples with white noise of a motion with `sides` in a cycle.
 
     F0 and the load phase are measured with these errors, and `known` parameters are exact. `margin` (s) are left
-    out beside each pulse. `begin` is a load phase that leads to another chaotic motion.
+    out beside each pulse. `own` has the impacts and states of another motion, from time 0, and its load phase.
     """
     Omega, duration = 2 * math.pi * rig.frequency, samples / rig.rate
-    first = 400 / rig.frequency
-    impacts, states, phase = moving(rig, first, first + duration, sides, begin)
+    first = 0 if own else 400 / rig.frequency
+    impacts, states, phase = own or moving(rig, first, first + duration, sides)
     after = {round(1e9 * t): y for t, y in states}
     theta = np.array([rig.xi, rig.mu, *rig.restitution, rig.d, rig.F0, phase])
     P, rings = len(NAMES), rig.ring_share > 0
