@@ -4,10 +4,11 @@
 
 "pulses" and "spikes" are those of tests/python/reference_rig.py, which share no code with the package: impacts are
 pulses of finite duration, which an unknown low-pass may follow, or impulses through a known one. "virtual" is the
-package's `VirtualRig`, with pulses through a low-pass that every other record does not state. Rigs are drawn alike
-for all: rates of 2 to 50 kHz, noise of 20 to 50 dB, contacts of 0.05 to 1.5 ms, ringing of up to 30 %, harmonics
-of the load, R(v), sensors that are exact or off by 1 %. A kind is a generator with periodic or with chaotic
-motions. M, K and, of periodic records, m are known.
+package's `VirtualRig`, with pulses through a low-pass that every other record does not state; in "drift" its
+coefficients of restitution also fall by up to 3 % during the record, the true ones being their means. Rigs are
+drawn alike for all: rates of 2 to 50 kHz, noise of 20 to 50 dB, contacts of 0.05 to 1.5 ms, ringing of up to 30 %,
+harmonics of the load, R(v), sensors that are exact or off by 1 %. A kind is a generator with periodic or with
+chaotic motions. M, K and, of periodic records, m are known.
 
 The table has, of each kind, the records that are identified without a doubt, those that are refused or doubted,
 those that are wrong (another pattern), and the shares of true values within the 68 % and the 95 % interval and
@@ -15,6 +16,7 @@ beyond five errors. Parameters of one record depend on each other: the errors of
 again (bootstrap). Parameters that are undetermined are not counted.
 """
 
+import dataclasses
 import math
 import pathlib
 import sys
@@ -27,13 +29,16 @@ import vibroimpact as vi
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "tests/python"))
 from reference_rig import SPEED, K, M, wide_rig
 
-GENERATORS = ("pulses", "spikes", "virtual")
+GENERATORS = ("pulses", "spikes", "virtual", "drift")
+#: Largest share by which coefficients of restitution fall in "drift".
+DRIFT = 0.03
 #: Standard deviations of an interval that holds 68 %.
 SIGMA68 = 0.9944578832097532
 
 
-def virtual(rig, seed):
-    """A record of the package's own rig with the same parameters."""
+def virtual(rig, seed, drift=0.0):
+    """A record of the package's own rig with the same parameters, in the middle of the record if they drift."""
+    rig = dataclasses.replace(rig, restitution=tuple(R / (1 - drift / 2) for R in rig.restitution))
     walls = rig.restitution
     if rig.exponent:
         walls = [
@@ -45,7 +50,7 @@ def virtual(rig, seed):
         harmonics=rig.harmonics, rate=rig.rate, snr=-20 * math.log10(rig.noise), ring_frequency=rig.ringing,
         ring_damping=rig.ring_decay / (2 * math.pi * rig.ringing), ring_share=rig.ring_share,
         calibration=rig.calibration, bandwidth=rig.known_lowpass, contact=rig.contact,
-        known_bandwidth=seed % 2 == 0,
+        known_bandwidth=seed % 2 == 0, drift=drift,
     )  # fmt: skip
     # begun with a free mass that moves, as of a motion with equal walls
     alike = vi.Oscillator(xi=rig.xi, mu=rig.mu, restitution=sum(rig.restitution) / 2)
@@ -55,9 +60,11 @@ def virtual(rig, seed):
 
 def scored(generator, chaos, seed):
     """What becomes of one record: its state, errors over the stated ones by name, its rig, and seconds."""
-    rig, made, k, sides = wide_rig(seed, generator, chaos)
-    if generator == "virtual":
-        record = virtual(rig, seed)
+    own = generator in ("virtual", "drift")
+    rig, made, k, sides = wide_rig(seed, "virtual" if own else generator, chaos)
+    if own:
+        drift = DRIFT * np.random.default_rng(seed).uniform() if generator == "drift" else 0.0
+        record = virtual(rig, seed, drift)
     else:
         passed = rig.known_lowpass
         record = vi.SensorRecord(
@@ -65,7 +72,7 @@ def scored(generator, chaos, seed):
             bandwidth=None if passed is None else {"load": passed, "acceleration": passed},
         )  # fmt: skip
     known = {"M": M, "K": K} | ({} if chaos else {"m": M * rig.mu})
-    begin = time.perf_counter()
+    begin = time.process_time()
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", vi.PoorFitWarning)
@@ -76,8 +83,8 @@ def scored(generator, chaos, seed):
                 law="power" if rig.exponent else "constant",
             )
     except vi.VibroimpactError as error:
-        return "refused", {}, rig, time.perf_counter() - begin, str(error)
-    spent = time.perf_counter() - begin
+        return "refused", {}, rig, time.process_time() - begin, str(error)
+    spent = time.process_time() - begin
     if not found.good:
         return "doubted", {}, rig, spent, "; ".join(found.doubts) or str(found)
     scale = (found.values.get("v0", SPEED) / SPEED) ** -rig.exponent if rig.exponent else 1.0
@@ -89,7 +96,7 @@ def scored(generator, chaos, seed):
         name: (found.values[name] - value) / found.errors[name] for name, value in true.items()
         if name in found.errors and name not in found.undetermined
     }  # fmt: skip
-    told = None if chaos or generator == "virtual" else found.pattern
+    told = None if chaos or own else found.pattern
     if told is not None and (told.cycles, told) != (k, vi.Pattern(sides, k).standard()):
         return "wrong", off, rig, spent, f"{told} {sides}/{k}"
     return "open" if found.undetermined else "right", off, rig, spent, ""
