@@ -21,6 +21,7 @@ from vibroimpact.reproduce import (
     captions,
     damper,
     phase_errors,
+    proof6a,
     run,
     scan,
     statements,
@@ -277,7 +278,7 @@ def test_needs_come_first():
         assert all(order.index(need) < order.index(name) for need in task.needs)
     assert tasks.with_needs(["table1"]) == ["table1"]
     assert set(tasks.with_needs(["figure7"])) == {"figure7", *tasks.SWEEPS["equal"]}
-    assert set(tasks.with_needs(["report"])) == set(order)
+    assert set(tasks.with_needs(["report"])) == set(order) - set(tasks.ON_REQUEST)
     assert set(captions.CAPTIONS) == {name for name in tasks.NAMES if name.startswith("figure")}
 
 
@@ -308,9 +309,12 @@ def whole(tmp_path_factory):
 @pytest.mark.slow
 def test_everything_is_there(whole):
     """All outputs of all tasks exist, and no temporary file."""
-    for task in tasks.TASKS.values():
+    for name, task in tasks.TASKS.items():
         for output in task.outputs:
-            assert (whole / output).stat().st_size > 0
+            if name in tasks.ON_REQUEST:
+                assert not (whole / output).exists()
+            else:
+                assert (whole / output).stat().st_size > 0
     assert not list(whole.rglob("*.part"))
 
 
@@ -409,6 +413,22 @@ def test_thinned_outline_is_the_same_curve():
     foot = start + np.clip(share, 0, 1)[..., None] * step
     away = np.linalg.norm(points[:, None] - foot, axis=2).min(axis=1)
     assert away.max() <= canvas.THINNED
+
+
+def test_proof_of_figure_6a(tmp_path, monkeypatch):
+    """What a coarse proof of a part of it decides agrees with the traced zone, and its certificate is kept."""
+    pytest.importorskip("flint")
+    monkeypatch.setattr(proof6a, "R", (1.2, 1.21))
+    assert run.reproduce(["proof6a"], tmp_path, resolution=0.005, workers=1) == 0
+    proof = vi.Certificate.from_json((tmp_path / "proof6a.json").read_text(encoding="utf-8"))
+    zone = vi.zone(EQUAL, "RL", r=proof6a.R, clearance=proof6a.CLEARANCE, symmetric=True)
+    decided = 0
+    for r, D in np.random.default_rng(3).uniform((1.2, 0), (1.21, math.log(200)), (40, 2)):
+        verdict = proof.decide(r, math.exp(D))
+        decided += verdict is not None
+        assert verdict in (None, bool(zone.contains(r, math.exp(D))))
+    assert decided > 10
+    assert (tmp_path / "proof6a.png").stat().st_size > 0
 
 
 @pytest.mark.slow
