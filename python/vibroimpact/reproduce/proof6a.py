@@ -34,4 +34,4 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
         f"Figure 6a, proven: {100 * inside:.2f} % of the area of the zone hold a stable, admissible motion, "
         f"{100 * outside:.2f} % of the rest hold none ({proof.seconds:.0f} s)"
     )
-    return inside <= 1 and outside <= 1
+    return bool(inside <= 1 and outside <= 1)
