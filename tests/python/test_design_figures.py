@@ -116,6 +116,19 @@ def test_figures_do_not_depend_on_the_number_of_threads():
         np.testing.assert_array_equal(getattr(one, name), getattr(three, name))
 
 
+def test_runs_are_as_each_of_them_alone():
+    """Runs with the r and xi of the one before them take its tables; only D, mu and R are theirs."""
+    parameters, places = random_systems(24, 4, (0.1, 0.9))
+    parameters[[0, 2], 8:16] = parameters[[0, 2], 7:8]
+    parameters[:, 17:20] = parameters[:, 16:17]
+    whole = perform(parameters, places, 100, 8, threads=1)
+    for j in range(24):
+        alone = perform(parameters[:, j : j + 1], places[:, j : j + 1], 100, 8)
+        for name in (*FIGURES, "cycles", "impacts", "status"):
+            np.testing.assert_array_equal(getattr(whole, name)[j], getattr(alone, name)[0])
+        np.testing.assert_array_equal(whole.states[:, j], alone.states[:, 0])
+
+
 def test_some_figures_are_as_with_all_others():
     parameters, places = random_systems(30, 5, (0.0, 0.9))
     whole = perform(parameters, places, 100, 8)

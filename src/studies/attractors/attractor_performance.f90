@@ -18,7 +18,7 @@ module vi_attractor_performance
    use vi_oscillation, only: combination, derivatives, square_integral
    use vi_oscillator, only: oscillator_type
    use vi_progress, only: add_done_work, add_expected_work, is_stopped
-   use vi_simulate, only: simulate_on, state_after, state_later
+   use vi_simulate, only: free_mass_later, simulate_on, state_after, state_later
    use vi_status, only: stat
    use vi_trajectory, only: later, primary_segment
    implicit none (type, external)
@@ -46,6 +46,19 @@ module vi_attractor_performance
    !! the largest number of load cycles that are waited for it.
    real(wp), parameter :: decayed = 1.5_wp
    integer, parameter :: longest_decay = 100000
+
+   !> A state noted while a simulation settles. Most are only compared by z, which needs no sine.
+   type :: mark_type
+      !> Whether `state` is that at the instant noted; else it is the one after the last event
+      !! before it.
+      logical :: known = .false.
+      type(state_type) :: state
+      !> The instant: whole load cycles, and the load phase beyond them (rad).
+      integer(int64) :: cycle = 0
+      real(wp) :: phase = 0
+      !> z then (F0/K).
+      real(wp) :: z = 0
+   end type mark_type
 
 contains
 
@@ -78,7 +91,7 @@ contains
       logical, intent(in), optional :: wanted(:)
       type(event_type), allocatable :: events(:)
       type(forced_system_type) :: system
-      logical :: rows(figures)
+      logical :: begun, rows(figures)
       integer :: j
 
       rows = .true.
@@ -88,13 +101,21 @@ contains
       counts = 0
       found = ieee_value(1.0_wp, ieee_quiet_nan)
       ends = found(1, 1)
-      !$omp parallel num_threads(threads) private(events, system)
+      !$omp parallel num_threads(threads) private(begun, events, system)
       allocate (events(capacity))
+      begun = .false.
       !$omp do schedule(dynamic, 16)
       do j = 1, size(status)
          if (is_stopped(progress)) cycle
          associate (c => parameters(:, j))
-            system = new_forced_system(oscillator_type(c(3), c(4), c(5:6)), c(1), 1.0_wp, c(2))
+            ! the tables of flights depend on r and xi alone
+            if (begun) begun = .not. abs(c(1) - system%r) + abs(c(3) - system%osc%xi) > 0
+            if (.not. begun) system = new_forced_system(oscillator_type(c(3), c(4), c(5:6)), c(1), &
+               1.0_wp, c(2))
+            begun = .true.
+            system%osc%mu = c(4)
+            system%osc%restitution = c(5:6)
+            system%clearance = c(2)
          end associate
          call perform_one(system, placed_state(system%osc%xi, system%r, system%load, &
             system%clearance, places(:, j)), settling, keep, max_events, rows, events, &
@@ -127,9 +148,10 @@ contains
       integer, intent(out) :: status
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
-      type(state_type) :: state, mark, marks(0:2*longest)
+      type(state_type) :: state, mark
+      type(mark_type) :: marks(0:2*longest)
       integer :: i, k, n, left, done, filled
-      logical :: good, quiet
+      logical :: good, quiet, repeats
 
       state = initial_state(system, start)
       state%cycle = 0
@@ -139,7 +161,7 @@ contains
       call advance(system, state, mark, 0.6180339887_wp, events, n, left, status, progress)
       if (status /= stat%ok) return
       filled = 0
-      marks(0) = mark
+      marks(0) = mark_at(mark)
       done = 0
       quiet = .false.
       ! without impacts only the dashpot ends the transient
@@ -150,8 +172,9 @@ contains
          done = done + chunk
          filled = min(filled + chunk, 2*longest)
          do k = 1, filled/2
-            if (.not. (distance(marks(0), marks(k), system%clearance) < near .and. &
-               distance(marks(k), marks(2*k), system%clearance) < near)) cycle
+            call compare(system, marks(0), marks(k), repeats)
+            if (repeats) call compare(system, marks(k), marks(2*k), repeats)
+            if (.not. repeats) cycle
             ! a motion that is approached from both sides in turn looks like one of twice its period
             do i = 1, k
                if (modulo(k, i) /= 0) cycle
@@ -176,7 +199,7 @@ contains
       !> In and out: at the start of the last flight or rest before the mark; the mark.
       type(state_type), intent(inout) :: state, mark
       !> In and out: the last marks, the latest first.
-      type(state_type), intent(inout) :: marks(0:)
+      type(mark_type), intent(inout) :: marks(0:)
       !> Room for events.
       type(event_type), intent(inout) :: events(:)
       !> Whether there was no event.
@@ -194,6 +217,9 @@ contains
 
       before = left
       begin = state
+      do i = ubound(marks, 1), chunk, -1
+         marks(i) = marks(i - chunk)
+      end do
       call later(mark, real(chunk, wp), cycle, phase)
       call simulate_on(system, state, cycle, phase, events, n, final, left, status, progress)
       if (status == stat%ok) then
@@ -208,8 +234,7 @@ contains
                j = j + 1
                here = state_after(system, events(j))
             end do
-            marks(1:) = marks(:ubound(marks, 1) - 1)
-            marks(0) = state_later(system, here, cycle, phase)
+            marks(chunk - i) = mark_after(system, here, cycle, phase)
          end do
          mark = final
          return
@@ -223,10 +248,62 @@ contains
          call advance(system, state, mark, 1.0_wp, events, n, left, status, progress)
          if (status /= stat%ok) return
          quiet = quiet .and. n == 0
-         marks(1:) = marks(:ubound(marks, 1) - 1)
-         marks(0) = mark
+         marks(chunk - i) = mark_at(mark)
       end do
    end subroutine pass_chunk
+
+   !> A mark at a state.
+   pure type(mark_type) function mark_at(state) result(mark)
+      !> The state.
+      type(state_type), intent(in) :: state
+
+      mark = mark_type(.true., state, state%cycle, state%phase, state%z)
+   end function mark_at
+
+   !> A mark at a time before which there is no further event.
+   pure type(mark_type) function mark_after(system, state, cycle, phase) result(mark)
+      !> The forced system, and the state after the last event.
+      type(forced_system_type), intent(in) :: system
+      type(state_type), intent(in) :: state
+      !> Whole load cycles at that time, and the load phase beyond them (rad).
+      integer(int64), intent(in) :: cycle
+      real(wp), intent(in) :: phase
+
+      if (state%resting) then
+         mark = mark_at(state_later(system, state, cycle, phase))
+      else
+         mark = mark_type(.false., state, cycle, phase, free_mass_later(system, state, cycle, &
+            phase))
+      end if
+   end function mark_after
+
+   !> Whether two marks are near each other; their states are computed if z does not tell.
+   pure subroutine compare(system, one, other, are_near)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> In and out: the marks.
+      type(mark_type), intent(inout) :: one, other
+      !> Whether they are.
+      logical, intent(out) :: are_near
+
+      are_near = abs(one%z - other%z)/system%clearance < near
+      if (.not. are_near) return
+      call complete_mark(system, one)
+      call complete_mark(system, other)
+      are_near = distance(one%state, other%state, system%clearance) < near
+   end subroutine compare
+
+   !> Computes the state of a mark.
+   pure subroutine complete_mark(system, mark)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> In and out: the mark.
+      type(mark_type), intent(inout) :: mark
+
+      if (mark%known) return
+      mark%state = state_later(system, mark%state, mark%cycle, mark%phase)
+      mark%known = .true.
+   end subroutine complete_mark
 
    !> The figures of the stable periodic motion near a state.
    pure subroutine refine(system, mark, cycles, wanted, events, found, end, counts, good)

@@ -18,7 +18,8 @@ module vi_simulate
    implicit none (type, external)
    private
 
-   public :: fly_on, simulate, simulate_cycles, simulate_on, state_after, state_later
+   public :: fly_on, free_mass_later, simulate, simulate_cycles, simulate_on, state_after, &
+      state_later
    public :: forced_system_type, event_type, new_forced_system, state_time, state_type
    public :: impact_event, stick_event, release_event
 
@@ -207,6 +208,18 @@ contains
       later%cycle = cycle
       later%phase = phase
    end function state_later
+
+   !> z of `state_later`, with the same bits, for a state that does not rest.
+   pure real(wp) function free_mass_later(system, state, cycle, phase) result(z)
+      !> The forced system, and the state after the last event.
+      type(forced_system_type), intent(in) :: system
+      type(state_type), intent(in) :: state
+      !> Whole load cycles at that time, and the load phase beyond them (rad).
+      integer(int64), intent(in) :: cycle
+      real(wp), intent(in) :: phase
+
+      z = state%z + state%z_dot*time_left(system, state, cycle, phase)
+   end function free_mass_later
 
    !> Time from a state to the end.
    pure real(wp) function time_left(system, state, last_cycle, last_phase)
