@@ -118,15 +118,34 @@ def test_figures_do_not_depend_on_the_number_of_threads():
 
 def test_runs_are_as_each_of_them_alone():
     """Runs with the r and xi of the one before them take its tables; only D, mu and R are theirs."""
-    parameters, places = random_systems(24, 4, (0.1, 0.9))
-    parameters[[0, 2], 8:16] = parameters[[0, 2], 7:8]
-    parameters[:, 17:20] = parameters[:, 16:17]
+    parameters, places = random_systems(16, 4, (0.1, 0.9))
+    parameters[[0, 2], 8:] = parameters[[0, 2], 7:8]
     whole = perform(parameters, places, 100, 8, threads=1)
-    for j in range(24):
+    for j in range(16):
         alone = perform(parameters[:, j : j + 1], places[:, j : j + 1], 100, 8)
         for name in (*FIGURES, "cycles", "impacts", "status"):
             np.testing.assert_array_equal(getattr(whole, name)[j], getattr(alone, name)[0])
         np.testing.assert_array_equal(whole.states[:, j], alone.states[:, 0])
+
+
+def test_runs_of_one_system_share_its_motions():
+    """A run that comes near a motion of a run before it has the figures of that, as it has alone but for rounding."""
+    systems, places = random_systems(48, 6, (0.3, 0.9))
+    whole = perform(np.repeat(systems, 4, axis=1)[:, :48], places, 200, 8)
+    shared = 0
+    for j in range(48):
+        alone = perform(systems[:, j // 4, None], places[:, j : j + 1], 200, 8)
+        assert whole.status[j] == alone.status[0]
+        if alone.cycles[0] == 0:
+            continue
+        assert (whole.cycles[j], whole.impacts[j]) == (alone.cycles[0], alone.impacts[0])
+        for name in FIGURES:
+            one, other = getattr(whole, name)[j], getattr(alone, name)[0]
+            assert one == pytest.approx(other, rel=1e-7 if name == "multiplier" else 1e-9)
+        shared += j % 4 > 0 and any(
+            np.array_equal(whole.states[:, j], whole.states[:, i]) for i in range(j - j % 4, j)
+        )
+    assert shared > 10
 
 
 def test_some_figures_are_as_with_all_others():

@@ -18,7 +18,7 @@ module vi_attractor_performance
    use vi_oscillation, only: combination, derivatives, square_integral
    use vi_oscillator, only: oscillator_type
    use vi_progress, only: add_done_work, add_expected_work, is_stopped
-   use vi_simulate, only: free_mass_later, simulate_on, state_after, state_later
+   use vi_simulate, only: free_mass_later, simulate, simulate_on, state_after, state_later
    use vi_status, only: stat
    use vi_trajectory, only: later, primary_segment
    implicit none (type, external)
@@ -40,12 +40,26 @@ module vi_attractor_performance
    integer, parameter :: chunk = 8, longest = 8
    !> States one period apart are refined to a periodic motion within this share of the clearance.
    real(wp), parameter :: near = 2.0e-3_wp
+   !> A run that almost repeats itself is on a known motion within this share of the clearance, as
+   !! far as Newton's method may go from a state that has settled.
+   real(wp), parameter :: attracted = 1.0e-2_wp
    !> Turns of the free mass within this share of the clearance are one, found twice.
    real(wp), parameter :: same = 1.0e-9_wp
    !> Damping ratio times load cycles after which a transient without impacts is below 1e-4, and
    !! the largest number of load cycles that are waited for it.
    real(wp), parameter :: decayed = 1.5_wp
    integer, parameter :: longest_decay = 100000
+   !> Runs that a thread takes at once, and motions of a system that it keeps for the next ones.
+   integer, parameter :: at_once = 16, most_kept = 4
+
+   !> A periodic motion that an earlier run of the same system has reached.
+   type :: kept_type
+      !> A state on it at the phase of the marks.
+      type(state_type) :: strobe
+      !> Its figures, a state on it, load cycles of its period, and impacts in it.
+      real(wp) :: found(figures) = 0, end(5) = 0
+      integer :: counts(2) = 0
+   end type kept_type
 
    !> A state noted while a simulation settles. Most are only compared by z, which needs no sine.
    type :: mark_type
@@ -63,6 +77,10 @@ module vi_attractor_performance
 contains
 
    !> The figures of many systems, each from one initial state.
+   !!
+   !! Of runs of one system that follow each other, one that comes to the periodic motion of another
+   !! takes the figures of that: it is near it twice, a period apart, or near it and almost repeats
+   !! itself. Which runs share figures does not depend on the number of threads.
    subroutine perform(parameters, places, settling, keep, max_events, threads, found, ends, &
       counts, status, progress, wanted)
       !> (6, n): r, D, xi, mu, R1, R2
@@ -91,8 +109,9 @@ contains
       logical, intent(in), optional :: wanted(:)
       type(event_type), allocatable :: events(:)
       type(forced_system_type) :: system
+      type(kept_type) :: kept(most_kept)
       logical :: begun, rows(figures)
-      integer :: j
+      integer :: j, n
 
       rows = .true.
       if (present(wanted)) rows = wanted
@@ -101,10 +120,11 @@ contains
       counts = 0
       found = ieee_value(1.0_wp, ieee_quiet_nan)
       ends = found(1, 1)
-      !$omp parallel num_threads(threads) private(begun, events, system)
+      !$omp parallel num_threads(threads) private(begun, events, kept, n, system)
       allocate (events(capacity))
       begun = .false.
-      !$omp do schedule(dynamic, 16)
+      n = 0
+      !$omp do schedule(dynamic, at_once)
       do j = 1, size(status)
          if (is_stopped(progress)) cycle
          associate (c => parameters(:, j))
@@ -116,10 +136,15 @@ contains
             system%osc%mu = c(4)
             system%osc%restitution = c(5:6)
             system%clearance = c(2)
+            if (modulo(j, at_once) == 1) then
+               n = 0
+            else if (any(abs(c - parameters(:, j - 1)) > 0)) then
+               n = 0
+            end if
          end associate
          call perform_one(system, placed_state(system%osc%xi, system%r, system%load, &
             system%clearance, places(:, j)), settling, keep, max_events, rows, events, &
-            found(:, j), ends(:, j), counts(:, j), status(j), progress)
+            kept, n, found(:, j), ends(:, j), counts(:, j), status(j), progress)
          found(:, j) = merge(found(:, j), ieee_value(1.0_wp, ieee_quiet_nan), rows)
          call add_done_work(1, progress)
       end do
@@ -128,8 +153,8 @@ contains
    end subroutine perform
 
    !> The figures of one system from one initial state.
-   subroutine perform_one(system, start, settling, keep, max_events, wanted, events, found, end, &
-      counts, status, progress)
+   subroutine perform_one(system, start, settling, keep, max_events, wanted, events, kept, &
+      motions, found, end, counts, status, progress)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> t, x, x', z, z'
@@ -140,6 +165,9 @@ contains
       logical, intent(in) :: wanted(figures)
       !> Room for events.
       type(event_type), intent(inout) :: events(:)
+      !> In and out: periodic motions of the system that are known, and their number.
+      type(kept_type), intent(inout) :: kept(most_kept)
+      integer, intent(inout) :: motions
       !> Out: as in `perform`.
       real(wp), intent(inout) :: found(:), end(:)
       !> Out: as in `perform`.
@@ -171,14 +199,24 @@ contains
          if (status /= stat%ok) return
          done = done + chunk
          filled = min(filled + chunk, 2*longest)
+         do i = 1, motions
+            call find_kept(system, marks(:filled), near, kept(i), found, end, counts, good)
+            if (good) return
+         end do
          do k = 1, filled/2
-            call compare(system, marks(0), marks(k), repeats)
-            if (repeats) call compare(system, marks(k), marks(2*k), repeats)
+            call compare(system, marks(0), marks(k), near, repeats)
+            if (repeats) call compare(system, marks(k), marks(2*k), near, repeats)
             if (.not. repeats) cycle
+            do i = 1, motions
+               if (modulo(k, kept(i)%counts(1)) /= 0) cycle
+               call find_kept(system, marks(:filled), attracted, kept(i), found, end, counts, good)
+               if (good) return
+            end do
             ! a motion that is approached from both sides in turn looks like one of twice its period
             do i = 1, k
                if (modulo(k, i) /= 0) cycle
                call refine(system, mark, i, wanted, events, found, end, counts, good)
+               if (good) call keep_motion(system, mark, found, end, counts, events, kept, motions)
                if (good) return
             end do
             exit
@@ -252,6 +290,64 @@ contains
       end do
    end subroutine pass_chunk
 
+   !> Takes the figures of a known motion if a run is on it: near it at two marks a period apart.
+   pure subroutine find_kept(system, marks, within, known, found, end, counts, good)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> In and out: the last marks, the latest first.
+      type(mark_type), intent(inout) :: marks(0:)
+      !> How near, over the clearance.
+      real(wp), intent(in) :: within
+      !> The motion.
+      type(kept_type), intent(in) :: known
+      !> Out: as in `perform`.
+      real(wp), intent(inout) :: found(:), end(:)
+      !> Out: as in `perform`.
+      integer, intent(inout) :: counts(:)
+      !> Whether it is.
+      logical, intent(out) :: good
+      type(mark_type) :: strobe
+      integer :: i
+
+      strobe = mark_at(known%strobe)
+      good = .false.
+      do i = 0, min(known%counts(1), ubound(marks, 1) + 1 - known%counts(1)) - 1
+         call compare(system, marks(i), strobe, within, good)
+         if (good) call compare(system, marks(i + known%counts(1)), strobe, within, good)
+         if (.not. good) cycle
+         found = known%found
+         end = known%end
+         counts = known%counts
+         return
+      end do
+   end subroutine find_kept
+
+   !> Keeps a motion for the next runs, with its state at the phase of the marks.
+   pure subroutine keep_motion(system, mark, found, end, counts, events, kept, motions)
+      !> The forced system, and a mark.
+      type(forced_system_type), intent(in) :: system
+      type(state_type), intent(in) :: mark
+      !> The motion, as in `perform`.
+      real(wp), intent(in) :: found(:), end(:)
+      integer, intent(in) :: counts(:)
+      !> Room for events.
+      type(event_type), intent(inout) :: events(:)
+      !> In and out: with the motion, if there is room.
+      type(kept_type), intent(inout) :: kept(most_kept)
+      integer, intent(inout) :: motions
+      type(state_type) :: begin, strobe
+      integer :: n, status
+
+      if (motions == most_kept) return
+      begin = initial_state(system, end)
+      begin%cycle = 0
+      call simulate(system, begin, merge(1_int64, 0_int64, begin%phase > mark%phase), mark%phase, &
+         events, n, strobe, status)
+      if (status /= stat%ok) return
+      motions = motions + 1
+      kept(motions) = kept_type(strobe, found, end, counts)
+   end subroutine keep_motion
+
    !> A mark at a state.
    pure type(mark_type) function mark_at(state) result(mark)
       !> The state.
@@ -278,19 +374,21 @@ contains
    end function mark_after
 
    !> Whether two marks are near each other; their states are computed if z does not tell.
-   pure subroutine compare(system, one, other, are_near)
+   pure subroutine compare(system, one, other, within, are_near)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
       !> In and out: the marks.
       type(mark_type), intent(inout) :: one, other
+      !> How near, over the clearance.
+      real(wp), intent(in) :: within
       !> Whether they are.
       logical, intent(out) :: are_near
 
-      are_near = abs(one%z - other%z)/system%clearance < near
+      are_near = abs(one%z - other%z)/system%clearance < within
       if (.not. are_near) return
       call complete_mark(system, one)
       call complete_mark(system, other)
-      are_near = distance(one%state, other%state, system%clearance) < near
+      are_near = distance(one%state, other%state, system%clearance) < within
    end subroutine compare
 
    !> Computes the state of a mark.
