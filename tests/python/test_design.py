@@ -143,6 +143,43 @@ def test_steps_are_judged_as_candidates_are():
     assert len(levels) <= len(kept) < 2 * len(levels) - 1
 
 
+def test_steps_are_left_out_by_their_worst_units(monkeypatch):
+    """What the worst units alone tell of a step is what all units of these frequencies tell."""
+    host = OscillatorHost(OSC, None, "attenuation", {"speed": 60.0}, 120, 16, None)
+    free = {"clearance": (12.0, 45.0)}
+    problem = Problem(
+        host, free, {"restitution": uncertain((0.65, 0.8), "R")}, (1.0, 1.03), uncertain(1.0, "load"), 0.9, False,
+        limited=True,
+    )  # fmt: skip
+    fine = grid(problem, 20, 6, 2)
+    candidates = np.linspace(13, 44, 8)[:, None]
+    archive = Archive()
+    _judge(problem, fine, candidates[4:5], archive)
+    runs = []
+    outcomes = Problem.outcomes
+
+    def counted(self, candidates, shares, nodes, places, *rest):
+        runs.append(shares.shape[1] * len(nodes))
+        return outcomes(self, candidates, shares, nodes, places, *rest)
+
+    monkeypatch.setattr(Problem, "outcomes", counted)
+    answers, levels, alone = [], [], []
+    for candidate in candidates:
+        archive.level, archive.values = archive.level[:1], archive.values[:1]
+        for name in ("nominal", "excess", "worst"):
+            setattr(archive, name, getattr(archive, name)[:1])
+        targets, first = archive.targets, len(runs)
+        answers.append(_try(problem, fine, candidate, archive))
+        alone.append(runs[first:])
+        levels.append(judged(problem, fine, candidate[None])[1][0])
+        archive.targets = targets
+    assert answers == [level < levels[4] for level in levels]
+    # two frequencies of five units
+    assert [10] in alone
+    assert max(map(len, alone)) == 3
+    assert sum(map(sum, alone)) < 8 * 120
+
+
 def test_limits_hold_for_the_design():
     kwargs = {
         "r": (1.0, 1.02),

@@ -129,7 +129,7 @@ def test_runs_are_as_each_of_them_alone():
 
 
 def test_runs_of_one_system_share_its_motions():
-    """A run that comes near a motion of a run before it has the figures of that, as it has alone but for rounding."""
+    """A run that comes near a motion of a run before it takes its figures, as it has alone but for rounding."""
     systems, places = random_systems(48, 6, (0.3, 0.9))
     whole = perform(np.repeat(systems, 4, axis=1)[:, :48], places, 200, 8)
     shared = 0

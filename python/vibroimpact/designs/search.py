@@ -276,26 +276,55 @@ def _add(
 def _try(problem: Problem, fine: Grid, candidate: _Array, archive: Archive) -> bool:
     """Adds a candidate to the archive and tells whether it is the best one.
 
-    The frequencies at which the best one so far is worst come first: the level is that of the worst frequency, so
-    that a candidate which is above the best level there needs no look at the others. It is not added.
+    The frequencies at which the best one so far is worst come first, and of these first its worst units: the level
+    is that of the worst frequency, so that a candidate which is above the best level there needs no look at the
+    others. It is not added.
     """
     assert archive.targets is not None
     order = np.argsort(-archive.targets.max(axis=(1, 2)), kind="stable")
     first = len(order) // 3
+    best = min(archive.level)
+    # a penalty raises levels above 0
+    if first and best > 0:
+        worst = archive.targets, order[:first]
+        if _worst_units_exceed(problem, fine, candidate, *worst, best):
+            return False
     parts = []
     for some in (order[:first], order[first:]):
         if len(some) == 0:
             continue
         parts.append(problem.outcomes(candidate[None], fine.shares, fine.nodes[some], fine.places))
         level = levels_of(problem, *parts[-1])[1][0]
-        # a penalty raises levels above 0
-        if len(parts) == 1 and first and 0 < min(archive.level) < level:
+        if len(parts) == 1 and first and 0 < best < level:
             return False
     back = np.argsort(order)
     target, excess = (np.concatenate(both, axis=1)[:, back] for both in zip(*parts, strict=True))
     best = archive.best
     _add(problem, candidate[None], target, excess, archive)
     return archive.best != best
+
+
+def _worst_units_exceed(
+    problem: Problem, fine: Grid, candidate: _Array, targets: _Array, nodes: NDArray[np.intp], best: float
+) -> bool:  # fmt: skip
+    """Whether a candidate is above a level by a few units alone, those of the greatest targets of another one.
+
+    The quantile with targets of -inf and excesses of 0 for the other units is a lower bound of its level.
+    """
+    units = fine.shares.shape[1]
+    # as many as may be above the quantile, and some more
+    few = int(np.ceil((1 - problem.quantile) * units)) + units // 8 + 1
+    if 2 * few > units:
+        return False
+    some = np.argsort(-targets[nodes].max(axis=(0, 2)), kind="stable")[:few]
+    found = problem.outcomes(candidate[None], fine.shares[:, some], fine.nodes[nodes], fine.places)
+    shape = 1, len(nodes), units, targets.shape[2]
+    target, excess = np.full(shape, -np.inf), np.zeros(shape)
+    target[:, :, some], excess[:, :, some] = found
+    # a level above 0 grows with both
+    if not problem.levels(target)[0] > 0:
+        return False
+    return bool(levels_of(problem, np.maximum(target, 0), excess)[1][0] > best)
 
 
 def descend(
