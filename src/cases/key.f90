@@ -23,7 +23,7 @@ module vi_key
    !> No bound on one side.
    real(wp), parameter, public :: unbounded = huge(1.0_wp)
    !> Largest number of characters of a description of the values of a key.
-   integer, parameter :: longest = 330
+   integer, parameter :: longest = 400
 
    type, public :: key_type
       !> Name as written in a file, in lower case.

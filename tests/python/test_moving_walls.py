@@ -258,19 +258,141 @@ def test_sweeps():
     assert label in repr(vi.basins(moving, load, states=6))
 
 
+def bounce_borders(omega, restitution=0.7):
+    """Amplitudes of the table at the fold and at the flip of the bounce: Holmes (1982)."""
+    least = GRAVITY * math.pi * (1 - restitution) / (1 + restitution) / omega**2
+    # trace + det + 1 = 0
+    steep = 2 * GRAVITY * (1 + restitution**2) / ((1 + restitution) * omega) ** 2
+    return least, math.hypot(least, steep)
+
+
+def stable_bounce():
+    ball, load = ball_on_table(0.02)
+    phase = math.acos(bounce_borders(OMEGA)[0] / 0.02)
+    return vi.exact(ball, load, ([phase], [0], 1))
+
+
+def test_fold_and_flip_of_the_bounce():
+    """Branches along the amplitude of the table and along the frequency end where the closed forms say."""
+    motion = stable_bounce()
+    expected = np.array(bounce_borders(OMEGA))
+    branch = vi.branch(motion, "wall", bounds=(0.3, 3))
+    points = {point.type: point.value for point in branch.special_points}
+    assert [points["fold"], points["flip"]] == pytest.approx(expected / 0.02, rel=1e-12)
+    # a function of a parameter may move the wall, too
+    branch = vi.branch(motion, lambda a: ball_on_table(a), bounds=(0.01, 0.04), at=0.02)
+    points = {point.type: point for point in branch.special_points}
+    found = [points["fold"].value, points["flip"].value]
+    assert found == pytest.approx(expected, rel=1e-12)
+    table = points["flip"].motion.structure.gaps[0]
+    assert table.sine == pytest.approx([-expected[1]], rel=1e-12)
+    # both borders fall as the square of the frequency
+    branch = vi.branch(motion, "frequency", bounds=(15, 30))
+    points = {point.type: point.value for point in branch.special_points}
+    found = [points["fold"], points["flip"]]
+    assert found == pytest.approx(OMEGA * np.sqrt(expected / 0.02), rel=1e-12)
+
+
+def test_zone_of_the_bounce():
+    motion = stable_bounce()
+    zone = vi.zone(motion, ("frequency", 18, 23), ("wall", 0.2, 2.4), lines=9)
+    rng = np.random.default_rng(45)
+    omega, factor = rng.uniform(18, 23, 300), rng.uniform(0.2, 2.4, 300)
+    borders = np.array([bounce_borders(w) for w in omega]) / 0.02
+    expected = (borders[:, 0] < factor) & (factor < borders[:, 1])
+    # a ball that bounces hardly is not there: no other border is met in this range
+    assert expected.any()
+    assert not expected.all()
+    assert (zone.contains(omega, factor) == expected).all()
+    # on both sides of the fold and the flip, a simulation from the motion settles on it or not
+    for share, stays in ((0.98, True), (1.02, False)):
+        ball, load = ball_on_table(share * bounce_borders(20.0)[1])
+        phase = math.acos(bounce_borders(20.0)[0] / ball.gaps[0].sine[0] * -1)
+        state = ([-ball.gaps[0].sine[0] * math.sin(phase) + 1e-5], [GRAVITY * math.pi / 20])
+        run = vi.simulate(ball, load, cycles=2000, state=state, start=phase / 20.0)
+        speeds = run.events["speed"][-2:]
+        assert (abs(speeds[0] - speeds[1]) < 1e-6) == stays
+
+
+PARAMETERS = {
+    "frequency": (1.68, 1.73), "wall": (0.9, 1.1), "wall_0": (0.9, 1.1), "load": (0.95, 1.05),
+    "opening_0": (0.95, 1.05), "stiffness_0_1": (-1.03, -0.98),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", CONTACTS)
+def test_branches_with_a_moving_wall(kind):
+    """Each point is the motion that `exact` finds there by simulation, with the same multipliers."""
+    moving, load, *_ = moving_and_shifted(kind)
+    motion = vi.exact(moving, load, vi.simulate(moving, load, cycles=300))
+    for parameter, bounds in PARAMETERS.items():
+        if parameter == "opening_0":
+            bounds = np.multiply(bounds, moving.gaps[0].opening)
+        branch = vi.branch(motion, parameter, bounds=bounds)
+        assert branch.residual.max() < 1e-9, parameter
+        inner = np.flatnonzero(branch.admissible == 1)
+        assert len(inner) > 5
+        for i in inner[[1, len(inner) // 2, -2]].tolist():
+            point = branch[i]
+            assert point.admissible
+            assert point.load.frequency == branch.at(branch.values[i])[1].frequency
+            assert np.sort(np.abs(point.multipliers)) == pytest.approx(
+                np.sort(np.abs(branch.multipliers[:, i])), abs=2e-7
+            ), parameter
+
+
+def test_branch_of_a_rest():
+    """The ball lifts off where the table accelerates downwards with g, all along the branch."""
+    ball, load = ball_on_table(0.03, restitution=0.3)
+    motion = vi.exact(ball, load, vi.simulate(ball, load, cycles=60, state=([0.3], [0.0])))
+    for parameter, bounds in (("wall", (0.9, 1.05)), ("frequency", (19, 20.5))):
+        branch = vi.branch(motion, parameter, bounds=bounds)
+        inner = np.flatnonzero(branch.admissible == 1)
+        assert len(inner) > 5
+        factor = branch.values if parameter == "wall" else (branch.values / OMEGA) ** 2
+        lift = np.arcsin(GRAVITY / (0.03 * OMEGA**2 * factor))
+        ends = np.mod(branch.rests[0, 1], 2 * np.pi)
+        assert ends[inner] == pytest.approx(lift[inner], abs=1e-9)
+        point = branch[int(inner[len(inner) // 2])]
+        assert point.admissible
+        assert len(point.rests) == 1
+
+
+def test_symmetric_walls():
+    """Opposite walls that move together keep the mirror: branches have the same pitchfork as in coordinates that
+    move with the walls."""
+    R, w, omega = 0.8, 0.05, 1.0
+    pair = [vi.Gap([1], 0.5, R, sine=w), vi.Gap([-1], 0.5, R, sine=-w)]
+    still = [vi.Gap([1], 0.5, R), vi.Gap([-1], 0.5, R)]
+    found = []
+    for gaps in (pair, still):
+        mass = vi.Structure([1.0], [0.1], [0.3], gaps)
+        load = vi.Load(omega, cosine=[0.4])
+        if gaps is still:
+            # w sin t moves the coordinates
+            load += vi.Load(omega, sine=[(omega**2 - 0.3) * w], cosine=[-0.1 * omega * w])
+        motion = vi.exact(mass, load, vi.simulate(mass, load, cycles=400))
+        assert motion.gaps.tolist() == [0, 1]
+        branch = vi.branch(motion, "restitution", bounds=(0.3, 1))
+        found.append([(point.type, point.value) for point in branch.special_points])
+    assert [kind for kind, _ in found[0]] == [kind for kind, _ in found[1]]
+    assert "pitchfork" in dict(found[0])
+    assert [at for _, at in found[0]] == pytest.approx([at for _, at in found[1]], rel=1e-9)
+
+
 def test_what_is_refused():
     ball, load = ball_on_table(0.0145)
     motion = vi.exact(ball, load, ([1.0], [0], 1))
+    with pytest.raises(vi.ParameterError, match="this factor must be above 0"):
+        vi.branch(motion, "wall", bounds=(0, 2))
     with pytest.raises(vi.ParameterError, match="does not take moving walls"):
-        vi.branch(motion, "frequency", bounds=(19, 21))
+        vi.atlas(ball, load, ("frequency", 19, 21), ("wall", 0.5, 2))
     for call in (motion.gradient, motion.quantities):
         with pytest.raises(vi.ParameterError, match="must not move here; only simulate"):
             call()
     for without in (None, vi.Load(constant=[-1.0]), vi.Record(0.1, [[0.0], [1.0]])):
         with pytest.raises(vi.ParameterError, match="must have a frequency, with which the walls"):
             vi.simulate(ball, without, duration=1.0)
-    with pytest.raises(vi.ParameterError, match="or motion of a wall"):
-        vi.bifurcation_diagram(ball, load, ball_on_table, [0.0145, 0.02])
     for wrong in ([[1.0]], ["a"], [np.nan], np.zeros(101)):
         with pytest.raises((vi.ParameterError, vi.ParameterTypeError), match="cosine"):
             vi.Gap([1], 0.0, cosine=wrong)

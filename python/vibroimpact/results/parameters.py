@@ -29,6 +29,7 @@ Span = tuple[Parameter, tuple[float, float]] | tuple[Parameter, float, float]
 #: Kinds of entries, numbered as in the core.
 MATRICES = {1: "mass", 2: "damping", 3: "stiffness"}
 DIRECTION, OPENING, RESTITUTION, FREQUENCY, COSINE, SINE, CONSTANT, LAW = range(4, 12)
+WALLS = {12: "cosine", 13: "sine"}
 #: The numbers of a stop and of friction, as the core has them.
 LAWS = {Stop: ("stiffness", "damping", "preload"), Friction: ("slip", "stick", "speed")}
 #: Degrees of the Chebyshev series that are tried, and the share of an entry that may be left.
@@ -47,6 +48,11 @@ def entries_of(structure: Structure, load: Load) -> tuple[NDArray[np.int64], _Ar
         parts.append((DIRECTION, np.arange(n), np.full(n, j), part.direction))
         if not isinstance(part, Friction):
             parts.append((OPENING, [j], [-1], [part.opening]))
+            for kind, name in WALLS.items():
+                amplitudes = getattr(part, name)
+                parts.append(
+                    (kind, np.full(len(amplitudes), j), np.arange(len(amplitudes)), amplitudes)
+                )
         if isinstance(part, Gap):
             parts.append((RESTITUTION, [j], [-1], [at_rest(part.restitution)]))
         else:
@@ -67,13 +73,13 @@ def entries_of(structure: Structure, load: Load) -> tuple[NDArray[np.int64], _Ar
 
 
 def laws_of(structure: Structure) -> list[object]:
-    """What a parameter cannot change in the laws of all gaps, stops and friction, and in motions of walls."""
+    """What a parameter cannot change in the laws of all gaps, stops and friction."""
     return [
         to_columns(part.restitution) | {"restitution": None}
         if isinstance(part, Gap)
         else (type(part), getattr(part, "release", ""))
         for part in structure._parts
-    ] + [(part.cosine.tolist(), part.sine.tolist()) for part in structure.gaps]
+    ]
 
 
 def with_entries(
@@ -93,6 +99,9 @@ def with_entries(
             changes[j]["direction"][i] = value
         elif kind == OPENING:
             changes[i]["opening"] = value
+        elif kind in WALLS:
+            name = WALLS[kind]
+            changes[i].setdefault(name, getattr(structure.gaps[i], name).copy())[j] = value
         elif kind == LAW:
             changes[i][LAWS[type(structure._parts[i])][j]] = value
         elif kind == RESTITUTION:
@@ -178,11 +187,12 @@ def series_of(
         found, numbers = entries_of(*pair)
         if found.shape != places.shape or (found != places).any():
             raise ParameterError(
-                f"the parameter returns a structure with another number of coordinates, gaps or harmonics at {p!r}"
+                "the parameter returns a structure with another number of coordinates, gaps or harmonics, of the "
+                f"load or of a wall, at {p!r}"
             )
         if laws_of(pair[0]) != laws_of(structure):
             raise ParameterError(
-                f"the parameter returns another law of restitution, or motion of a wall, at {p!r}: it may "
+                f"the parameter returns another law of restitution at {p!r}: it may "
                 "change only R and R0"
             )
         return numbers

@@ -624,8 +624,8 @@ def branch(
         and of the matrices; "opening" or "restitution" of all gaps, which are the same; "opening_J" or
         "restitution_J" of gap J; "mass_I_J", "damping_I_J" or "stiffness_I_J", an entry and its mirror image;
         "slip" or "slip_J" of friction, with the stick level in the same ratio; "contact" or "contact_J", the
-        stiffness of stops; all numbers count from 0. Or a smooth function that gives (structure, load) for a
-        value of the parameter.
+        stiffness of stops; "wall" or "wall_J", a factor above 0 of the motions of walls; all numbers count from 0.
+        Or a smooth function that gives (structure, load) for a value of the parameter.
     bounds : (float, float)
         Lowest and highest value of the parameter; the motion's own value lies between.
     longest_step : float

@@ -177,6 +177,7 @@ contains
       study%starts_from = 'motion'
       study%row = 'points'
       study%takes_elements = .true.
+      study%takes_walls = .true.
       study%check => check_branch
       study%check_start => check_branch_start
       study%memory => branch_memory

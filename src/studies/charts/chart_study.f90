@@ -151,6 +151,7 @@ contains
       study%meaning = 'compute the motions of a pattern on a grid of two parameters'
       study%starts_from(of_structure) = 'motion'
       study%takes_elements = .true.
+      study%takes_walls = .true.
       study%check_start => check_structure_start
       study%row = 'motions'
       study%check => check_chart

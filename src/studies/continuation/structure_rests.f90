@@ -23,8 +23,8 @@ module vi_structure_rests
    use vi_modes, only: advance
    use vi_rest_family, only: critical
    use vi_status, only: stat
-   use vi_structure, only: load_type, regime_type, restitution_of, state_of, structure_type, &
-      to_pairs
+   use vi_structure, only: load_type, opening_at, regime_type, restitution_of, state_of, &
+      structure_type, to_pairs
    use vi_structure_map, only: accelerations, apply_flight, from_coordinates, to_coordinates
    use vi_structure_motion, only: impulse_of
    use vi_structure_path, only: changed, structure_path_type
@@ -213,6 +213,7 @@ contains
       type(course_type) :: course
       type(here_type) :: here
       real(wp), dimension(size(q)) :: q_end, rate_end
+      real(wp) :: opening(0:2)
       integer :: i, m, n
 
       unknowns = 0
@@ -231,8 +232,10 @@ contains
       end associate
       if (s%kinds(symbol) == first) then
          associate (direction => course%run%structure%directions(:, s%gaps(symbol)))
-            call settle_down(s, symbol, max(0.0_wp, -dot_product(direction, rate)), here, course, &
-               good)
+            opening = opening_at(course%run%structure, s%gaps(symbol), phases(symbol), &
+               course%run%load%frequency)
+            call settle_down(s, symbol, max(0.0_wp, opening(1) - dot_product(direction, rate)), &
+               here, course, good)
          end associate
          if (.not. good) return
       end if
@@ -341,7 +344,8 @@ contains
       real(wp), dimension(size(course%run%structure%mass, 1)) :: q, rate, acceleration, closing
       real(wp), allocatable, dimension(:) :: x, v, by
       real(wp), allocatable :: p(:, :), before(:, :)
-      real(wp) :: d(0:3), impulse, restitution, slope, time, unit
+      real(wp) :: turned(size(here%d, 2))
+      real(wp) :: d(0:3), impulse, opening(0:2), restitution, slope, time, unit
       integer :: columns, equation, gap, i, n, row
       real(wp) :: steepness
       logical :: impacts
@@ -397,12 +401,18 @@ contains
             if (symbol == size(s%kinds)) p(:, columns) = [rate, acceleration]/frequency
          end if
          restitution = 0
+         ! the change of the instant with each unknown, by which a wall that moves has moved on
+         turned = 0
+         if (columns > 0) then
+            turned(column) = 1/frequency
+            if (symbol == size(s%kinds)) turned(columns) = 1/frequency
+         end if
          if (impacts) then
             associate (direction => structure%directions(:, gap), mobility => &
                structure%mobility(:, gap))
-               course%residuals(equation) = (dot_product(direction, q) - structure%openings(gap)) &
-                  /s%length
-               course%speeds(symbol) = dot_product(direction, rate)
+               opening = opening_at(structure, gap, phase, frequency)
+               course%residuals(equation) = (dot_product(direction, q) - opening(0))/s%length
+               course%speeds(symbol) = dot_product(direction, rate) - opening(1)
                associate (speed => course%speeds(symbol))
                   call impulse_of(structure, gap, speed, impulse, slope)
                   call restitution_of(structure, gap, max(0.0_wp, speed), restitution, d(0))
@@ -410,16 +420,19 @@ contains
                end associate
                course%impulses(symbol) = impulse
                rate = rate - impulse*mobility
-               if (columns > 0) course%slopes(:, equation) = matmul(direction, p(:n, :))/s%length
+               if (columns > 0) course%slopes(:, equation) = (matmul(direction, p(:n, :)) &
+                  - opening(1)*turned)/s%length
                do i = 1, columns
-                  p(n + 1:, i) = p(n + 1:, i) - slope*dot_product(direction, p(n + 1:, i))*mobility
+                  p(n + 1:, i) = p(n + 1:, i) - slope*(dot_product(direction, p(n + 1:, i)) &
+                     - opening(2)*turned(i))*mobility
                end do
                if (s%kinds(symbol) == first) then
                   ! an accumulation begins exactly at its wall
                   closing = structure%effective(gap)*mobility
-                  q = q - closing*(dot_product(direction, q) - structure%openings(gap))
+                  q = q - closing*(dot_product(direction, q) - opening(0))
                   do i = 1, columns
-                     p(:n, i) = p(:n, i) - closing*dot_product(direction, p(:n, i))
+                     p(:n, i) = p(:n, i) - closing*(dot_product(direction, p(:n, i)) &
+                        - opening(1)*turned(i))
                   end do
                end if
             end associate
@@ -485,7 +498,7 @@ contains
          steepness = d(1)
          course%speeds(symbol) = 0
          if (structure%elastic(s%gaps(symbol))) course%speeds(symbol) = &
-            abs(dot_product(structure%directions(:, s%gaps(symbol)), rate_of(regime, phase, x, v)))
+            abs(closing_speed(regime, phase, x, v))
          unit = unit_of_row(s, structure, row, s%gaps(symbol), frequency)
          by = matmul(regime%position(row, :), here%d(:m, :)) + matmul(regime%velocity(row, :), &
             here%d(m + 1:, :))
@@ -528,16 +541,19 @@ contains
          call find_excess(s, symbol, phase, x, v, regime, course)
       end associate
    contains
-      !> The velocities.
-      pure function rate_of(regime, phase, x, v) result(rate)
+      !> The approach speed of the stop.
+      pure real(wp) function closing_speed(regime, phase, x, v) result(speed)
          !> The regime, the load phase (rad), and the pairs.
          type(regime_type), intent(in) :: regime
          real(wp), intent(in) :: phase
          real(wp), contiguous, intent(in) :: x(:), v(:)
-         real(wp) :: rate(size(course%run%structure%mass, 1)), q(size(rate))
+         real(wp), dimension(size(course%run%structure%mass, 1)) :: q, rate
+         real(wp) :: opening(0:2)
 
          call state_of(regime, phase, x, v, q, rate)
-      end function rate_of
+         opening = opening_at(course%run%structure, s%gaps(symbol), phase, regime%frequency)
+         speed = dot_product(course%run%structure%directions(:, s%gaps(symbol)), rate) - opening(1)
+      end function closing_speed
    end subroutine set_switch
 
    !> Multiplies the factor of volumes by that of a switch: the rate of the row after it over that
@@ -700,7 +716,7 @@ contains
       type(run_event_type), allocatable :: events(:)
       type(tangent_type) :: tangent
       real(wp), allocatable, dimension(:) :: lower, upper
-      real(wp) :: cost, end_time, least, speed, unused
+      real(wp) :: cost, end_time, least, opening(0:2), speed, unused
       integer :: best, gap, i, n, number, status
 
       good = .false.
@@ -761,9 +777,11 @@ contains
             events(n) = events(n - 1)
             events(n)%kind = stick_event
             events(n)%regime = after
+            opening = opening_at(run%structure, gap, run%load%frequency*events(n)%elapsed, &
+               run%load%frequency)
             associate (mobility => run%structure%mobility(:, gap), rate => events(n)%rate)
-               rate = rate - mobility*run%structure%effective(gap)*dot_product( &
-                  run%structure%directions(:, gap), rate)
+               rate = rate - mobility*run%structure%effective(gap)*(dot_product( &
+                  run%structure%directions(:, gap), rate) - opening(1))
             end associate
             associate (regime => run%regimes(after))
                deallocate (events(n)%x, events(n)%v)

@@ -1,9 +1,9 @@
 !> Derivatives of the equations of a structure's motions with respect to a parameter, while the
 !! unknowns are constant.
 !!
-!! At constant phases a higher frequency shortens all times by the same factor. Openings, forces and
-!! coefficients of restitution act linearly. Masses, damping, stiffness and directions of gaps
-!! change the modes: there the derivatives are central differences.
+!! At constant phases a higher frequency shortens all times by the same factor. Openings, motions of
+!! walls, forces and coefficients of restitution act linearly. Masses, damping, stiffness and
+!! directions of gaps change the modes: there the derivatives are central differences.
 module vi_structure_slopes
    use vi_kinds, only: wp
    use vi_modes, only: steady_response, steady_slope
@@ -96,10 +96,20 @@ contains
          supplied(size(member%offsets))
       type(restitution_type) :: law
       real(wp) :: by_first
-      integer :: i, n
+      integer :: h, i, n
+      complex(wp) :: here
+      real(wp) :: phase
 
       n = size(impulses)
       call load_rates(member, rates, forced, supplied)
+      do i = 1, n
+         ! a wall that moves by more widens its gap
+         do h = 1, size(rates%walls, 1)
+            phase = h*member%regime%frequency*member%equations%times(i)
+            here = rates%walls(h, member%equations%gaps(i))*cmplx(cos(phase), sin(phase), wp)
+            forced(i, :) = forced(i, :) - [here%re, -h*member%regime%frequency*here%im]
+         end do
+      end do
       associate (equations => member%equations, gaps => member%equations%gaps)
          do i = 1, n
             call impulse_of(member%structure, gaps(i), member%speeds(i), impulses(i), unused(i))
@@ -173,7 +183,7 @@ contains
       logical :: resonant(size(of_x))
       complex(wp) :: here, turn
       real(wp) :: omega
-      integer :: h, harmonics, i, status
+      integer :: given, h, harmonics, i, status
 
       forced = 0
       supplied = 0
@@ -181,7 +191,11 @@ contains
       associate (regime => member%regime, structure => member%structure, &
          equations => member%equations)
          harmonics = size(regime%ripple, 2)
-         inputs = rates%forces
+         given = (size(rates%forces, 2) - 1)/2
+         ! a wall can move with more harmonics than the load has
+         allocate (inputs(size(rates%forces, 1), 1 + 2*harmonics), source=0.0_wp)
+         inputs(:, :1 + given) = rates%forces(:, :1 + given)
+         inputs(:, 2 + harmonics:1 + harmonics + given) = rates%forces(:, 2 + given:)
          ! this succeeds: the same mass matrix was solved when the member was made
          call inputs_of(structure%mass, regime%xd, regime%vd, inputs, drifts, status)
          allocate (pairs, source=offset_pairs(regime))

@@ -8,7 +8,7 @@ module vi_structure_symmetry
    use vi_columns, only: solve_columns
    use vi_kinds, only: wp
    use vi_structure, only: load_type, structure_type
-   use vi_structure_path, only: changed, same_law, structure_path_type
+   use vi_structure_path, only: changed, moves_alike, same_law, structure_path_type
    implicit none (type, external)
    private
 
@@ -191,6 +191,7 @@ contains
                if (abs(structure%openings(i) - structure%openings(j)) > 1.0e-12_wp* &
                   abs(structure%openings(i))) cycle
                if (.not. same_law(structure, i, j)) cycle
+               if (.not. moves_alike(structure, i, j, merge(1, -1, modulo(cycles, 2) == 0))) cycle
                if (near(matmul(across, structure%directions(:, i:i)), &
                   structure%directions(:, j:j))) image(i) = j
                if (image(i) > 0) exit

@@ -21,7 +21,8 @@ module vi_structure_together
    use vi_structure_members, only: flight_duration, member_type, set_flights, structure_members_type
    use vi_structure_map, only: apply_flight, apply_impact, from_coordinates, to_coordinates
    use vi_structure_motion, only: impulse_of, state_after
-   use vi_structure_path, only: changed_whole, reduce, same_law, structure_path_type
+   use vi_structure_path, only: changed_whole, moves_alike, reduce, same_law, &
+      structure_path_type
    use vi_structure_return, only: settled_type
    use vi_structure_symmetry, only: add_direction, near
    use vi_text, only: whole
@@ -277,7 +278,8 @@ contains
             if (all([(near(closing(:, j:j, k), closing(:, kept(i):kept(i), k)) .and. &
                abs(samples(k)%structure%openings(j) - samples(k)%structure%openings(kept(i))) <= &
                same_opening*abs(samples(k)%structure%openings(j)) .and. &
-               same_law(samples(k)%structure, j, kept(i)), k=1, size(samples))])) twin(j) = i
+               same_law(samples(k)%structure, j, kept(i)) .and. moves_alike(samples(k)%structure, &
+               j, kept(i), 1), k=1, size(samples))])) twin(j) = i
             if (twin(j) > 0) exit
          end do
          if (twin(j) > 0) cycle

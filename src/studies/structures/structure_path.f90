@@ -10,28 +10,31 @@ module vi_structure_path
    implicit none (type, external)
    private
 
-   public :: changed, changed_whole, is_odd, new_change, new_function, opposite_gap, rates_of, &
-      reduce, same_law, set_entry, value_at
+   public :: changed, changed_whole, is_odd, moves_alike, new_change, new_function, opposite_gap, &
+      rates_of, reduce, same_law, set_entry, value_at
 
    !> Kinds of entries: matrices, direction, opening and restitution of a gap, parts of the load,
-   !! and the numbers of a stop (stiffness, damping, preload) or of friction (slip, stick, speed).
+   !! the numbers of a stop (stiffness, damping, preload) or of friction (slip, stick, speed), and
+   !! the motion of a wall.
    integer, parameter :: of_mass = 1, of_damping = 2, of_stiffness = 3, of_direction = 4, &
       of_opening = 5, of_restitution = 6, of_frequency = 7, of_cosine = 8, of_sine = 9, &
-      of_constant = 10, of_law = 11
+      of_constant = 10, of_law = 11, of_wall_cosine = 12, of_wall_sine = 13
 
-   !> Names of law entries: the levels of friction, and the stiffness of a stop.
-   integer, parameter :: of_slip = 11, of_contact = 12
+   !> Names of other entries: the levels of friction, the stiffness of a stop, and the motion of a
+   !! wall.
+   integer, parameter :: of_slip = 11, of_contact = 12, of_wall = 13
 
    character(*), parameter, public :: parameter_takes = '''frequency'', ''load'', ''constant'', &
       &''damping'' or ''stiffness'' (factors, 1 for the motion), ''opening'' or ''restitution'' &
       &(of all gaps), ''opening_J'', ''restitution_J'' (of gap J), ''slip'', ''slip_J'' (of &
       &friction, stick in the same ratio), ''contact'', ''contact_J'' (stiffness of stops), &
+      &''wall'', ''wall_J'' (factor of the motion of walls, above 0), &
       &''mass_I_J'', ''damping_I_J'', ''stiffness_I_J'', all from 0'
 
    !> How one parameter p changes entries, between its bounds.
    type, public :: change_type
       !> (3, m) Kind of each entry and its place: row and column, coordinate and gap, gap,
-      !! coordinate and harmonic, or coordinate.
+      !! coordinate and harmonic, coordinate, or gap and harmonic.
       integer, allocatable :: entries(:, :)
       !> (0:degree, m) Coefficients: in powers of p, or of the Chebyshev polynomials over the
       !! bounds.
@@ -63,6 +66,8 @@ module vi_structure_path
       real(wp) :: frequency = 0
       !> (n, 1 + 2 harmonics) Those of the constant forces, the cosines and the sines.
       real(wp), allocatable :: forces(:, :)
+      !> (harmonics, gaps) Those of the motions of walls.
+      complex(wp), allocatable :: walls(:, :)
       !> Whether the matrices or the directions change; their derivatives are not given.
       logical :: modes = .false.
    end type rates_type
@@ -134,6 +139,7 @@ contains
       real(wp) :: across(size(part, 2), size(part, 1)), terms(size(part, 2), size(part, 2))
       real(wp), allocatable :: openings(:), restitution(:), gaps(:, :), reduced(:, :)
       type(restitution_type), allocatable :: laws(:)
+      complex(wp), allocatable :: motion(:, :)
       integer :: i
 
       across = transpose(part)
@@ -151,6 +157,8 @@ contains
          restitution(i) = structure%restitution(kept(i))
          laws(i) = structure%laws(kept(i))
       end do
+      allocate (motion, source=structure%motion(:, kept))
+      call move_alloc(motion, structure%motion)
       structure%directions = matmul(across, gaps)
       call move_alloc(openings, structure%openings)
       call move_alloc(restitution, structure%restitution)
@@ -246,6 +254,7 @@ contains
       end if
       allocate (rates%openings(gaps), rates%restitution(gaps), rates%forces(n, 1 + 2*harmonics), &
          source=0.0_wp)
+      allocate (rates%walls(size(path%structure%motion, 1), gaps), source=(0.0_wp, 0.0_wp))
       do m = 1, size(path%changes(k)%entries, 2)
          rate = entry_rate(path%changes(k), path%changes(k)%series(:, m), share)
          associate (i => path%changes(k)%entries(2, m), j => path%changes(k)%entries(3, m))
@@ -262,6 +271,10 @@ contains
                rates%forces(i, 1 + j) = rate
             case (of_sine)
                rates%forces(i, 1 + harmonics + j) = rate
+            case (of_wall_cosine)
+               rates%walls(j, i) = cmplx(rate, rates%walls(j, i)%im, wp)
+            case (of_wall_sine)
+               rates%walls(j, i) = cmplx(rates%walls(j, i)%re, -rate, wp)
             case default
                rates%modes = .true.
             end select
@@ -271,6 +284,7 @@ contains
       all = rates
       rates%openings = all%openings(path%kept)
       rates%restitution = all%restitution(path%kept)
+      rates%walls = all%walls(:, path%kept)
       rates%forces = matmul(transpose(path%part), all%forces)
    end subroutine rates_of
 
@@ -311,6 +325,10 @@ contains
             load%sine(i, j) = value
          case (of_law)
             structure%laws(i)%numbers(j) = value
+         case (of_wall_cosine)
+            structure%motion(j, i)%re = value
+         case (of_wall_sine)
+            structure%motion(j, i)%im = -value
          case default
             load%constant(i) = value
          end select
@@ -348,6 +366,10 @@ contains
             value = load%sine(i, j)
          case (of_law)
             value = structure%laws(i)%numbers(j)
+         case (of_wall_cosine)
+            value = structure%motion(j, i)%re
+         case (of_wall_sine)
+            value = -structure%motion(j, i)%im
          case default
             value = load%constant(i)
          end select
@@ -372,7 +394,7 @@ contains
       integer, intent(out), optional :: bound
       character(:), allocatable :: word
       integer, allocatable :: entries(:, :)
-      integer :: places(2), i, j, kind, n, gaps
+      integer :: places(2), h, i, j, kind, n, gaps
       logical :: factor, good
 
       if (present(bound)) bound = 0
@@ -382,18 +404,24 @@ contains
       factor = .false.
       call split(name, word, places, good)
       kind = findloc([character(11) :: 'mass', 'damping', 'stiffness', '', 'opening', &
-         'restitution', 'frequency', 'load', '', 'constant', 'slip', 'contact'] == word, .true., 1)
+         'restitution', 'frequency', 'load', '', 'constant', 'slip', 'contact', 'wall'] == word, &
+         .true., 1)
       if (kind == 0 .or. len(word) == 0 .or. .not. good) then
          message = 'it has no such name'
          return
       end if
       select case (kind)
-      case (of_opening, of_restitution, of_slip, of_contact)
+      case (of_opening, of_restitution, of_slip, of_contact, of_wall)
          if (places(2) >= 0) message = 'it has one number, that of a gap'
          if (places(1) >= gaps) message = 'the structure has '//counted(gaps, 'gap')
          if (len(message) > 0) return
          allocate (entries(3, 0))
+         factor = kind == of_wall
          do i = 1, gaps
+            if (factor .and. (places(1) < 0 .or. places(1) + 1 == i)) entries = reshape([entries, &
+               [(of_wall_cosine, i, h, of_wall_sine, i, h, h=1, size(structure%motion, 1))]], &
+               [3, size(entries, 2) + 2*size(structure%motion, 1)])
+            if (factor) cycle
             if (.not. has_it(kind, structure%laws(i)%kind)) cycle
             if (places(1) < 0 .or. places(1) + 1 == i) entries = reshape([entries, &
                merge(of_law, kind, kind > of_constant), i, merge(1, 0, kind > of_constant)], &
@@ -511,6 +539,8 @@ contains
          message = 'friction is at least 0'
       else if (kind == of_contact .and. .not. change%low > 0) then
          message = 'a stiffness of a stop must be above 0'
+      else if (kind == of_wall .and. .not. change%low > 0) then
+         message = 'this factor must be above 0'
       else if (factor .and. any(kind == [of_damping, of_stiffness]) .and. .not. change%low >= 0) &
          then
          message = 'this factor must be at least 0'
@@ -611,8 +641,10 @@ contains
                most = [0, n, 0]
             case (of_law)
                most = [0, gaps, 3]
+            case (of_wall_cosine, of_wall_sine)
+               most = [0, gaps, size(structure%motion, 1)]
             case default
-               message = 'kinds are 1 to 11'
+               message = 'kinds are 1 to 13'
                return
             end select
          end associate
@@ -653,8 +685,8 @@ contains
    end subroutine new_function
 
    !> Whether the mirror image -q(t + T/2) of every motion q(t) is a motion too, with odd numbers of
-   !! load cycles in T: gaps come in opposite pairs with the same opening and law, and the load has
-   !! odd harmonics alone.
+   !! load cycles in T: gaps come in opposite pairs with the same opening and law, whose walls move
+   !! half a load cycle apart, and the load has odd harmonics alone.
    pure logical function is_odd(path) result(odd)
       !> The path; it is examined at two places.
       type(structure_path_type), intent(in) :: path
@@ -685,9 +717,26 @@ contains
       do j = size(structure%openings), 1, -1
          if (any(abs(structure%directions(:, i) + structure%directions(:, j)) > 0)) cycle
          if (abs(structure%openings(i) - structure%openings(j)) > 0) cycle
-         if (same_law(structure, i, j)) return
+         if (same_law(structure, i, j) .and. moves_alike(structure, i, j, -1)) return
       end do
    end function opposite_gap
+
+   !> Whether the walls of two gaps move alike, or one half a load cycle, or an odd number of them,
+   !! after the other.
+   pure logical function moves_alike(structure, i, j, turn) result(alike)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> Two gaps.
+      integer, intent(in) :: i, j
+      !> 1 for alike, -1 for half a cycle apart.
+      integer, intent(in) :: turn
+      !> Differences that are rounding, over the size of the motion.
+      real(wp), parameter :: rounding = 1.0e-12_wp
+      integer :: h
+
+      alike = all([(abs(structure%motion(h, i) - turn**h*structure%motion(h, j)) <= &
+         rounding*abs(structure%motion(h, i)), h=1, size(structure%motion, 1))])
+   end function moves_alike
 
    !> Whether two gaps have the same law of restitution.
    pure logical function same_law(structure, i, j) result(same)

@@ -151,6 +151,7 @@ contains
       study%meaning = 'find where the motions of a pattern are stable'
       study%starts_from(of_structure) = 'motion'
       study%takes_elements = .true.
+      study%takes_walls = .true.
       study%check_start => check_structure_start
       study%row = 'vertices'
       study%check => check_zone
