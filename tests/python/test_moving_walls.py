@@ -1,6 +1,7 @@
 """Walls of gaps and stops that move with the load, against closed forms and a change of coordinates."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -358,6 +359,73 @@ def test_branch_of_a_rest():
         assert len(point.rests) == 1
 
 
+def changed(structure, load, name, by):
+    """The structure and the load after a parameter was changed."""
+    gaps = list(structure.gaps)
+    if name == "frequency":
+        load = vi.Load(
+            load.frequency + by, cosine=load.cosine, sine=load.sine, constant=load.constant
+        )
+    elif name == "opening_0":
+        gaps[0] = replace(gaps[0], opening=gaps[0].opening + by)
+    else:
+        factor = 1 + by
+        gaps[0] = replace(gaps[0], cosine=factor * gaps[0].cosine, sine=factor * gaps[0].sine)
+    return vi.Structure(structure.mass, structure.damping, structure.stiffness, gaps), load
+
+
+@pytest.mark.parametrize("kind", [kind for kind in CONTACTS if kind != "no rebound"])
+def test_gradients_with_a_moving_wall(kind):
+    """Derivatives of motions and trajectories, against differences of exact motions and of simulations."""
+    moving, load, *_ = moving_and_shifted(kind)
+    motion = vi.exact(moving, load, vi.simulate(moving, load, cycles=300))
+    names, h = ["frequency", "wall_0", "opening_0"], 1e-6
+    gradient = motion.gradient(names)
+    state = ([0.0, 0.1], [0.2, 0.0])
+    run = vi.simulate(moving, load, duration=12.0, state=state)
+    along = run.gradient(names)
+    for name in names:
+        near = [vi.exact(*changed(moving, load, name, sign * h), motion) for sign in (1, -1)]
+        found = [
+            {name: getattr(one, name) for name in ("phases", "speeds", "impulses")}
+            | {"q": one.states[:, 0], "q_dot": one.states[:, 1]}
+            for one in near
+        ]
+        assert gradient["multipliers", name].sum() == pytest.approx(
+            (near[0].multipliers.sum() - near[1].multipliers.sum()) / (2 * h), rel=1e-4, abs=1e-4
+        ), name
+        for quantity in ("phases", "speeds", "impulses", "q", "q_dot"):
+            slope = (found[0][quantity] - found[1][quantity]) / (2 * h)
+            own = gradient[quantity, name]
+            assert own == pytest.approx(slope, rel=2e-5, abs=2e-5), (name, quantity)
+        runs = [
+            vi.simulate(*changed(moving, load, name, sign * h), duration=12.0, state=state)
+            for sign in (1, -1)
+        ]
+        for quantity in ("time", "speed"):
+            slope = (runs[0].events[quantity] - runs[1].events[quantity]) / (2 * h)
+            own = along[quantity, name]
+            assert own == pytest.approx(slope, rel=1e-4, abs=1e-4), (name, quantity)
+
+
+def test_gradient_of_a_rest():
+    """A ball that a table carries and throws: impacts after the rest, against differences of exact motions."""
+    h, near = 1e-7, []
+    for a in (0.03, 0.03 * (1 + h), 0.03 * (1 - h)):
+        ball, load = ball_on_table(a, restitution=0.3)
+        run = vi.simulate(ball, load, cycles=60, state=([0.3], [0.0]))
+        near.append(vi.exact(ball, load, run))
+    gradient = near[0].gradient(["wall", "frequency"])
+    for quantity in ("phases", "speeds"):
+        # those before the accumulation comes to its end
+        slope = (getattr(near[1], quantity) - getattr(near[2], quantity))[:3] / (2 * h)
+        assert gradient[quantity, "wall"][:3] == pytest.approx(slope, rel=1e-5), quantity
+    # times scale with 1/Omega, lengths with g/Omega^2: a higher frequency is a larger amplitude
+    assert gradient["phases", "frequency"] == pytest.approx(
+        2 * gradient["phases", "wall"] / OMEGA, rel=1e-6
+    )
+
+
 def test_symmetric_walls():
     """Opposite walls that move together keep the mirror: branches have the same pitchfork as in coordinates that
     move with the walls."""
@@ -387,9 +455,8 @@ def test_what_is_refused():
         vi.branch(motion, "wall", bounds=(0, 2))
     with pytest.raises(vi.ParameterError, match="does not take moving walls"):
         vi.atlas(ball, load, ("frequency", 19, 21), ("wall", 0.5, 2))
-    for call in (motion.gradient, motion.quantities):
-        with pytest.raises(vi.ParameterError, match="must not move here; only simulate"):
-            call()
+    with pytest.raises(vi.ParameterError, match="must not move here; only simulate"):
+        motion.quantities()
     for without in (None, vi.Load(constant=[-1.0]), vi.Record(0.1, [[0.0], [1.0]])):
         with pytest.raises(vi.ParameterError, match="must have a frequency, with which the walls"):
             vi.simulate(ball, without, duration=1.0)

@@ -26,6 +26,7 @@ from ..results.parameters import (
     OPENING,
     RESTITUTION,
     SINE,
+    WALLS,
     Wanted,
     entries_of,
     series_of,
@@ -52,7 +53,7 @@ NOT_EXACT, COINCIDENT = 27, 28
 #: The kinds of entries by the words of names.
 WORDS = {name: kind for kind, name in MATRICES.items()} | {
     "opening": OPENING, "restitution": RESTITUTION, "frequency": FREQUENCY, "constant": CONSTANT, "load": COSINE,
-    "contact": LAW, "slip": LAW,
+    "contact": LAW, "slip": LAW, "wall": min(WALLS),
 }  # fmt: skip
 
 
@@ -101,6 +102,11 @@ def checked(structure: Structure, load: Load | Record | None, parameters: Any) -
         parameters = ["frequency"] if isinstance(load, Load) and load.frequency else []
         parameters += ["load"] if driven else []
         parameters += [f"opening_{j}" for j in each]
+        parameters += [
+            f"wall_{j}"
+            for j in each
+            if structure.gaps[j].cosine.any() or structure.gaps[j].sine.any()
+        ]
         for j, part in enumerate(structure._parts):
             if isinstance(part, Gap) and "restitution" in to_columns(part.restitution):
                 parameters.append(f"restitution_{j}")
@@ -131,7 +137,6 @@ def motion_gradient(motion: Motion, parameters: Sequence[Wanted] | None) -> Grad
     wanted = checked(structure, load, parameters)
     if not wanted:
         raise ParameterError(f"parameters = {parameters!r}: must name at least one")
-    structure._refuse_moving()
     names = names_of(wanted)
     run, hits = period_of(motion)
     along = Along(run, wanted, int(motion.gaps[0]))
@@ -208,7 +213,6 @@ def trajectory_gradient(run: Trajectory, parameters: Any) -> Gradient:
     """The derivatives of a trajectory of a structure."""
     if not run.complete:
         raise ParameterError(f"{run!r}: must be complete to have derivatives")
-    run.structure._refuse_moving()
     if not run.structure._is_rigid and (run._resting() or (run.events["kind"] == "stick").any()):
         raise ParameterError(
             f"{run!r}: must have no rests to have derivatives, since it has stops or friction"
@@ -424,22 +428,30 @@ def named_rates(structure: Structure, name: str, places: _Array, values: _Array)
     word = parts[1] if parts else ""
     numbers = [int(part) for part in parts[2].split("_")[1:]] if parts else []
     kind = WORDS.get(word)
-    allowed = {OPENING: (0, 1), RESTITUTION: (0, 1), LAW: (0, 1)} | dict.fromkeys(MATRICES, (0, 2))
+    allowed = {
+        OPENING: (0, 1),
+        RESTITUTION: (0, 1),
+        LAW: (0, 1),
+        min(WALLS): (0, 1),
+    } | dict.fromkeys(MATRICES, (0, 2))
     if kind is None or len(numbers) not in allowed.get(kind, (0,)):
         raise ParameterError(
             f"parameters: {name!r} must be 'frequency', 'load', 'constant', 'mass', 'damping', 'stiffness' "
             "(factors), 'opening', 'restitution' (of all gaps), 'contact' (stiffness of all stops), 'slip' (of "
-            "all friction), 'opening_J', 'restitution_J', 'contact_J', 'slip_J', 'mass_I_J', 'damping_I_J' or "
+            "all friction), 'wall' (factor of the motions of walls), 'opening_J', 'restitution_J', 'contact_J', "
+            "'slip_J', 'wall_J', 'mass_I_J', 'damping_I_J' or "
             "'stiffness_I_J', all from 0, or (name, function, value)"
         )
     here = places[:, 0] == kind
     if kind == COSINE:
         here |= places[:, 0] == SINE
+    elif kind in WALLS:
+        here |= np.isin(places[:, 0], list(WALLS))
     if numbers and kind in MATRICES:
         here &= (places[:, 1:] == sorted(numbers, reverse=True)).all(axis=1)
     elif numbers:
         here &= places[:, 1] == numbers[0]
-    factor = kind in (CONSTANT, COSINE) or (kind in MATRICES and not numbers)
+    factor = kind in (CONSTANT, COSINE, *WALLS) or (kind in MATRICES and not numbers)
     rates = np.where(here, values if factor else 1.0, 0.0)
     if kind == LAW:
         rates = rates_of_law(structure, Stop if word == "contact" else Friction, places, rates)

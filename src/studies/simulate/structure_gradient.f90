@@ -39,6 +39,9 @@ module vi_structure_gradient
       complex(wp), allocatable :: numbers(:, :)
       !> (n, 1 + 2 harmonics) Constant force, cosines and sines.
       complex(wp), allocatable :: forces(:, :)
+      !> (1 + 2 harmonics, gaps, 0:2) The openings at an instant, and their first and second rates
+      !! by time, as coefficients of the coordinates of the load.
+      complex(wp), allocatable :: walls(:, :, :)
       !> The structure, with its laws of restitution, and the load.
       type(structure_type) :: structure
       type(load_type) :: load
@@ -96,7 +99,7 @@ contains
       !> `stat%ok` or `stat%singular`.
       integer, intent(out) :: status
       complex(wp), allocatable :: right(:, :)
-      integer :: i, k, n
+      integer :: h, i, k, n
 
       n = size(structure%mass, 1)
       system%structure = structure
@@ -112,6 +115,22 @@ contains
       system%frequency = with(load%frequency, load_by%frequency)
       if (by_phase) system%pace = system%frequency
       system%scale = with(1.0_wp, record_by)
+      ! walls do not move under a record, which has two coordinates
+      associate (harmonics => merge(0, size(load%sine, 2), load%step > 0))
+         allocate (system%walls(merge(2, 1 + 2*harmonics, load%step > 0), &
+            size(structure%openings), 0:2), source=(0.0_wp, 0.0_wp))
+         system%walls(1, :, 0) = system%openings
+         do h = 1, min(harmonics, size(structure%motion, 1))
+            associate (cosines => 1 + h, sines => 1 + harmonics + h)
+               system%walls(cosines, :, 0) = with(structure%motion(h, :)%re, by%motion(h, :)%re)
+               system%walls(sines, :, 0) = -with(structure%motion(h, :)%im, by%motion(h, :)%im)
+               system%walls(cosines, :, 1) = h*system%frequency*system%walls(sines, :, 0)
+               system%walls(sines, :, 1) = -h*system%frequency*system%walls(cosines, :, 0)
+               system%walls([cosines, sines], :, 2) = -(h*system%frequency)**2 &
+                  *system%walls([cosines, sines], :, 0)
+            end associate
+         end do
+      end associate
       allocate (right(n, 3*n), source=(0.0_wp, 0.0_wp))
       right(:, :n) = -with(structure%stiffness, by%stiffness)
       right(:, n + 1:2*n) = -system%damping
@@ -242,7 +261,9 @@ contains
                rate(n + 1:2*n, :n) = rate(n + 1:2*n, :n) - numbers(1)*outer(force, row)
                rate(n + 1:2*n, n + 1:2*n) = rate(n + 1:2*n, n + 1:2*n) &
                   - numbers(2)*outer(force, row)
-               constant = constant + (numbers(1)*system%openings(j) - numbers(3))*force
+               rate(n + 1:2*n, 2*n + 1:) = rate(n + 1:2*n, 2*n + 1:) + outer(force, &
+                  numbers(1)*system%walls(:, j, 0) + numbers(2)*system%walls(:, j, 1))
+               constant = constant - numbers(3)*force
             else if (structure%rubs(j)) then
                if (any(closed == j)) cycle
                if (is_absorbed(structure, j, held_of(structure, closed))) cycle
@@ -292,6 +313,7 @@ contains
       call add_elements(system, closed, rate)
       call set_contacts(system, held, rows, kicks)
       allocate (contact, source=matmul(rows, rate(n + 1:2*n, :)))
+      contact(:, 2*n + 1:) = contact(:, 2*n + 1:) - transpose(system%walls(:, held, 2))
       status = stat%ok
       if (size(held) > 0) call solve_complex(matmul(rows, kicks), contact, status)
       rate(n + 1:2*n, :) = rate(n + 1:2*n, :) - matmul(kicks, contact)
@@ -367,11 +389,13 @@ contains
    !!
    !! What is left of its gap closes by impulses in no time, and dashpots take their share of that
    !! motion.
-   pure subroutine stop_on(system, resting, gap, state, matrix, status)
+   pure subroutine stop_on(system, resting, gap, load, state, matrix, status)
       !> The system.
       type(system_type), intent(in) :: system
       !> The gaps that rest from now on, and the one that began to.
       integer, intent(in) :: resting(:), gap
+      !> The coordinates of the load at this instant.
+      complex(wp), intent(in) :: load(:)
       !> (2n) and (2n, 2n) In and out.
       complex(wp), intent(inout) :: state(:), matrix(:, :)
       !> `stat%ok` or `stat%singular`.
@@ -386,7 +410,7 @@ contains
          system%mobility(:, gap)))
       closing = matmul(system%directions(:, gap), matrix(:n, :))
       state(n + 1:) = state(n + 1:) + carried*(sum(system%directions(:, gap)*state(:n)) &
-         - system%openings(gap))
+         - sum(system%walls(:, gap, 0)*load))
       matrix(n + 1:, :) = matrix(n + 1:, :) + outer(carried, closing)
       ! positions and velocities, and the changes of both, side by side
       c = size(matrix, 2)
@@ -396,7 +420,8 @@ contains
       sides(:, 3:2 + c) = matrix(:n, :)
       sides(:, 3 + c:) = matrix(n + 1:, :)
       allocate (parts, source=matmul(rows, sides))
-      parts(:, 1) = parts(:, 1) - system%openings(resting)
+      parts(:, 1) = parts(:, 1) - matmul(load, system%walls(:, resting, 0))
+      parts(:, 2) = parts(:, 2) - matmul(load, system%walls(:, resting, 1))
       call solve_complex(matmul(rows, kicks), parts, status)
       sides = sides - matmul(kicks, parts)
       state(:n) = sides(:, 1)
@@ -480,7 +505,7 @@ contains
       complex(wp), parameter :: i_unit = (0.0_wp, 1.0_wp)
       complex(wp), allocatable, dimension(:, :) :: growth, turned, rate, contact, matrix, &
          touched_by
-      complex(wp), allocatable, dimension(:) :: whole, moved, step, condition, after
+      complex(wp), allocatable, dimension(:) :: whole, moved, step, condition, after, load_then
       complex(wp), dimension(columns) :: row, by_start, by_speed, left_by, struck_by
       complex(wp) :: impulse, slope, speed
       real(wp) :: clock, closing, end, high, later, left, low, parting, residual, size_of, struck, &
@@ -532,12 +557,13 @@ contains
          else if (kind == stick_event) then
             ! small changes rest from the last impact on
             call pass_label([kind, gap], closed)
-            call stop_on(system, held_of(system%structure, closed), gap, carried%state, &
-               carried%matrix, status)
+            call stop_on(system, held_of(system%structure, closed), gap, load_at(system, &
+               low*system%pace%re, 0), carried%state, carried%matrix, status)
             if (status /= stat%ok) return
          end if
          moved = 0*start
          turned = 0*carried%matrix
+         load_then = load_at(system, low*system%pace%re, 0)
          do
             call next_part(system%load, low, end, interval, high)
             call set_rate(system, closed, interval, rate, contact, status)
@@ -570,11 +596,14 @@ contains
          forced = .false.
          if (kind == impact_event) then
             condition(:n) = system%directions(:, gap)
-            residual = aimag(sum(condition*whole) - system%openings(gap))
+            condition(2*n + 1:) = -system%walls(:, gap, 0)
+            residual = aimag(sum(condition*whole))
             by_start = matmul(condition(:2*n), carried%matrix)
             if (left_gap == gap) then
                ! without the digits that cancel in the short hops of an accumulation
                residual = left + aimag(sum(condition(:2*n)*moved))
+               if (system%structure%moves) residual = residual + aimag(sum(condition(2*n + 1:) &
+                  *(whole(2*n + 1:) - load_then)))
                by_start = left_by + matmul(condition(:2*n), turned)
             end if
          else if (kind /= stick_event) then
@@ -619,8 +648,10 @@ contains
          if (kind == impact_event) then
             touched(gap) = later
             touched_by(:, gap) = row
-            speed = sum(system%directions(:, gap)*whole(n + 1:2*n))
-            by_speed = matmul(system%directions(:, gap), matrix(n + 1:, :))
+            speed = sum(system%directions(:, gap)*whole(n + 1:2*n)) &
+               - sum(system%walls(:, gap, 1)*whole(2*n + 1:))
+            by_speed = matmul(system%directions(:, gap), matrix(n + 1:, :)) &
+               - sum(system%walls(:, gap, 1)*after(2*n + 1:))*row
             call strike(system, gap, speed, impulse, slope)
             whole(n + 1:2*n) = whole(n + 1:2*n) - impulse*system%mobility(:, gap)
             matrix(n + 1:, :) = matrix(n + 1:, :) - slope*outer(system%mobility(:, gap), by_speed)
@@ -628,11 +659,11 @@ contains
             carried%slopes(2, :, i) = by_speed
             carried%slopes(3, :, i) = slope*by_speed
          else if (kind >= touch_event .and. kind < halt_event) then
-            speed = sum(system%directions(:, gap)*whole(n + 1:2*n))
-            speed = sign(1.0_wp, speed%re)*speed
-            carried%values(2, i) = speed
-            carried%slopes(2, :, i) = sign(1.0_wp, real(sum(system%directions(:, gap)*whole(n &
-               + 1:2*n))))*matmul(system%directions(:, gap), matrix(n + 1:, :))
+            speed = sum(system%directions(:, gap)*whole(n + 1:2*n)) &
+               - sum(system%walls(:, gap, 1)*whole(2*n + 1:))
+            carried%values(2, i) = sign(1.0_wp, speed%re)*speed
+            carried%slopes(2, :, i) = sign(1.0_wp, speed%re)*(matmul(system%directions(:, gap), &
+               matrix(n + 1:, :)) - sum(system%walls(:, gap, 1)*after(2*n + 1:))*row)
          end if
          if (kind == impact_event .or. (kind > release_event .and. .not. forced)) then
             struck = clock
@@ -656,7 +687,7 @@ contains
          left_gap = 0
          if (kind == impact_event) then
             left_gap = gap
-            speed = sum(system%directions(:, gap)*after(:n))
+            speed = sum(condition*after)
             parting = real(speed)
             left = -later*parting
             left_by = -speed*row - i_unit*later*matmul(matmul(condition, rate(:, :2*n)), matrix)
@@ -686,11 +717,13 @@ contains
          select case (label(1))
          case (touch_event, leave_event)
             condition(:n) = row
-            constant = -system%openings(gap)
+            condition(2*n + 1:) = -system%walls(:, gap, 0)
          case (let_go_event, press_event)
             condition(:n) = numbers(1)*row
             condition(n + 1:2*n) = numbers(2)*row
-            constant = numbers(3) - numbers(1)*system%openings(gap)
+            condition(2*n + 1:) = -numbers(1)*system%walls(:, gap, 0) &
+               - numbers(2)*system%walls(:, gap, 1)
+            constant = constant + numbers(3)
          case (release_event)
             condition = contact(findloc(held, gap, 1), :)
             do i = 1, size(system%openings)
@@ -738,7 +771,7 @@ contains
       !> `stat%ok`, or as in `carry_changes` and `sample_structure_arrays`.
       integer, intent(out) :: status
       type(structure_type) :: checked, by
-      type(load_type) :: load_by
+      type(load_type) :: load_by, driving
       type(system_type) :: system
       type(carried_type) :: carried
       integer, allocatable :: held(:)
@@ -759,6 +792,14 @@ contains
       call closed_at_start(structure, load, events%starts(:, 1), events%closed, status)
       if (status /= stat%ok) return
       allocate (held, source=held_of(checked, events%closed))
+      ! a wall can move with more harmonics than the load has
+      driving = load
+      if (structure%moves) then
+         associate (harmonics => max(size(load%sine, 2), size(structure%motion, 1)))
+            driving%cosine = reshape([load%cosine], [n, harmonics], pad=[0.0_wp])
+            driving%sine = reshape([load%sine], [n, harmonics], pad=[0.0_wp])
+         end associate
+      end if
       number = size(events%labels, 2) - 1
       do i = 0, ubound(by_entries, 2)
          by = new_structure(reshape([(0.0_wp, j=1, 3*n*n)], [n, n, 3]), 0*structure%directions, &
@@ -766,8 +807,9 @@ contains
          do j = 1, size(structure%openings)
             by%laws(j)%numbers = 0
          end do
-         load_by = new_load(0.0_wp, reshape([(0.0_wp, j=1, 2*size(load%sine))], [n, 2, &
-            size(load%sine, 2)]), 0*load%constant)
+         by%motion = 0*structure%motion
+         load_by = new_load(0.0_wp, reshape([(0.0_wp, j=1, 2*size(driving%sine))], [n, 2, &
+            size(driving%sine, 2)]), 0*load%constant)
          do j = 1, size(entries, 2)
             if (abs(by_entries(j, i)) > 0) call set_entry(by, load_by, entries(:, j), &
                by_entries(j, i))
@@ -781,11 +823,15 @@ contains
                   else
                      opens(i) = opens(i) .or. abs(dot_product(q, by%directions(:, k)) &
                         - by%openings(k)) + abs(dot_product(rate, by%directions(:, k))) > 0
+                     ! a wall that moves is elsewhere, or has another speed
+                     opens(i) = opens(i) .or. any(abs(by%motion(:, k)) > 0) .or. &
+                        (abs(load_by%frequency) > 0 .and. any(abs(structure%motion(:, k)) > 0))
                   end if
                end associate
             end do
          end associate
-         call new_system(checked, load, by, load_by, by_record(i), events%first > 0, system, status)
+         call new_system(checked, driving, by, load_by, by_record(i), events%first > 0, system, &
+            status)
          if (status /= stat%ok) return
          call carry_changes(system, events, with(events%starts(2:, 1), by_start(:, i)), &
             merge(2*n, 0, events%first > 0 .or. i == 0), carried, status)
