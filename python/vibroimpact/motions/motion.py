@@ -575,9 +575,9 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
             mirror image). Of a `PowerLaw` the restitution is R0. Or tuples (name, function, value) of a smooth
             function that gives (Structure, Load), and the value of its argument at the motion; the function is
             called within 5 % of it (within 0.05 of 0). 'contact' or 'contact_J' is the stiffness of stops, 'slip'
-            or 'slip_J' the slip level of friction, with the stick level in proportion; 'wall' or 'wall_J' is a factor
-            of the motions of walls. By default frequency, load, and all openings, motions of walls, coefficients of
-            restitution, stiffnesses of stops and slip levels.
+            or 'slip_J' the slip level of friction, with the stick level in proportion; 'wall' or 'wall_J' is a
+            factor of the motions of walls. By default frequency, load, and all openings, motions of walls,
+            coefficients of restitution, stiffnesses of stops and slip levels.
 
         Returns
         -------

@@ -26,7 +26,10 @@ MOST_OUTPUTS = 100
 #: Most harmonics of the motion of a wall.
 MOST_HARMONICS = 100
 #: The verbs that take walls that move.
-WITH_WALLS = "simulate, periodic, exact, find, branch, zone, chart, response, bifurcation_diagram, lyapunov and basins"
+WITH_WALLS = (
+    "simulate, periodic, exact, find, branch, zone, chart, gradient, response, bifurcation_diagram, lyapunov "
+    "and basins"
+)
 #: The verbs that take stops and friction.
 WITH_ELEMENTS = (
     "simulate, periodic, exact, find, branch, zone, chart, response, bifurcation_diagram, lyapunov"
