@@ -284,6 +284,21 @@ def test_points_keep_their_friction(name, values):
     assert np.sort(last["speed"]) == pytest.approx(np.sort(motion.speeds), rel=1e-6)
 
 
+@pytest.mark.parametrize(("name", "kept", "low"), [
+    ("slip", {"friction": 0.05}, 0.04), ("contact", {"stops": ((200.0, 0.5), (200.0, 0.5))}, 150.0),
+])  # fmt: skip
+def test_diagram_along_parameters_of_elements(name, kept, low):
+    """A point with elements takes the names of its structure, with the same answer as that."""
+    point = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75).at(1.04, 25, **kept)
+    high = 0.05 if name == "slip" else 200.0
+    ours = vi.bifurcation_diagram(point, name, [low, high], settling=100)
+    theirs = vi.bifurcation_diagram(point.structure, point.load, name, [low, high], settling=100)
+    assert (ours.points == theirs.points).all()
+    assert len(ours.points)
+    with pytest.raises(vi.ParameterError, match="it has no such name"):
+        vi.bifurcation_diagram(point, "nothing", [low, high])
+
+
 def test_walls_that_give_have_no_restitution():
     point = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75).at(
         1.04, 25, stops=((10.0, 0.0), (10.0, 0.0))

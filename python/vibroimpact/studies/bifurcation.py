@@ -393,6 +393,12 @@ def _along_parameter(given: dict[str, Any]) -> None:
     """Turns the arguments for an oscillator into those of its first point and of the diagram of a structure."""
     osc: Oscillator = given["osc"]
     name: Any = given.get("parameter")
+    if "point" in given and name not in NAMES:
+        # a parameter of the structure that the point stands for, such as the slip level of its friction
+        state_by_coordinates(given)
+        if not given.get("start", 1):
+            del given["start"]
+        return
     checks.choice(name, "parameter", NAMES)
     values = given["values"] = rising(given.get("values", ()), points=given.pop("points", None))
     if name in ("r", "clearance"):
@@ -496,8 +502,9 @@ def bifurcation_diagram(
     structure, load : Structure, Load
         In place of it and of `r` and `clearance`; the load has a frequency.
     parameter : {"r", "clearance", "xi", "mu", "R1", "R2", "restitution"}, or str or function
-        "restitution" changes both walls. Of a structure as in `branch`: "frequency", "load", "opening_0", ...; or
-        a smooth function that gives (structure, load) for a value, with which `structure` and `load` are not used.
+        "restitution" changes both walls. Of a structure as in `branch`: "frequency", "load", "opening_0", ..., and
+        so of a point with friction or stops, such as "slip" or "contact"; or a smooth function that gives
+        (structure, load) for a value, with which `structure` and `load` are not used.
     values : array_like, or (float, float)
         At least two different numbers, in any order and with any spacing; sweeps go through them in order. With
         `points` a range (lo, hi).
