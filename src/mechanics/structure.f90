@@ -32,6 +32,12 @@ module vi_structure
    real(wp), parameter :: shortest_unit = 1.0e-12_wp, smallest = 1.0e-40_wp, &
       largest = 1.0e40_wp, never = 1.0e290_wp
 
+   !> What follows where coupled gaps close at one instant: a status, Newton's law at all of them at
+   !! once, or impacts one after the other.
+   integer, parameter, public :: refused = 0, by_newton = 1, in_sequence = 2
+   !> These are told with the kind of the law of each gap, after 10 times its harmonics.
+   integer, parameter, public :: law_unit = 10000
+
    !> A structure and its gaps.
    type, public :: structure_type
       !> (n, n) M, C and K.
@@ -71,6 +77,9 @@ module vi_structure
       !! Re(motion(h, j) e^(i h Omega t)), with Omega of the load. Whether any wall does.
       complex(wp), allocatable :: motion(:, :)
       logical :: moves = .false.
+      !> What follows where coupled gaps close at one instant: `refused`, `by_newton` or
+      !! `in_sequence`.
+      integer :: simultaneous = 0
    end type structure_type
 
    !> A load f(t) = sum over h of cosine_h cos(h Omega t) + sine_h sin(h Omega t), plus a constant.
@@ -157,10 +166,10 @@ contains
       !> (n, n, 3) M, C and K; (n, gaps) G_j; (2, gaps) opening and restitution of each gap, or with
       !! laws (3 or more, gaps): opening, and kind and numbers of its law as in `new_restitution`.
       !! Where a wall moves with H harmonics, 10 H is added to the kind, and their cosines and sines
-      !! in turns come before the numbers.
+      !! in turns come before the numbers; `law_unit` times `simultaneous` is added, too.
       real(wp), intent(in) :: matrices(:, :, :), directions(:, :), gap_values(:, :)
       type(structure_type) :: structure
-      integer :: harmonics(size(gap_values, 2)), h, j
+      integer :: harmonics(size(gap_values, 2)), kinds(size(gap_values, 2)), h, j
 
       allocate (structure%mass, source=matrices(:, :, 1))
       allocate (structure%damping, source=matrices(:, :, 2))
@@ -169,14 +178,21 @@ contains
       allocate (structure%openings, source=gap_values(1, :))
       allocate (structure%laws(size(gap_values, 2)), structure%restitution(size(gap_values, 2)))
       harmonics = 0
-      if (size(gap_values, 1) > 2) harmonics = nint(gap_values(2, :))/10
+      kinds = constant_law
+      if (size(gap_values, 1) > 2) then
+         kinds = nint(gap_values(2, :))
+         structure%simultaneous = maxval([refused, kinds/law_unit])
+         kinds = modulo(kinds, law_unit)
+         harmonics = kinds/10
+         kinds = modulo(kinds, 10)
+      end if
       structure%moves = any(harmonics > 0)
       allocate (structure%motion(maxval([0, harmonics]), size(harmonics)), source=(0.0_wp, 0.0_wp))
       do j = 1, size(gap_values, 2)
          if (size(gap_values, 1) == 2) then
             structure%laws(j) = new_restitution(real(constant_law, wp), gap_values(2:, j))
          else
-            structure%laws(j) = new_restitution(gap_values(2, j) - 10*harmonics(j), &
+            structure%laws(j) = new_restitution(real(kinds(j), wp), &
                gap_values(3 + 2*harmonics(j):, j))
             do h = 1, harmonics(j)
                structure%motion(h, j) = cmplx(gap_values(1 + 2*h, j), -gap_values(2 + 2*h, j), wp)

@@ -92,6 +92,12 @@ module vi_status
       integer :: friction_undecided = 40
       !> Friction sticks through the whole period of the motion on which a simulation settles.
       integer :: permanent_stick = 41
+      !> Impacts at one instant on coupled gaps: what follows has no derivative.
+      integer :: no_derivative = 42
+      !> Impacts one after the other at one instant do not end.
+      integer :: endless_sequence = 43
+      !> Newton's law at all coupled gaps at once would add energy.
+      integer :: gains_energy = 44
    end type status_codes
 
    !> The codes by name, for example stat%no_motion.
@@ -159,8 +165,8 @@ contains
          text = 'a mode without damping resonates with the load or the period, or so nearly that &
             &digits are lost'
       case (stat%coupled_impacts)
-         text = 'two coupled gaps close at one instant, and the impact law does not say what &
-            &follows'
+         text = 'two coupled gaps close at one instant: give the structure simultaneous = &
+            &''newton'' or ''sequence'', or change one opening by 1e-12 of it'
       case (stat%gap_closed)
          text = 'a gap is less than closed in the initial state'
       case (stat%no_impacts)
@@ -219,6 +225,15 @@ contains
       case (stat%permanent_stick)
          text = 'friction sticks for ever wherever it stops, so that there is a continuum of &
             &motions: make what sticks rigid, or start from another state'
+      case (stat%no_derivative)
+         text = 'coupled gaps close at one instant: what follows depends on the order of their &
+            &impacts, and has no derivatives'
+      case (stat%endless_sequence)
+         text = 'coupled gaps close at one instant, and 20000 impacts one after the other do not &
+            &part them: give the structure simultaneous = ''newton'''
+      case (stat%gains_energy)
+         text = 'coupled gaps with different coefficients of restitution close at one instant, &
+            &and Newton''s law would add energy: give the structure simultaneous = ''sequence'''
       case default
          text = 'unknown status code'
       end select

@@ -14,7 +14,7 @@ from .. import _core
 from ..base import checks
 from ..base.errors import ParameterError, ParameterTypeError
 from ..base.interrupt import interruptible
-from ..base.status import raise_status, status_text
+from ..base.status import NO_DERIVATIVE, raise_status, status_text
 from ..motions.trajectory import core_arrays
 from ..results.gradient import Gradient, frozen
 from ..results.parameters import (
@@ -137,6 +137,7 @@ def motion_gradient(motion: Motion, parameters: Sequence[Wanted] | None) -> Grad
     wanted = checked(structure, load, parameters)
     if not wanted:
         raise ParameterError(f"parameters = {parameters!r}: must name at least one")
+    motion._refuse_meetings()
     names = names_of(wanted)
     run, hits = period_of(motion)
     along = Along(run, wanted, int(motion.gaps[0]))
@@ -209,10 +210,23 @@ def by_name(columns: _Array, n: int, names: Sequence[str]) -> dict[str, _Array]:
     return {name: np.array(part) for name, part in zip(names, parts, strict=True)}
 
 
+def _refuse_meetings(run: Trajectory) -> None:
+    """SingularError if impacts of coupled gaps at one instant leave a trajectory without derivatives."""
+    hits = run.events[run.events["kind"] == "impact"]
+    directions = np.array([part.direction for part in run.structure._parts])
+    coupling = np.abs(directions @ np.linalg.solve(run.structure.mass, directions.T))
+    scale = np.sqrt(np.outer(coupling.diagonal(), coupling.diagonal()))
+    pairs = hits["gap"][:-1], hits["gap"][1:]
+    if ((np.diff(hits["time"]) <= 0) & (coupling[pairs] > 1e-12 * scale[pairs])).any():
+        raise_status(NO_DERIVATIVE)
+
+
 def trajectory_gradient(run: Trajectory, parameters: Any) -> Gradient:
     """The derivatives of a trajectory of a structure."""
     if not run.complete:
         raise ParameterError(f"{run!r}: must be complete to have derivatives")
+    if run.structure.simultaneous:
+        _refuse_meetings(run)
     if not run.structure._is_rigid and (run._resting() or (run.events["kind"] == "stick").any()):
         raise ParameterError(
             f"{run!r}: must have no rests to have derivatives, since it has stops or friction"

@@ -77,6 +77,11 @@ def exact_structure(
             start, state = guess._run()._between_events()
             start *= guess.load.frequency / load.frequency
             return of_same_kind(settled(structure, load, start, state, cycles=guess.cycles), guess)
+        if structure.simultaneous and guess.without_multipliers and guess._has_meetings:
+            check_load(structure, load, frequency=True)
+            start, state = guess._run()._between_events()
+            start *= guess.load.frequency / load.frequency
+            return settled(structure, load, start, state, cycles=guess.cycles)
         if len(guess.rests):
             check_load(structure, load, frequency=True)
             start = guess.phases[0] / guess.load.frequency * (guess.load.frequency / load.frequency)

@@ -16,7 +16,7 @@ from ..base import checks
 from ..base.actions import ACTIONS
 from ..base.errors import ParameterError, ParameterTypeError, SingularError
 from ..base.sizes import memory_for
-from ..base.status import NO_MOTION, VERDICT, raise_status
+from ..base.status import GRAZE, NO_DERIVATIVE, NO_MOTION, VERDICT, raise_status, sentence
 from ..results import namelist
 from ..results.events import (
     EVENT_TYPE,
@@ -292,6 +292,27 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
     def self_excited(self) -> bool:
         """Whether it has no periodic load, so that its phase is free; its period is 2 pi/load.frequency."""
         return self.of_structure and not len(self.load.sine) and not self.structure._moves
+
+    @property
+    def without_multipliers(self) -> str:
+        """Why there are no multipliers; empty if there are."""
+        if not np.isnan(self.multipliers).any():
+            return ""
+        return sentence(NO_DERIVATIVE if self._has_meetings else GRAZE)
+
+    def _refuse_meetings(self) -> None:
+        """SingularError if impacts on coupled gaps at one instant leave it without derivatives."""
+        if self._has_meetings and self.without_multipliers:
+            raise SingularError(self.without_multipliers)
+
+    @property
+    def _has_meetings(self) -> bool:
+        """Of a structure: whether impacts are at one instant."""
+        if not self.of_structure or not len(self.phases):
+            return False
+        whole = 2 * np.pi * self.cycles
+        after = np.append(self.phases[1:], self.phases[0] + whole)
+        return bool((after - self.phases < AT_ONCE).any())
 
     @property
     def trivial(self) -> int | None:
@@ -862,7 +883,8 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
             modulus = 0.0  # what sticks loses a direction
         stability = {True: "stable", False: "unstable", None: "stable?"}[self.stable]
         beside = "" if self.trivial is None else " beside 1"
-        words.append(f"{stability} (max|lambda| = {modulus:.4g}{beside}, {self.leading_kind})")
+        known = f"max|lambda| = {modulus:.4g}{beside}, {self.leading_kind}"
+        words.append(f"{stability} ({'no derivative' if np.isnan(modulus) else known})")
         return ", ".join(words)
 
     def __repr__(self) -> str:

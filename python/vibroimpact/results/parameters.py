@@ -119,8 +119,9 @@ def with_entries(
         for part, each in zip(structure.friction, changes[len(gaps) :], strict=True)
     ]
     changed = Structure(
-        matrices[1], matrices[2], matrices[3], gaps, friction, outputs=structure.outputs
-    )
+        matrices[1], matrices[2], matrices[3], gaps, friction, outputs=structure.outputs,
+        simultaneous=structure.simultaneous,
+    )  # fmt: skip
     return changed, Load(
         frequency, cosine=harmonics[COSINE], sine=harmonics[SINE], constant=constant
     )

@@ -84,14 +84,17 @@ def from_groups(
         omega = np.atleast_1d(keys["frequencies"])
         shapes = np.reshape(keys["shapes"], (-1, len(omega)))
         structure = Structure.from_modes(
-            omega, np.atleast_1d(keys["damping_ratios"]), shapes, gaps, friction, outputs_of(keys)
-        )
+            omega, np.atleast_1d(keys["damping_ratios"]), shapes, gaps, friction, outputs_of(keys),
+            simultaneous=keys.get("simultaneous"),
+        )  # fmt: skip
     else:
         n = len((*gaps, *friction)[0].direction)
         mass, damping, stiffness = (
             _square(keys[name], n) for name in ("mass", "damping", "stiffness")
         )
-        structure = Structure(mass, damping, stiffness, gaps, friction, outputs_of(keys))
+        structure = Structure(
+            mass, damping, stiffness, gaps, friction, outputs_of(keys), simultaneous=keys.get("simultaneous")
+        )  # fmt: skip
     load: Load | Record | None = None
     for part in (part for name, part in parts if name == "load"):
         n = structure.coordinates
@@ -233,7 +236,8 @@ def structure_of(result: Result, frequency: float, loaded: bool) -> tuple[Struct
             {name: part.get(name) for name in ("cosine", "sine")} for part in parts
         ]
         gaps = [replace(gap, **wall) for gap, wall in zip(gaps, walls, strict=True)]
-    structure = Structure(mass, damping, stiffness, gaps, friction, outputs)
+    law = groups[0][1].get("simultaneous") if groups else None
+    structure = Structure(mass, damping, stiffness, gaps, friction, outputs, simultaneous=law)
     if not loaded:
         return structure, None
     sine, cosine = values("harmonics", "sine", "cosine")

@@ -562,6 +562,10 @@ def run_from(
             f"motion = {motion!r}: must be consistent, with a residual of rounding; "
             "exact(structure, load, motion) gives the exact motion near it"
         )
+    if motion.structure.simultaneous and motion.without_multipliers and motion._has_meetings:
+        raise ParameterError(
+            f"motion = {motion!r}: cannot be followed; {motion.without_multipliers}"
+        )
     start: dict[str, Any] = {"kind": "exact", "cycles": motion.cycles}
     if len(motion.rests) or not motion.structure._is_rigid:
         time, state = float(motion.phases[0] / motion.load.frequency), (motion.q, motion.q_dot)

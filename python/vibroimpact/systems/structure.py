@@ -23,6 +23,8 @@ MOST = 500
 #: Largest modulus of a number of a matrix; of a frequency, a damping ratio, a mode shape or a direction.
 LARGEST, LARGEST_MODAL = 1e100, 1e40
 MOST_OUTPUTS = 100
+#: What follows where coupled gaps close at one instant, as the core numbers it.
+SIMULTANEOUS = (None, "newton", "sequence")
 #: Most harmonics of the motion of a wall.
 MOST_HARMONICS = 100
 #: The verbs that take walls that move.
@@ -404,6 +406,12 @@ class Structure(ByValue):
     base : array_like (n,), optional
         Displacement of each coordinate when the base moves by 1 and nothing is deformed: the direction of
         `base_motion` and `base_record`.
+    simultaneous : "newton", "sequence" or None
+        What follows where gaps close at one instant that are coupled, that is, where an impulse on one changes the
+        speed of another, or where a gap closes while one coupled with it rests. None: a SingularError. "sequence":
+        one impact after the other, always on the gap that closes fastest, until none closes. "newton": impulses
+        >= 0 at all closed gaps at once, after which none closes and those with an impulse part at R times the
+        approach speed; see the how-to on structures.
 
     Attributes
     ----------
@@ -440,6 +448,7 @@ class Structure(ByValue):
     gaps: tuple[Gap | Stop, ...] = field(default=())
     friction: tuple[Friction, ...] = field(default=())
     outputs: Mapping[str, _Array] = field(default_factory=dict)
+    simultaneous: Literal["newton", "sequence"] | None = None
     _base: _Array | None = field(default=None, compare=False)
     _is_modal: bool = field(default=False, compare=False)
 
@@ -447,7 +456,13 @@ class Structure(ByValue):
         self, mass: ArrayLike, damping: ArrayLike, stiffness: ArrayLike,
         gaps: Sequence[Gap | Stop] = (), friction: Sequence[Friction] = (),
         outputs: Mapping[str, ArrayLike] | None = None, base: ArrayLike | None = None,
+        simultaneous: Literal["newton", "sequence"] | None = None,
     ) -> None:  # fmt: skip
+        if simultaneous not in SIMULTANEOUS:
+            raise ParameterError(
+                f"simultaneous = {simultaneous!r}: must be 'newton', 'sequence' or None"
+            )
+        object.__setattr__(self, "simultaneous", simultaneous)
         matrices = {}
         for name, values in {"mass": mass, "damping": damping, "stiffness": stiffness}.items():
             matrices[name] = _square(values, name)
@@ -491,6 +506,7 @@ class Structure(ByValue):
         friction: Sequence[Friction] = (),
         outputs: Mapping[str, ArrayLike] | None = None,
         base: ArrayLike | None = None,
+        simultaneous: Literal["newton", "sequence"] | None = None,
     ) -> Structure:
         """A structure by its modes, whose amplitudes are the coordinates.
 
@@ -570,7 +586,8 @@ class Structure(ByValue):
             wanted = f"{len(points)} finite numbers, one a point"
             factors = _numbers(base, "base", wanted, (len(points),)) @ points
         found = cls(
-            np.eye(n), np.diag(2 * zeta * omega), np.diag(omega**2), closing, rubbing, outputs, factors
+            np.eye(n), np.diag(2 * zeta * omega), np.diag(omega**2), closing, rubbing, outputs, factors,
+            simultaneous,
         )  # fmt: skip
         object.__setattr__(found, "_is_modal", True)
         return found
@@ -608,7 +625,8 @@ class Structure(ByValue):
         directions = np.array([gap.direction for gap in gaps]).T
         constant = [gap.restitution for gap in gaps if isinstance(gap, Gap)]
         openings = [0.0 if isinstance(gap, Friction) else gap.opening for gap in gaps]
-        plain = all(isinstance(value, float) for value in constant) and not self._moves
+        law = SIMULTANEOUS.index(self.simultaneous)
+        plain = all(isinstance(value, float) for value in constant) and not (self._moves or law)
         if len(constant) == len(gaps) and plain:
             values = np.array([openings, constant])
         else:
@@ -620,7 +638,8 @@ class Structure(ByValue):
                     if isinstance(gap, Friction)
                     else np.ravel([gap.cosine, gap.sine], "F")
                 )
-                columns.append([opening, kind + 5 * len(wall), *wall.tolist(), *numbers])
+                kind += 5 * len(wall) + 10000 * law
+                columns.append([opening, kind, *wall.tolist(), *numbers])
             values = np.zeros((max(map(len, columns)), len(gaps)))
             for j, column in enumerate(columns):
                 values[: len(column), j] = column
@@ -659,6 +678,8 @@ class Structure(ByValue):
         if self.outputs:
             rows = np.ravel([*self.outputs.values()]).tolist()
             matrices |= {"outputs": [*self.outputs], "output_rows": rows}
+        if self.simultaneous:
+            matrices["simultaneous"] = self.simultaneous
         return [("structure", matrices), *(part._group() for part in self._parts)]
 
     @property
@@ -705,7 +726,10 @@ class Structure(ByValue):
         parts = [f"{gaps} gap{'s' * (gaps != 1)}"] if gaps or not (stops or self.friction) else []
         parts += [f"{stops} stop{'s' * (stops != 1)}"] if stops else []
         parts += ["friction"] if self.friction else []
-        return f"<Structure of {n} coordinate{'s' if n != 1 else ''} with {' and '.join(parts)}>"
+        law = f", simultaneous={self.simultaneous!r}" if self.simultaneous else ""
+        return (
+            f"<Structure of {n} coordinate{'s' if n != 1 else ''} with {' and '.join(parts)}{law}>"
+        )
 
 
 def _check_size(array: NDArray[Any], name: str) -> None:

@@ -198,11 +198,13 @@ contains
       if (has_elements(motion)) call add_damping(motion, event%cycle, event%elapsed)
       call through_event(motion%run, event, motion%tangent, status)
       if (has_elements(motion)) then
-         if (growth%batch > 0) derivative = status
+         if (growth%batch > 0 .or. status == stat%no_derivative) derivative = status
          factor = abs(motion%tangent%jump)
          if (factor > 0) motion%shrinking = motion%shrinking + log(factor)
          if (event%kind == impact_event .and. .not. factor > 0) growth%rank = min(growth%rank, &
             motion%dimensions - 1)
+      else if (status == stat%no_derivative) then
+         derivative = status
       else if (event%kind == impact_event .and. status == stat%ok) then
          call restitution_of(motion%run%structure, event%gap, event%speed, restitution, slope)
          factor = abs(restitution*(restitution + slope*event%speed))

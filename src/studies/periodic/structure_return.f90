@@ -401,8 +401,11 @@ contains
       call one_cycle(run, state, found%cycles, elapsed, events, n, status, progress)
       if (status /= stat%ok) return
       ! a gap may rest while others are hit
-      if (any(events(:n)%kind /= impact_event .or. events(:n)%regime /= 1) .or. (n > 0 .and. &
-         has_elements(structure))) then
+      if (any(events(:n)%together) .and. (has_elements(structure) .or. any(events(:n)%kind /= &
+         impact_event .or. events(:n)%regime /= 1))) then
+         status = stat%no_derivative
+      else if (any(events(:n)%kind /= impact_event .or. events(:n)%regime /= 1 .or. &
+         events(:n)%together) .or. (n > 0 .and. has_elements(structure))) then
          if (sticks_throughout(run, state, events(:n))) then
             status = stat%permanent_stick
          else
@@ -626,17 +629,20 @@ contains
       integer, intent(out) :: status
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
-      integer, parameter :: most_steps = 30
+      !> Steps of Newton's method, and periods that are simulated where it has no derivative.
+      integer, parameter :: most_steps = 30, most_periods = 1000
       type(structure_type) :: structure
       type(load_type) :: load
       type(run_state_type) :: begun, state
       real(wp) :: p(size(s), size(s)), step(size(s)), change, before, largest, period
-      integer :: m, n, steps
+      integer :: m, most, n, steps
 
       m = size(s)/2
       period = run%period
       before = huge(1.0_wp)
-      do steps = 0, most_steps
+      most = most_steps
+      do steps = 0, most_periods
+         if (steps > most) exit
          n = 0
          call start_at(run, section, s(:m), s(m + 1:), begun, status)
          ! the step led into a gap
@@ -659,6 +665,17 @@ contains
             p = ieee_value(1.0_wp, ieee_quiet_nan)
             exit
          end if
+         if (status == stat%no_derivative .and. .not. free) then
+            ! impacts on coupled gaps at one instant: the periods of a simulation settle
+            p = ieee_value(1.0_wp, ieee_quiet_nan)
+            most = most_periods
+            if (any(events(:n)%kind /= impact_event)) return
+            if (found%motion%residual <= exact_acceptance .and. (found%motion%residual <= &
+               4*epsilon(1.0_wp) .or. found%motion%residual >= before)) exit
+            before = found%motion%residual
+            s = s - step
+            cycle
+         end if
          if (status /= stat%ok) return
          ! where more than the phase is free, the step tells
          if (found%motion%residual <= 4*epsilon(1.0_wp) .and. .not. free) exit
@@ -675,7 +692,7 @@ contains
          call new_run(structure, load, run, status)
          if (status /= stat%ok) return
       end do
-      status = merge(stat%ok, stat%no_convergence, steps <= most_steps)
+      status = merge(stat%ok, stat%no_convergence, steps <= most)
       if (status == stat%ok) call keep_period(run, begun, events(:n), state, p, largest, free, &
          found)
    end subroutine close_period

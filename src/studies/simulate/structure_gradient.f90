@@ -77,7 +77,7 @@ module vi_structure_gradient
       !! at the start.
       complex(wp), allocatable :: state(:), matrix(:, :), rate(:), first_rate(:)
       !> Events that have derivatives, and why the next one has none: `stat%graze` or
-      !! `stat%coupled_impacts`.
+      !! `stat%no_derivative`.
       integer :: good = 0, code = 0
    end type carried_type
 
@@ -551,7 +551,7 @@ contains
             end = events%starts(1, i + 1)
          end if
          if (kind == impact_event) then
-            if (is_coupled(system%structure, events, i)) carried%code = stat%coupled_impacts
+            if (is_coupled(system%structure, events, i)) carried%code = stat%no_derivative
             carried%good = i - 1
             if (carried%code /= stat%ok) return
          else if (kind == stick_event) then

@@ -9,12 +9,14 @@ module vi_structure_run
    use vi_lane_rows_wide, only: subtract_wide => subtract
    use vi_modes, only: advance_in_place
    use vi_restitution, only: constant_law, greatest_below
+   use vi_simultaneous, only: newton_impulses
    use vi_status, only: stat
    use vi_structure_pair, only: next_impact, pair_type, place_in, place_type, recognise
    use vi_structure_record, only: pass_intervals, set_forces
    use vi_watch, only: keep_watch
-   use vi_structure, only: check_structure, factor_along, is_absorbed, is_extreme, load_type, &
-      new_regime, opening_at, regime_type, restitution_of, state_of, structure_type, to_pairs
+   use vi_structure, only: by_newton, check_structure, factor_along, is_absorbed, is_extreme, &
+      load_type, new_regime, opening_at, refused, regime_type, restitution_of, state_of, &
+      structure_type, to_pairs
    implicit none (type, external)
    private
 
@@ -61,6 +63,13 @@ module vi_structure_run
       integer :: changes = 0
       !> Friction that changed at this instant, of which no event tells yet.
       integer, allocatable :: pending(:)
+      !> While coupled gaps are closed at one instant: the gaps, those of them that still rest, the
+      !! number of impacts so far, and (n) the largest velocities.
+      integer, allocatable :: together(:), freed(:)
+      integer :: impacts = 0
+      real(wp), allocatable :: largest(:)
+      !> (together) By Newton's law: approach speeds, and impulses of which no event tells yet.
+      real(wp), allocatable :: approaches(:), impulses(:)
       !> How the flight begins: the impact just before it, and gaps that part from there without a
       !! speed; the lengths of the cells of the previous search.
       type(leaving_type) :: leaving
@@ -77,10 +86,14 @@ module vi_structure_run
       integer(int64) :: cycle = 0
       real(wp) :: elapsed = 0, speed = 0, impulse = 0
       real(wp), allocatable :: x(:), v(:), q(:), rate(:)
+      !> Whether it is one of several on coupled gaps at one instant.
+      logical :: together = .false.
    end type run_event_type
 
    !> Share of a stick level by which a force that holds may exceed it: rounding.
    real(wp), parameter :: tolerance = 1.0e-12_wp
+   !> Largest number of impacts at one instant on coupled gaps.
+   integer, parameter :: most_together = 20000
    !> The samples of a record may be 1e-300 apart: time beyond so many stays in the remainder.
    integer(int64), parameter :: most_periods = 2_int64**52
 
@@ -511,6 +524,7 @@ contains
       leaving = pack(leaving, orders > 0)
       if (run%structure%has_stops .or. run%structure%has_friction) leaving = &
          [partings_of_elements(run, state), leaving]
+      if (run%structure%simultaneous /= refused) leaving = [departures(run, state, gaps), leaving]
       call move_alloc(leaving, state%partings)
    end subroutine list_partings
 
@@ -530,6 +544,32 @@ contains
             state%partings(i)%wall), i=1, size(state%partings))])
       end associate
    end function partings_of_elements
+
+   !> Gaps that part with a speed after impacts of coupled gaps at this instant.
+   pure function departures(run, state, others) result(partings)
+      !> The run, and the state.
+      type(run_type), intent(in) :: run
+      type(run_state_type), intent(in) :: state
+      !> Gaps that do not count.
+      integer, intent(in) :: others(:)
+      type(leaving_type), allocatable :: partings(:)
+      logical, allocatable :: parts(:)
+      integer :: i
+
+      allocate (partings(0))
+      if (.not. allocated(state%partings)) return
+      allocate (parts(size(state%partings)))
+      associate (regime => run%regimes(state%regime))
+         do i = 1, size(parts)
+            associate (one => state%partings(i))
+               parts(i) = one%row <= run%structure%channels .and. one%speed > 0 .and. &
+                  .not. is_own_row(run, regime, one%row, one%wall)
+               if (parts(i)) parts(i) = all(others /= gap_of(regime, one%row, one%wall))
+            end associate
+         end do
+      end associate
+      partings = pack(state%partings, parts)
+   end function departures
 
    !> Whether a limit of a row is that of a stop or of friction that slips.
    pure logical function is_own_row(run, regime, row, wall) result(is)
@@ -1035,7 +1075,7 @@ contains
       !> Their number.
       integer, intent(out) :: n
       !> `stat%ok`, `stat%more_events`, `stat%budget`, `stat%coupled_impacts`, or as of
-      !! `new_regime`. `stat%more_events` also if a search was interrupted.
+      !! `hit_together` and `new_regime`. `stat%more_events` also if a search was interrupted.
       integer, intent(out) :: status
       !> Whether a search may be interrupted, so that the caller can stop; not by default.
       logical, intent(in), optional :: interruptible
@@ -1071,7 +1111,11 @@ contains
             return
          end if
          changed = .false.
-         if (state%unsettled) call judge_contacts(run, state, events(n + 1), changed, status)
+         if (allocated(state%together)) call hit_together(run, state, events(n + 1), changed, &
+            status)
+         if (status /= stat%ok) return
+         if (state%unsettled .and. .not. changed) call judge_contacts(run, state, events(n + 1), &
+            changed, status)
          if (status /= stat%ok) return
          if (run%structure%has_friction .and. .not. (changed .or. goes_on)) call judge_friction( &
             run, state, events(n + 1), changed, status)
@@ -1122,6 +1166,11 @@ contains
             if (.not. changed .and. status == stat%ok) cycle
          else
             call collide(run, state, reached, events(n + 1), status)
+            if (status == stat%coupled_impacts .and. run%structure%simultaneous /= refused) then
+               status = stat%ok
+               call begin_together(run, state, reached)
+               cycle
+            end if
          end if
          if (status /= stat%ok) return
          n = n + 1
@@ -1304,6 +1353,216 @@ contains
       if (status /= stat%ok) return
       call note(state, impact_event, gap, reached%speed, impulse, state%q, state%rate, event)
    end subroutine collide
+
+   !> Finds the gaps that are closed where an impact is coupled with others.
+   !!
+   !! A gap that is coupled with one of them and closed, whether it closes, rests or has just been
+   !! left, is one of them.
+   pure subroutine begin_together(run, state, reached)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> In and out: the state, moved to the instant by `collide`.
+      type(run_state_type), intent(inout) :: state
+      !> The limit that is reached.
+      type(reached_type), intent(in) :: reached
+      type(leaving_type) :: leaving
+      integer, allocatable :: gaps(:)
+      logical :: known(size(run%structure%openings))
+      integer :: i, j, k
+      logical :: kept
+
+      associate (regime => run%regimes(state%regime), structure => run%structure)
+         known = .false.
+         known(regime%resting) = .true.
+         if (reached%time > 0) then
+            call leave_instant(state)
+         else
+            if (state%leaving%row > 0) known(gap_of(regime, state%leaving%row, &
+               state%leaving%wall)) = .true.
+            if (allocated(state%touching)) known(state%touching) = .true.
+            if (allocated(state%partings)) then
+               do i = 1, size(state%partings)
+                  if (state%partings(i)%row > structure%channels) cycle
+                  known(gap_of(regime, state%partings(i)%row, state%partings(i)%wall)) = .true.
+               end do
+            end if
+         end if
+         gaps = [gap_of(regime, reached%row, reached%wall)]
+         i = 1
+         do while (i <= size(gaps))
+            do k = structure%coupled_begins(gaps(i)), structure%coupled_begins(gaps(i) + 1) - 1
+               j = structure%coupled(k)
+               if (any(gaps == j)) cycle
+               if (known(j) .or. is_closed(run, state, j)) gaps = [gaps, j]
+            end do
+            i = i + 1
+         end do
+         ! in ascending order, in which ties are decided
+         known = .false.
+         known(gaps) = .true.
+         state%together = pack([(i, i=1, size(known))], known)
+         state%freed = pack(regime%resting, known(regime%resting))
+         state%largest = abs(state%rate)
+         state%impacts = 0
+         leaving = state%leaving
+         state%leaving = leaving_type()
+         state%released = 0
+         if (allocated(state%touching)) state%touching = pack(state%touching, .not. &
+            known(state%touching))
+         if (allocated(state%partings)) then
+            ! impulses change how stops and friction are left
+            state%partings = pack(state%partings, [(.not. (is_own_row(run, regime, &
+               state%partings(i)%row, state%partings(i)%wall) .or. any(structure%channel( &
+               state%together) == state%partings(i)%row)), i=1, size(state%partings))])
+         end if
+         if (leaving%row > 0) then
+            kept = .not. known(gap_of(regime, leaving%row, leaving%wall))
+            if (kept) call part(run, state, leaving%row, leaving%wall, 1, leaving%speed)
+         end if
+      end associate
+      state%space%watch%kept = .false.
+   end subroutine begin_together
+
+   !> Whether a gap is closed, apart from rounding.
+   pure logical function is_closed(run, state, gap)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> The state, with its coordinates.
+      type(run_state_type), intent(in) :: state
+      !> The gap.
+      integer, intent(in) :: gap
+      real(wp) :: opening(0:2)
+
+      opening = opening_at(run%structure, gap, run%load%frequency*state%elapsed, &
+         run%load%frequency)
+      associate (direction => run%structure%directions(:, gap))
+         is_closed = opening(0) - dot_product(direction, state%q) <= 8*epsilon(1.0_wp) &
+            *(abs(opening(0)) + dot_product(abs(direction), abs(state%q)))
+      end associate
+   end function is_closed
+
+   !> One event of impacts on coupled gaps at one instant: first those that rest are released.
+   !!
+   !! In sequence the gap that closes fastest is hit, until none closes: rigid bodies collide in
+   !! pairs (I. Han and B. J. Gilmore, Journal of Mechanical Design 115, 1993; A. P. Ivanov, On
+   !! multiple impact, 1995). By Newton's law each event has one of the impulses that act at once;
+   !! the law is applied again if gaps that parted close by it.
+   pure subroutine hit_together(run, state, event, changed, status)
+      !> In and out: regimes are added.
+      type(run_type), intent(inout) :: run
+      !> In and out: the state.
+      type(run_state_type), intent(inout) :: state
+      !> The event.
+      type(run_event_type), intent(inout) :: event
+      !> Whether there is one; otherwise all these gaps part or touch without a speed.
+      logical, intent(out) :: changed
+      !> `stat%ok`, `stat%endless_sequence`, as in `newton_impulses`, or as in `settle_friction`.
+      integer, intent(out) :: status
+      real(wp), dimension(size(state%together)) :: speeds, rounding
+      real(wp) :: phase, opening(0:2), restitution, slope, impulse, approach, least
+      integer :: i
+
+      status = stat%ok
+      changed = .true.
+      ! hops that follow each other ever faster end where they are rounding of the motion
+      least = reach_of(run, state%largest)/time_of_motion(run)
+      phase = run%load%frequency*state%elapsed
+      if (size(state%freed) > 0) then
+         i = state%freed(1)
+         state%freed = state%freed(2:)
+         call enter(run, opened(run%structure, run%regimes(state%regime)%closed, i), phase, &
+            state%q, state%rate, state, status)
+         if (status /= stat%ok) return
+         call note(state, release_event, i, 0.0_wp, 0.0_wp, state%q, state%rate, event)
+         event%together = .true.
+         return
+      end if
+      do i = 1, size(speeds)
+         associate (gap => state%together(i))
+            opening = opening_at(run%structure, gap, phase, run%load%frequency)
+            speeds(i) = dot_product(run%structure%directions(:, gap), state%rate) - opening(1)
+            rounding(i) = 64*epsilon(1.0_wp)*(dot_product(abs(run%structure%directions(:, gap)), &
+               max(state%largest, least)) + abs(opening(1)))
+         end associate
+      end do
+      if (allocated(state%impulses)) then
+         if (.not. any(state%impulses > 0)) deallocate (state%impulses)
+      end if
+      if (.not. allocated(state%impulses)) then
+         if (.not. any(speeds > rounding)) then
+            changed = .false.
+            call part_together(run, state, speeds, rounding, status)
+            return
+         end if
+         state%impacts = state%impacts + 1
+         if (state%impacts > most_together) status = stat%endless_sequence
+         if (status /= stat%ok) return
+         state%approaches = speeds
+         allocate (state%impulses(size(speeds)), source=0.0_wp)
+         if (run%structure%simultaneous == by_newton) then
+            where (abs(speeds) <= rounding) state%approaches = 0
+            call newton_impulses(run%structure, state%together, state%approaches, rounding, &
+               state%impulses, status)
+            if (status /= stat%ok) return
+         else
+            i = maxloc(speeds - rounding, 1)
+            call restitution_of(run%structure, state%together(i), speeds(i), restitution, slope)
+            state%impulses(i) = (1 + restitution)*run%structure%effective(state%together(i)) &
+               *speeds(i)
+         end if
+      end if
+      i = findloc(state%impulses > 0, .true., 1)
+      impulse = state%impulses(i)
+      approach = state%approaches(i)
+      state%impulses(i) = 0
+      associate (regime => run%regimes(state%regime), structure => run%structure, &
+         gap => state%together(i))
+         call kick(regime%modes%wide, impulse, regime%kick_x(:, gap), state%x)
+         call kick(regime%modes%wide, impulse, regime%kick_v(:, gap), state%v)
+         call kick(regime%modes%wide, impulse, structure%mobility(:, gap), state%rate)
+         state%largest = max(state%largest, abs(state%rate))
+         call note(state, impact_event, gap, approach, impulse, state%q, state%rate, event)
+      end associate
+      event%together = .true.
+   end subroutine hit_together
+
+   !> Ends impacts on coupled gaps: they part, or touch without a speed.
+   pure subroutine part_together(run, state, speeds, rounding, status)
+      !> In and out: regimes are added.
+      type(run_type), intent(inout) :: run
+      !> In and out: the state.
+      type(run_state_type), intent(inout) :: state
+      !> (together) The speeds at which the gaps close, and those that are rounding.
+      real(wp), intent(in) :: speeds(:), rounding(:)
+      !> `stat%ok`, or as in `settle_friction`.
+      integer, intent(out) :: status
+      integer, allocatable :: gaps(:), rubbing(:), more(:)
+      integer :: i, j
+
+      status = stat%ok
+      call move_alloc(state%together, gaps)
+      deallocate (state%freed)
+      allocate (rubbing(0))
+      do i = 1, size(gaps)
+         if (abs(speeds(i)) <= rounding(i)) then
+            call touch(state, gaps(i))
+         else if (count(abs(speeds) > rounding) == 1) then
+            ! its impacts may accumulate
+            state%leaving = leaving_type(run%structure%channel(gaps(i)), &
+               run%structure%wall(gaps(i)), -speeds(i))
+         else
+            call part(run, state, run%structure%channel(gaps(i)), run%structure%wall(gaps(i)), 1, &
+               -speeds(i))
+         end if
+         more = rubs_with(run%structure, gaps(i))
+         do j = 1, size(more)
+            if (all(rubbing /= more(j))) rubbing = [rubbing, more(j)]
+         end do
+      end do
+      if (size(run%regimes(state%regime)%resting) > 0) state%unsettled = .true.
+      if (allocated(state%touching)) state%unsettled = .true.
+      if (size(rubbing) > 0) call rub(run, rubbing, run%load%frequency*state%elapsed, state, status)
+   end subroutine part_together
 
    !> Subtracts what an impulse changes.
    pure subroutine kick(wide, impulse, by, x)
@@ -1744,6 +2003,7 @@ contains
       type(run_event_type), intent(inout) :: event
 
       event%kind = kind
+      event%together = .false.
       event%gap = gap
       event%regime = state%regime
       event%cycle = state%cycle

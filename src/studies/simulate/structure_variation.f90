@@ -149,7 +149,8 @@ contains
       type(run_event_type), intent(in) :: event
       !> In: the changes before it. Out: those just after it.
       type(tangent_type), intent(inout) :: tangent
-      !> `stat%ok` or `stat%zero_approach`.
+      !> `stat%ok`, `stat%zero_approach`, or `stat%no_derivative` at impacts on coupled gaps at one
+      !! instant.
       integer, intent(out) :: status
       real(wp), allocatable :: p(:, :), x_before(:), v_before(:)
       real(wp), dimension(size(run%structure%mass, 1)) :: before, after
@@ -161,6 +162,18 @@ contains
       n = size(before)
       time = max(0.0_wp, real(event%cycle - tangent%cycle, wp)*run%period + (event%elapsed - &
          tangent%elapsed))
+      if (event%together) then
+         status = stat%no_derivative
+         allocate (p(2*n, size(tangent%d, 2)))
+         call apply_flight(run%regimes(tangent%number), time, tangent%d)
+         call to_coordinates(run%regimes(tangent%number), tangent%d, p)
+         deallocate (tangent%d)
+         allocate (tangent%d(2*size(event%x), size(p, 2)))
+         call from_coordinates(run%regimes(event%regime), p, tangent%d)
+         tangent%number = event%regime
+         call set_place(event%cycle, event%elapsed, event%x, event%v, tangent)
+         return
+      end if
       if (is_change(run, event, tangent%number)) then
          call through_change(run, event, time, tangent, status)
          return

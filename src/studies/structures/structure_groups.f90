@@ -3,7 +3,7 @@ module vi_structure_groups
    use vi_case, only: case_type
    use vi_kinds, only: wp
    use vi_namelist, only: group_type
-   use vi_structure, only: load_type, new_structure, structure_type
+   use vi_structure, only: by_newton, in_sequence, load_type, new_structure, structure_type
    use vi_structure_gaps, only: check_gap, friction_keys, gap_keys, gaps_of, harmonics_of, &
       stop_keys
    use vi_structure_loads, only: check_load, complete_coordinates, complete_record, &
@@ -141,6 +141,8 @@ contains
          call gaps_of(case%parts(:gaps), n, directions, gap_values, shapes)
       end associate
       structure = new_structure(matrices, directions, gap_values)
+      if (case%system%has('simultaneous')) structure%simultaneous = merge(by_newton, in_sequence, &
+         case%system%is('simultaneous', 'newton'))
       call load_of(case, load)
       if (structure%moves) load%frequency = load_frequency(case)
    end subroutine structure_of

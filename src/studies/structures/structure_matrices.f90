@@ -64,7 +64,10 @@ module vi_structure_matrices
       key_type('output_rows', most=most_outputs*most_coordinates, low=-largest_modal, &
       high=largest_modal, only='outputs', &
       takes='one number from -1e40 to 1e40 for each coordinate, output by output', &
-      meaning='each output as a sum of the coordinates; with modes the shapes at its point')]
+      meaning='each output as a sum of the coordinates; with modes the shapes at its point'), &
+      key_type('simultaneous', a_word, may_miss=.true., words='newton sequence', &
+      meaning='law of impacts where coupled gaps close at one instant: Newton''s law at all of &
+      &them at once, or impacts one after the other; an error if it is left out')]
 
    character(9), parameter :: matrices(3) = [character(9) :: 'mass', 'damping', 'stiffness']
 

@@ -1,0 +1,212 @@
+"""Impacts on coupled gaps at one instant, by Newton's law at all of them and one after the other."""
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+
+LAWS = ("newton", "sequence")
+
+
+def cradle(balls, law, restitution=1.0, offset=0.0):
+    """Equal balls in a row; the first one is 1 away from the others."""
+    directions = np.eye(balls)[:-1] - np.eye(balls)[1:]
+    openings = [1.0] + [offset] * (balls - 2)
+    gaps = [vi.Gap(g, e, restitution) for g, e in zip(directions, openings, strict=True)]
+    return vi.Structure([1] * balls, [0] * balls, [0] * balls, gaps, simultaneous=law)
+
+
+def thrown(structure, speeds, duration=1e-9, **options):
+    """The velocities after a short simulation from q = 0, and the impulse on each gap."""
+    n = structure.coordinates
+    run = vi.simulate(structure, duration=duration, state=(np.zeros(n), speeds), **options)
+    impulses = np.zeros(len(structure.gaps))
+    for event in run.events:
+        impulses[event["gap"]] += event["impulse"]
+    return run, run.final_state[1], impulses
+
+
+def test_both_laws_are_named_where_none_is_chosen():
+    """The refusal names the laws, and the change of an opening that avoids the question."""
+    with pytest.raises(vi.SingularError) as caught:
+        thrown(cradle(3, None), [1, 0, 0], 2)
+    for word in ("simultaneous", "newton", "sequence", "1e-12"):
+        assert word in str(caught.value)
+
+
+@pytest.mark.parametrize("balls", [3, 5])
+def test_cradle_of_balls_that_touch(balls):
+    """In sequence the last ball leaves alone; by Newton's law all but the first move on at 2/N, as is known."""
+    start = [1.0] + [0.0] * (balls - 1)
+    run, speeds, impulses = thrown(cradle(balls, "sequence"), start, 3)
+    assert speeds.tolist() == [0.0] * (balls - 1) + [1.0]
+    hits = run.events[run.events["kind"] == "impact"]
+    assert hits["gap"].tolist() == list(range(balls - 1))
+    assert np.all(hits["time"] == 1.0)
+    # the same balls 1e-12 apart
+    _, apart, _ = thrown(cradle(balls, None, offset=1e-12), start, 3)
+    assert np.abs(apart - speeds).max() < 1e-15
+    _, speeds, impulses = thrown(cradle(balls, "newton"), start, 3)
+    assert np.abs(speeds - ([2 / balls - 1] + [2 / balls] * (balls - 1))).max() < 1e-15
+    assert np.abs(impulses - 2 / balls * np.arange(balls - 1, 0, -1)).max() < 1e-14
+
+
+def test_rod_on_two_ends():
+    """A uniform rod that falls flat: by Newton's law both ends rebound at R, in sequence as end after end."""
+    to_ends = np.array([[-1.0, -0.5], [-1.0, 0.5]])
+    a = to_ends @ np.diag([1.0, 12.0]) @ to_ends.T
+    for restitution in (1.0, 0.5, 0.0):
+        gaps = [vi.Gap(g, 0.0, restitution) for g in to_ends]
+        for law in LAWS:
+            rod = vi.Structure([1, 1 / 12], [0, 0], [0, 0], gaps, simultaneous=law)
+            run, speeds, _ = thrown(rod, [-1.0, 0.0])
+            closing, hits = np.array([1.0, 1.0]), []
+            while law == "sequence" and closing.max() > 1e-14:
+                end = int(closing.argmax())
+                hits.append(end)
+                closing = closing - a[:, end] * (1 + restitution) * closing[end] / a[end, end]
+            if law == "newton":
+                closing = -restitution * closing
+            assert np.abs(to_ends @ speeds - closing).max() < 1e-13
+            if hits and restitution:
+                assert run.events["gap"].tolist() == hits
+    # without loss both laws give the mirror image
+    assert len(hits) != 2
+
+
+def test_energy_and_momentum_of_random_structures():
+    """Impulses are >= 0 and balance the momentum; no gap closes afterwards; the energy never grows and stays where
+    R = 1; impulses of Newton's law obey its complementarity, and where it would add energy it is refused."""
+    rng = np.random.default_rng(3)
+    tried, reasons = 0, []
+    for trial in range(150):
+        n = int(rng.integers(2, 6))
+        many = int(rng.integers(2, n + 1))
+        root = rng.normal(size=(n, n))
+        mass, g = root @ root.T + n * np.eye(n), rng.normal(size=(many, n))
+        a = g @ np.linalg.solve(mass, g.T)
+        if np.linalg.cond(a) > 100:
+            continue
+        r = [np.ones(many), np.full(many, 0.7), rng.uniform(0, 1, many)][trial % 3]
+        gaps = [vi.Gap(*each) for each in zip(g, np.zeros(many), r, strict=True)]
+        before = rng.normal(size=n)
+        for law in LAWS:
+            s = vi.Structure(mass, np.zeros((n, n)), np.zeros((n, n)), gaps, simultaneous=law)
+            try:
+                run, after, impulses = thrown(s, before)
+            except vi.SingularError as error:
+                reasons.append((law, trial % 3, "add energy" in str(error)))
+                continue
+            tried += 1
+            assert (run.events["impulse"] >= 0).all()
+            assert np.abs(mass @ (after - before) + g.T @ impulses).max() < 1e-11
+            assert (g @ after < 1e-12).all()
+            change = (after @ mass @ after) / (before @ mass @ before) - 1
+            assert change < 1e-12
+            if trial % 3 == 0:
+                assert abs(change) < 1e-11
+            if law == "newton" and (g @ before > 0).all():
+                excess = g @ after + r * (g @ before)
+                assert (excess < 1e-12).all()
+                assert np.abs(impulses * excess).max() < 1e-11
+    assert tried > 200
+    assert set(reasons) == {("newton", 2, True)}
+
+
+def test_legs_of_a_table():
+    """Four legs have dependent directions: with one R the speeds are determined nevertheless."""
+    legs = np.array([[-1.0, x, y] for x in (-1, 1) for y in (-1, 1)])
+    table = vi.Structure(
+        [1, 0.5, 0.5], [0] * 3, [0] * 3, [vi.Gap(g, 0.0, 0.6) for g in legs], simultaneous="newton"
+    )
+    _, speeds, _ = thrown(table, [-1.0, 0.0, 0.0])
+    assert np.abs(speeds - [0.6, 0, 0]).max() < 1e-15
+
+
+def test_sequence_that_hardly_ends():
+    """Two walls at an angle of 1e-5, between which a body would collide 3e5 times."""
+    gaps = [vi.Gap([1, 0], 0.0), vi.Gap([-1, 1e-5], 0.0)]
+    wedge = vi.Structure([1, 1], [0, 0], [0, 0], gaps, simultaneous="sequence")
+    with pytest.raises(vi.SingularError, match="20000 impacts"):
+        thrown(wedge, [1.0, 1.0])
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_ball_on_a_ball_at_rest(law):
+    """A ball falls on one that lies on a table; both come to rest, with other elements beside them or without."""
+    gaps = [vi.Gap([-1, 0, 0], 0.0, 0.5), vi.Gap([1, -1, 0], 0.0, 0.5)]
+    weights = vi.Load(constant=[-1.0, -1.0, 0.0])
+    for parts in ({}, {"friction": [vi.Friction([0, 0, 1], 0.01)]}):
+        stops = [vi.Stop([0, 0, 1], 0.1, 10.0)] if parts else []
+        s = vi.Structure(
+            [1, 0.7, 1], [0] * 3, [0, 0, 1], [*gaps, *stops], simultaneous=law, **parts
+        )
+        run = vi.simulate(s, weights, duration=12, state=([0, 0.5, 0], [0, 0, 0.3]))
+        assert len(run.events)
+        assert run.sample([12.0])[0][:2, 0] == pytest.approx([0, 0], abs=1e-7)
+        times = run.events["time"]
+        assert (np.diff(times) >= 0).all()
+        # energy of the balls after all impacts of an instant
+        last = np.append(np.diff(times) > 0, True)
+        q, rate = run.states[:, 0, :2], run.states[:, 1, :2]
+        energy = q.sum(axis=1) + 0.5 * (rate**2 @ np.array([1, 0.7]))
+        assert (np.diff(energy[last]) < 1e-12).all()
+
+
+def test_friction_after_impacts_at_one_instant():
+    """The last ball of a cradle slips, from where it stuck, in the direction of its speed."""
+    gaps, friction = cradle(3, None).gaps, [vi.Friction([0, 0, 1], 0.1)]
+    s = vi.Structure([1] * 3, [0] * 3, [0] * 3, gaps, friction, simultaneous="sequence")
+    run = vi.simulate(s, duration=6, state=([0, 0, 0], [1, 0, 0]))
+    assert run.sample([6.0])[1][:, 0] == pytest.approx([0, 0, 0.5], abs=1e-14)
+    assert run.events["kind"].tolist().count("slip_up") == 1
+
+
+def rod_on_springs(law):
+    """A driven mass with a second coordinate, which meets two walls at once as long as it does not turn."""
+    gaps = [vi.Gap([1, -1], 0.3, 0.3), vi.Gap([1, 1], 0.3, 0.3)]
+    return vi.Structure([1.0, 0.2], [0.1, 0.5], [1.0, 1.0], gaps, simultaneous=law)
+
+
+def test_motion_with_impacts_at_one_instant():
+    """Such a motion repeats itself, but has no multipliers and says why; what needs them refuses it by name."""
+    s, load = rod_on_springs("newton"), vi.Load(0.9, sine=[0.5, 0])
+    run = vi.simulate(s, load, cycles=100)
+    motion = vi.exact(s, load, run)
+    assert motion.gaps.tolist() == [0, 1]
+    assert np.ptp(motion.phases) == 0
+    assert (motion.consistent, motion.stable) == (True, None)
+    assert np.isnan(motion.multipliers).all()
+    assert "no derivatives" in motion.without_multipliers
+    times = run.end - np.linspace(0.5, 6.5, 9)
+    assert np.abs(motion.sample(times)[0] - run.sample(times)[0]).max() < 1e-11
+    assert np.isnan(vi.exact(s, load, motion).multipliers).all()
+    (same,) = vi.find(s, load, max_impacts=4, threads=1)
+    assert same.stable is None
+    again = vi.find(s, load, max_impacts=4, threads=2)[0]
+    assert again.states.tobytes() == same.states.tobytes()
+    assert again.phases.tobytes() == same.phases.tobytes()
+    for refused in (
+        lambda: vi.branch(motion, "load", (0.5, 1.2)),
+        lambda: vi.lyapunov(s, load, cycles=50),
+        lambda: run.gradient(["load"]),
+        motion.gradient,
+    ):
+        with pytest.raises((vi.ParameterError, vi.SingularError), match=r"coupled gaps|derivatives"):
+            refused()
+
+
+def test_law_is_kept(tmp_path):
+    """In files, namelists, texts and copies of a structure; another law is another structure."""
+    s = cradle(3, "sequence")
+    assert "simultaneous='sequence'" in repr(s)
+    assert s != cradle(3, "newton")
+    assert s == cradle(3, "sequence")
+    run = vi.simulate(s, vi.Load(1.0, sine=[0, 0, 0.1]), duration=3, state=([0, 0, 0], [1, 0, 0]))
+    run.save(tmp_path / "run.json")
+    assert vi.load(tmp_path / "run.json").structure == s
+    modal = vi.Structure.from_modes(
+        [1.0], [0.1], [[1.0]], [vi.Gap([1], 0.1)], simultaneous="newton"
+    )
+    assert modal.simultaneous == "newton"
+    with pytest.raises(vi.ParameterError, match="simultaneous = 'both'"):
+        cradle(3, "both")
