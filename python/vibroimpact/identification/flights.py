@@ -55,7 +55,7 @@ DECAYS = (30.0, 100.0, 300.0, 900.0)
 LEAST_DAMPED, MOST_DAMPED, LOWEST, HIGHEST = 0.002, 0.5, 4, 0.25
 #: Jumps of the velocity below so many errors, or below this share of the largest one, are no impacts, unless
 #: without them a good misfit is so many times as large.
-CLEAR, WEAK, NEEDED = 5.0, 0.01, 2.0
+CLEAR, WEAK, NEEDED = 5.0, 0.01, 10.0
 #: Largest number of impacts that are added to none, and in each load cycle to those that were predicted by
 #: nothing.
 MOST_IMPACTS, MISSING = 8, 2
@@ -560,6 +560,7 @@ class Flights:
 
     def settled(self, found: FreeFit, ringing: bool = True, rounds: int = 4) -> FreeFit:
         """With pulses as long as the data say, and the modes that ring."""
+        good: FreeFit | None = None
         for _ in range(rounds):
             while ringing and len(found.modes) < MOST_MODES and found.misfit > GOOD:
                 more = self.more_ringing(found)
@@ -569,8 +570,10 @@ class Flights:
             pulse = self.pulses(found.data.angles, *self.lengths(found))
             if (pulse == found.pulse).all():
                 break
+            good = found if found.misfit < GOOD else good
             found = self.fit(self.point(found), pulse)
-        return found
+        # pulses that were just too short at the end are those of the round before
+        return good if good is not None and found.misfit > GOOD else found
 
     def begun(self, angles: _Array) -> FreeFit:
         """The first fit, with pulses that are surely long enough."""
