@@ -23,6 +23,8 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     proof = found.prove(tolerance=min(COARSE, TOLERANCE / resolution))
     figure, ax = canvas.panels()
     proof.plot(ax)
+    canvas.axes_of_zones(ax, inverse=False)
+    canvas.legend(ax, loc="upper left")
     canvas.identify(ax, EQUAL)
     canvas.save(figure, folder, "proof6a")
     proof.save(folder / "proof6a.json")
