@@ -101,13 +101,50 @@ def test_zone_of_contacts(tmp_path):
     assert one == two
 
 
-@pytest.mark.slow
-def test_motions_that_are_their_own_image():
-    """Pitchforks of motions with stops are not followed: a zone that they bound is refused."""
+def backlash():
+    """A motion that is its own mirror image, with stops on both sides, and a plane."""
     motion = vi.basins(BACKLASH, vi.Load(1.6, cosine=[1.0]), states=12).attractors[1].motion
     assert len(motion.gaps) == 4
-    with pytest.raises(vi.SingularError, match="its own mirror image half a period later"):
-        vi.zone(motion, ("frequency", 1.3, 1.65), ("load", 0.98, 1.02), lines=5)
+    return motion, ("frequency", 1.3, 1.65), ("load", 0.98, 1.02)
+
+
+def slot():
+    """The same of the oscillator with friction in its slot, with a second border."""
+    point = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75).at(1.04, 25.0, friction=0.05)
+    motion = vi.exact(point, vi.simulate(point, cycles=300))
+    return motion, ("frequency", 0.99, 1.1), ("slip", 0.02, 0.08)
+
+
+@pytest.mark.parametrize("plane", [backlash, slot])
+def test_motions_that_are_their_own_image(plane):
+    """Where the mirror is lost is a pitchfork: the period, followed as a whole, has a multiplier 1 there."""
+    motion, x, y = plane()
+    zone = vi.zone(motion, x, y, lines=5)
+    pieces = {piece.type: piece for piece in zone.boundary}
+    assert "pitchfork" in pieces
+    assert "fold" not in pieces
+    assert zone.contains(motion.load.frequency, 1.0 if plane is backlash else 0.05)
+    fork = pieces["pitchfork"]
+    # the second half of the events is the image of the first one
+    assert len(fork.phases) == len(zone.gaps)
+    half = len(zone.gaps) // 2
+    assert fork.phases[half:] == pytest.approx(fork.phases[:half] + np.pi, abs=1e-12)
+    for i in range(0, len(fork.x), len(fork.x) // 4):
+        place = float(fork.x[i]), float(fork.y[i])
+        structure, load = zone.at(motion.load.frequency, place[1])
+        start = vi.exact(structure, load, motion)
+        ends = sorted([place[0], load.frequency])
+        branch = vi.branch(start, "frequency", bounds=(ends[0] - 1e-3, ends[1] + 1e-3))
+        near = np.abs(branch.values - place[0]).argmin()
+        crossing = np.abs(branch.multipliers - 1).min(axis=0)
+        assert crossing[near] < 1e-5
+        # it is stable on the side of the zone alone
+        inside = zone.contains(branch.values, np.full(len(branch), place[1]))
+        apart = np.abs(branch.values - place[0]) > 1e-5
+        good = (branch.stable == 1) & (branch.admissible == 1)
+        assert (good == inside)[apart & (np.abs(branch.values - ends[0]) < 0.01)].all()
+    if plane is slot:
+        assert "neimark_sacker" in pieces
 
 
 def test_chart_of_den_hartog():

@@ -339,7 +339,7 @@ contains
       class(structure_resting_type), intent(in) :: family
       !> The symbol.
       integer, intent(in) :: symbol
-      integer :: next
+      integer :: gap, next
 
       kind = rest_vanishes
       associate (s => family%rests)
@@ -347,9 +347,12 @@ contains
          kind = events_meet
          next = modulo(symbol, size(s%kinds)) + 1
          if (s%kinds(symbol) /= switch .or. s%kinds(next) /= switch) return
-         if (s%gaps(symbol) /= s%gaps(next) .or. symbol == next) return
-         if (any(s%closed(symbol)%set == s%gaps(symbol))) kind = merge(stick_vanishes, &
-            contact_vanishes, s%path%structure%rubs(s%gaps(symbol)))
+         gap = s%gaps(symbol)
+         ! the last symbol is the event that begins the period, or its mirror image
+         if (next == 1) gap = s%first_gap
+         if (gap /= s%gaps(next) .or. (symbol == next .and. .not. s%halved)) return
+         if (any(s%closed(modulo(symbol, size(s%kinds)))%set == gap)) kind = merge( &
+            stick_vanishes, contact_vanishes, s%path%structure%rubs(gap))
       end associate
    end function end_of
 
@@ -530,7 +533,7 @@ contains
 
       ! the one that begins the period is last
       associate (first => size(unknowns) - size(phases) + 1)
-         phases = [unknowns(first + 1:), unknowns(first) + two_pi*family%rests%cycles]
+         phases = [unknowns(first + 1:), unknowns(first) + family%rests%whole_turn()]
       end associate
    end function phases_of
 
@@ -544,6 +547,7 @@ contains
 
       associate (s => family%rests)
          whole = pack(family%phases_of(unknowns), s%kinds /= release)
+         if (s%halved) whole = [whole, whole + s%whole_turn()]
          whole = [spread(ieee_value(1.0_wp, ieee_quiet_nan), 1, size(whole)), whole]
       end associate
    end function whole_of

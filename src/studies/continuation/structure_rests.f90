@@ -58,6 +58,13 @@ module vi_structure_rests
       type(closed_type), allocatable :: stuck(:)
       !> Units of length and of speed.
       real(wp) :: length = 1, speed = 1
+      !> The gap of the event that begins the period: that of the last symbol, or its image.
+      integer :: first_gap = 0
+      !> Of motions that are their own mirror images, q(t + T/2) = -q(t), the symbols are those of
+      !! half a period, at the end of which the state is minus that at the start. Whether they are.
+      logical :: halved = .false.
+   contains
+      procedure :: whole_turn
    end type rests_type
 
    !> A flight or a rest between two events.
@@ -118,6 +125,14 @@ module vi_structure_rests
 
 contains
 
+   !> The load phase (rad) from the start to the end of what is followed.
+   pure real(wp) function whole_turn(s)
+      !> The family.
+      class(rests_type), intent(in) :: s
+
+      whole_turn = merge(0.5_wp, 1.0_wp, s%halved)*two_pi*s%cycles
+   end function whole_turn
+
    !> One period.
    pure subroutine follow_period(s, unknowns, shares, sloped, course)
       !> The family.
@@ -150,7 +165,7 @@ contains
       here%regime = course%after(0)
       here%phase = unknowns(2*n + 1)
       here%symbol = m
-      here%begins = s%gaps(m)
+      here%begins = s%first_gap
       here%column = 2*n + 1
       associate (regime => course%run%regimes(here%regime))
          allocate (here%x(size(regime%xq, 1)), here%v(size(regime%xq, 1)), here%d(2*size( &
@@ -170,7 +185,7 @@ contains
          call from_coordinates(regime, p, here%d)
       end associate
       do i = 1, m
-         associate (phase => unknowns(2*n + 1 + modulo(i, m)) + merge(two_pi*s%cycles, 0.0_wp, &
+         associate (phase => unknowns(2*n + 1 + modulo(i, m)) + merge(s%whole_turn(), 0.0_wp, &
             i == m), column => 2*n + 1 + modulo(i, m))
             call next_symbol(s, i, phase, column, here, course, good)
          end associate
@@ -180,11 +195,14 @@ contains
       associate (regime => course%run%regimes(here%regime))
          call state_of(regime, here%phase, here%x, here%v, q, rate)
          at_end = [q, rate]
+         ! of half a period, the image of the end is the start
+         if (s%halved) at_end = -at_end
          course%residuals(:2*n) = at_end/unit - unknowns(:2*n)
          if (sloped) then
             call to_coordinates(regime, here%d, p)
             call accelerations(regime, here%phase, here%x, here%v, acceleration)
             p(:, 2*n + 1) = p(:, 2*n + 1) + [rate, acceleration]/regime%frequency
+            if (s%halved) p = -p
             do i = 1, 2*n
                course%slopes(:, i) = p(i, :)/unit(i)
                course%slopes(i, i) = course%slopes(i, i) - 1

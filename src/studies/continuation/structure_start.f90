@@ -27,7 +27,7 @@ module vi_structure_start
    use vi_structure_resting_family, only: structure_resting_type
    use vi_structure_rests, only: course_type, first, follow_period, monodromy, release, &
       rests_type, single, switch, symbols_to_state
-   use vi_structure_path, only: change_type, is_odd, structure_path_type
+   use vi_structure_path, only: change_type, is_odd, keeps_mirror, mirror_of, structure_path_type
    use vi_structure_symmetry, only: even_and_odd, find_symmetry
    use vi_structure_motion, only: new_equations, relative, residuals
    use vi_structure_period, only: describe_structure_motion, structure_motion_type
@@ -48,7 +48,7 @@ module vi_structure_start
 contains
 
    !> The curve or surface through a motion, and the point there.
-   subroutine start_curve(structure, load, start, changes, curve, point, mirrored, message)
+   subroutine start_curve(structure, load, start, changes, curve, point, mirrored, message, halves)
       !> The structure at the start.
       type(structure_type), intent(in) :: structure
       !> Its load.
@@ -66,6 +66,9 @@ contains
       logical, intent(out) :: mirrored
       !> Why there is no such family; empty if there is one.
       character(:), allocatable, intent(out) :: message
+      !> Whether half a period of a motion with stops or friction that is its own mirror image is
+      !! followed, so that its pitchforks are told from folds; not by default.
+      logical, intent(in), optional :: halves
       type(structure_members_type) :: s
       type(structure_family_type) :: whole
       type(structure_type) :: complete
@@ -78,12 +81,14 @@ contains
       type(settled_type) :: found
       integer, allocatable :: pairs(:)
       integer :: i, n, status
-      logical :: odd, possible, symmetric
+      logical :: half, odd, possible, symmetric
 
       mirrored = .false.
       message = ''
       if (size(start%resting) > 0 .or. allocated(start%events)) then
-         call start_resting(structure, load, start, changes, curve, point, mirrored, message)
+         half = .false.
+         if (present(halves)) half = halves
+         call start_resting(structure, load, start, changes, half, curve, point, mirrored, message)
          return
       end if
       s%path%structure = structure
@@ -180,7 +185,7 @@ contains
    end subroutine set_bounds
 
    !> The curve or surface through a motion with rests, and the point there.
-   subroutine start_resting(structure, load, start, changes, curve, point, mirrored, message)
+   subroutine start_resting(structure, load, start, changes, half, curve, point, mirrored, message)
       !> As in `start_curve`.
       type(structure_type), intent(in) :: structure
       !> As in `structure`.
@@ -189,6 +194,8 @@ contains
       type(settled_type), intent(inout) :: start
       !> As in `start_curve`.
       type(change_type), intent(in) :: changes(:)
+      !> As `halves` in `start_curve`.
+      logical, intent(in) :: half
       !> As in `start_curve`.
       type(curve_type), intent(out) :: curve
       !> As in `start_curve`.
@@ -223,6 +230,7 @@ contains
             call set_repetitions(family, [unknowns(2*n + 1:), unknowns(2*n + 1) + 2*pi*s%cycles], &
                mirrored, message)
             start%gaps = s%gaps
+            if (half .and. size(family%repetitions) == 0) call take_half(family, unknowns)
             call finish_resting(family, unknowns, changes, curve, point)
             return
          end if
@@ -231,6 +239,7 @@ contains
             - 2*n), phases, impacts, message)
          if (len(message) > 0) return
          m = size(s%kinds)
+         s%first_gap = s%gaps(m)
          call set_repetitions(family, phases, mirrored, message)
          if (len(message) > 0) return
          shares = shares_of(changes)
@@ -249,6 +258,49 @@ contains
       end associate
       call finish_resting(family, unknowns, changes, curve, point)
    end subroutine start_resting
+
+   !> Takes the first half of the symbols of a motion with stops or friction, if it is its own
+   !! mirror image.
+   pure subroutine take_half(family, unknowns)
+      !> In and out: the family.
+      type(structure_resting_type), intent(inout) :: family
+      !> In and out: the unknowns of the motion.
+      real(wp), allocatable, intent(inout) :: unknowns(:)
+      real(wp) :: apart(size(family%rests%kinds)/2)
+      integer :: i, m, n
+
+      associate (s => family%rests)
+         m = size(s%kinds)/2
+         n = size(unknowns) - size(s%kinds)
+         if (m == 0 .or. modulo(size(s%kinds), 2) /= 0 .or. modulo(s%cycles, 2) == 0) return
+         if (.not. keeps_mirror(s%path)) return
+         apart = unknowns(n + m + 1:) - unknowns(n + 1:n + m) - pi*s%cycles
+         if (any(abs(apart) > same) .or. any(s%kinds(:m) /= s%kinds(m + 1:))) return
+         if (any(s%gaps(m + 1:) /= [(mirror_of(s%path%structure, s%gaps(i)), i=1, m)])) return
+         s%halved = .true.
+         s%kinds = s%kinds(:m)
+         s%gaps = s%gaps(:m)
+         s%rows = s%rows(:m)
+         s%walls = s%walls(:m)
+         s%stuck = s%stuck(:m)
+         call keep_first(s%closed, m)
+         unknowns = unknowns(:n + m)
+         family%symmetric = .true.
+      end associate
+   contains
+      !> Keeps the sets from 0 to a number.
+      pure subroutine keep_first(sets, last)
+         !> In and out: the sets.
+         type(closed_type), allocatable, intent(inout) :: sets(:)
+         !> The last one.
+         integer, intent(in) :: last
+         type(closed_type), allocatable :: kept(:)
+
+         allocate (kept(0:last))
+         kept = sets(0:last)
+         call move_alloc(kept, sets)
+      end subroutine keep_first
+   end subroutine take_half
 
    !> The parameters of a motion, as shares of the way between their bounds.
    pure function shares_of(changes) result(shares)
@@ -344,6 +396,7 @@ contains
                   event%gap, pack(set, set > event%gap)]
             end associate
          end do
+         s%first_gap = s%gaps(m)
          unknowns = [events(order(m))%q/s%length, events(order(m))%rate/s%speed, phases]
       end associate
    contains

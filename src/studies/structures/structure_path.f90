@@ -10,8 +10,8 @@ module vi_structure_path
    implicit none (type, external)
    private
 
-   public :: changed, changed_whole, is_odd, moves_alike, new_change, new_function, opposite_gap, &
-      rates_of, reduce, same_law, set_entry, value_at
+   public :: changed, changed_whole, is_odd, keeps_mirror, mirror_of, moves_alike, new_change, &
+      new_function, opposite_gap, rates_of, reduce, same_law, set_entry, value_at
 
    !> Kinds of entries: matrices, direction, opening and restitution of a gap, parts of the load,
    !! the numbers of a stop (stiffness, damping, preload) or of friction (slip, stick, speed), and
@@ -705,6 +705,42 @@ contains
          odd = odd .and. all([(opposite_gap(structure, i) > 0, i=1, size(structure%openings))])
       end do
    end function is_odd
+
+   !> The same with stops and friction; friction without a belt is its own image.
+   pure logical function keeps_mirror(path) result(keeps)
+      !> The path; it is examined at two places.
+      type(structure_path_type), intent(in) :: path
+      type(structure_type) :: structure
+      type(load_type) :: load
+      real(wp), parameter :: shares(2) = [0.23_wp, 0.81_wp]
+      integer :: h, i, k
+
+      keeps = .true.
+      do k = 1, size(shares)
+         call changed(path, spread(shares(k), 1, size(path%changes)), structure, load)
+         keeps = keeps .and. .not. any(abs(load%constant) > 0)
+         do h = 2, size(load%sine, 2), 2
+            keeps = keeps .and. .not. any(abs(load%sine(:, h)) + abs(load%cosine(:, h)) > 0)
+         end do
+         do i = 1, size(structure%openings)
+            keeps = keeps .and. mirror_of(structure, i) > 0
+         end do
+      end do
+   end function keeps_mirror
+
+   !> The image of a gap, a stop or friction, as of `keeps_mirror`; 0 if there is none.
+   pure integer function mirror_of(structure, i) result(image)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> The element.
+      integer, intent(in) :: i
+
+      if (structure%laws(i)%kind == friction_law) then
+         image = merge(0, i, abs(structure%laws(i)%numbers(3)) > 0)
+      else
+         image = opposite_gap(structure, i)
+      end if
+   end function mirror_of
 
    !> The last gap of opposite direction with the same opening and law as a given one; 0 if there is
    !! none.

@@ -434,7 +434,8 @@ call find_structure_motion(case, case%start, .true., structure, load, motion, st
          plane%is_mirrored = is_own_image(motion, load)
          call parameter_change(case%study, 'x', 'x_', structure, load, changes(1), message)
          call parameter_change(case%study, 'y', 'y_', structure, load, changes(2), message)
-         call start_curve(structure, load, motion, changes, surface, start, mirrored, message)
+         call start_curve(structure, load, motion, changes, surface, start, mirrored, message, &
+            plane%is_mirrored)
          if (len(message) == 0) return
       end associate
       if (allocated(start)) deallocate (start)
@@ -510,8 +511,8 @@ call find_structure_motion(case, case%start, .true., structure, load, motion, st
          return
       end if
       call add_pieces(zone, request, mirrored, found)
-      if (plane%is_mirrored .and. any([(found%pieces(i)%condition%kind == fold, i=1, found%n)])) &
-         then
+      if (plane%is_mirrored .and. .not. request%symmetric .and. &
+         any([(found%pieces(i)%condition%kind == fold, i=1, found%n)])) then
          call result%fail('the motion is its own mirror image half a period later, and pitchforks &
             &of such motions with stops or friction are not followed; a smaller window may have &
             &none')
