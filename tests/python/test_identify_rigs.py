@@ -11,6 +11,8 @@ import vibroimpact as vi
 pytest.importorskip("scipy")
 from reference_rig import K, M, chaotic_rig, random_rig, record, wide_rig
 from shared_identify import BENCH, KNOWN
+from vibroimpact.identification.aperiodic import possible
+from vibroimpact.identification.fit import Fit
 from vibroimpact.identification.flights import unexplained
 from vibroimpact.identification.laws import Law
 from vibroimpact.identification.stages import apart
@@ -371,3 +373,18 @@ def test_three_hundred_records(share):
     deviation = (0.95 * 0.05 / (2 * count)) ** 0.5
     assert abs(np.mean(inside < 1.96) - 0.95) < 4 * deviation
     assert np.mean(inside > 5) < 0.01
+
+
+def test_parameters_that_are_no_rig_are_refused():
+    """Few impacts may leave R2 = -0.7: an error names it; what is open is only limited."""
+    fit = Fit(
+        {"xi": -0.1, "mu": 0.03, "R1": 1.001, "R2": 0.7, "d": 0.01}, [1.0], [0.0], [],
+        ["xi", "mu", "R1", "R2", "d"], np.diag([1e-6, 1e-6, 1e-4, 1e-4, 1e-8]), ["xi"], [1.0],
+    )  # fmt: skip
+    possible(fit, 7)
+    assert fit.values == {"xi": 0.0, "mu": 0.03, "R1": 1.0, "R2": 0.7, "d": 0.01}
+    fit.values["R2"] = -0.7
+    with pytest.raises(
+        vi.SingularError, match=r"at 7 impacts give R2 = -0\.7: must be from 0 to 1"
+    ):
+        possible(fit, 7)

@@ -39,6 +39,8 @@ STEPS, JUDGED, DAMPED = 40, (1, 3, 5, 8), 0.5
 BLURRED, MOVED, APART, REACH = 0.02, 3.0, 8, 4
 #: Part of the variance that a fit may leave beyond noise, and standard deviations that chance may add.
 EXCESS, CHANCE = 0.3, 4.0
+#: Largest m/M; standard errors by which a parameter may be beyond what it can be.
+LARGEST_MASS, BEYOND = 10.0, 3.0
 #: Change of the sum of squares from which on two minima are two.
 OTHER = 0.01
 
@@ -401,7 +403,29 @@ def by_laws(
         [misfit * flown.colour], variance, strains=strains, leans=leans,
         most=min(DOUBTFUL, flown.colour * bearable(count - g.size)),
     )  # fmt: skip
+    possible(found, int(best.ok.sum()))
     return found, law, lawful
+
+
+def possible(found: Fit, count: int) -> None:
+    """An error if parameters are beyond what they can be by more than their errors allow; otherwise none is.
+
+    The equations of few impacts that are alike have solutions that are no rig.
+    """
+    bounds = {"xi": (0.0, 0.9), "mu": (0.0, LARGEST_MASS), "d": (0.0, math.inf)}
+    bounds |= {name: (0.0, 1.0) for name in found.values if name[0] == "R"}
+    for name in bounds.keys() & set(found.names):
+        (low, high), value = bounds[name], found.values[name]
+        place = found.names.index(name)
+        error = math.inf
+        if name not in found.undetermined:
+            error = BEYOND * math.sqrt(found.covariance[place, place])
+        if not low - error <= value <= high + error:
+            raise SingularError(
+                f"momentum and restitution at {count} impacts give {name} = {value:.4g}: must be from {low:g} to "
+                f"{high:g}; {HINT}"
+            )
+        found.values[name] = min(max(value, low), high)
 
 
 def bearable(freedom: int) -> float:
