@@ -8,12 +8,8 @@ import numpy as np
 
 from . import style
 
-#: Fill and hatch of what is proven and what is not: they differ in lightness too.
-FILLS = {
-    "proven inside": ("#0072B2", ""),
-    "not decided": ("#000000", ""),
-    "proven outside": ("#F2E6C0", ""),
-}
+#: Colours of what is proven and what is not: they differ in lightness too.
+FILLS = {"proven inside": "#0072B2", "not decided": "#000000", "proven outside": "#F2E6C0"}
 #: Lines of constant r that are drawn.
 LINES = 600
 
@@ -35,13 +31,14 @@ def draw_certificate(certificate: Any, ax: Any = None) -> Any:
         bars["proven inside"] += [(r, *ends) for ends in inside.tolist()]
     for name in ("proven outside", "not decided", "proven inside"):
         places, bottoms, tops = np.array(bars[name]).reshape(-1, 3).T
-        color, _ = FILLS[name]
-        ax.bar(places, tops - bottoms, 2.2 * half, bottoms, color=color, linewidth=0, label=name)
+        ax.bar(places, tops - bottoms, 2.2 * half, bottoms, color=FILLS[name], linewidth=0)
     ax.set_xlim(low, high)
     ax.set_ylim(*plane.window)
     ax.set_xlabel(style.parameter_label("r"))
     ax.set_ylabel(style.parameter_label("clearance"))
-    style.add_legend(
-        ax, loc="lower center"
-    )  # the best place takes long to find among so many strips
+    for name, color in FILLS.items():
+        # a bar without area stands for the strips, with an edge where its colour is that of the axes
+        ax.bar(low, 0, 0, color=color, edgecolor="0.3", linewidth=0.5, label=name)
+    # the best place takes long to find among so many strips
+    style.add_legend(ax, loc="lower center")
     return ax
