@@ -3,17 +3,10 @@
 import numpy as np
 import pytest
 import vibroimpact as vi
-from shared_structures import one_stop, written
+from shared_structures import written
 
 STOP = ("stop", "stiffness = 1", "&stop direction = 1, opening = .5, {} /")
 FRICTION = ("friction", "slip = 1", "&friction direction = 1, {} /")
-OTHER_STUDIES = {
-    "atlas": "", "decay": "",
-}  # fmt: skip
-WITH_ELEMENTS = (
-    "simulate, periodic, exact, find, branch, zone, chart, response, bifurcation_diagram, lyapunov"
-    " and basins"
-)
 
 
 def namelist(element, keys, study="simulate cycles = 1"):
@@ -41,30 +34,6 @@ def test_bad_namelists(tmp_path, element, keys, message):
     with pytest.raises(vi.ParameterError) as caught:
         written(tmp_path, namelist(element, keys))
     assert message in str(caught.value)
-
-
-@pytest.mark.parametrize("element", [STOP, FRICTION], ids=["stop", "friction"])
-@pytest.mark.parametrize("study", OTHER_STUDIES)
-def test_studies_that_refuse(tmp_path, study, element):
-    """The element is named, and the studies that take it."""
-    with pytest.raises(vi.ParameterError) as caught:
-        written(tmp_path, namelist(element, element[1], f"{study} {OTHER_STUDIES[study]}"))
-    wanted = f"does not take the &{element[0]} of this &structure; must be &motion, &simulate, "
-    assert wanted in str(caught.value) or study == "decay"
-
-
-@pytest.mark.parametrize(("s", "wanted"), [
-    (one_stop(0.5, stiffness=20),
-     r"gaps\[0\] = Stop\(\[1.0\], 0.5, stiffness=20\): must be a Gap here; "
-     f"only {WITH_ELEMENTS} take stops"),
-    (vi.Structure([1.0], [0.1], [1.0], friction=[vi.Friction([1.0], 0.3)]),
-     r"friction\[0\] = Friction\(\[1.0\], 0.3\): must be left out here; "
-     f"only {WITH_ELEMENTS} take friction"),
-])  # fmt: skip
-def test_verbs_that_refuse(s, wanted):
-    load = vi.Load(1.3, cosine=[1.0])
-    with pytest.raises(vi.ParameterError, match=wanted):
-        vi.atlas(s, load, x=("frequency", 1.0, 2.0), y=("load", 1.0, 2.0))
 
 
 GAP, PUSHING = vi.Gap([1.0], 3.0, 0.7), vi.Stop([1.0], 0.5, 20, 2, 0.1, "force")

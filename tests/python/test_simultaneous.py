@@ -191,7 +191,9 @@ def test_motion_with_impacts_at_one_instant():
         lambda: run.gradient(["load"]),
         motion.gradient,
     ):
-        with pytest.raises((vi.ParameterError, vi.SingularError), match=r"coupled gaps|derivatives"):
+        with pytest.raises(
+            (vi.ParameterError, vi.SingularError), match=r"coupled gaps|derivatives"
+        ):
             refused()
 
 

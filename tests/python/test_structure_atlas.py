@@ -179,3 +179,26 @@ def test_it_stops_when_asked(study):
     assert found.cut
     assert found.empty or found.tables["points"].columns["found"].values.sum() == 1
     assert not any(is_fault for is_fault, _ in found.notes)
+
+
+def test_an_atlas_with_a_stop_and_friction_agrees_with_simulations(tmp_path):
+    """Inside the zone of a motion `find` finds it, and outside it does not; with friction too, and from a file."""
+    stop, load = vi.Stop([1], 1.0, 100.0), vi.Load(1.0, cosine=[1.0])
+    for gaps, friction, axes in (
+        ([stop], [], (("frequency", 0.8, 1.3), ("load", 0.5, 2.0))),
+        ([vi.Gap([1], 1.0, 0.6)], [vi.Friction([1], 0.1)], (("frequency", 0.9, 1.2), ("slip_1", 0.02, 0.2))),
+    ):  # fmt: skip
+        s = vi.Structure([1], [0.1], [1], gaps, friction)
+        found = vi.atlas(s, load, *axes, survey=10, settling=100, lines=9, threads=1)
+        again = vi.atlas(s, load, *axes, survey=10, settling=100, lines=9, threads=2)
+        assert str(found) == str(again)
+        assert found.zones
+        found.save(tmp_path / "atlas.json")
+        zone = vi.load(tmp_path / "atlas.json").zones[0]
+        assert zone.gaps.tolist() == found.zones[0].gaps.tolist()
+        (_, *x), (_, *y) = axes
+        places = np.random.default_rng(0).uniform((x[0], y[0]), (x[1], y[1]), (5, 2))
+        for place in places.tolist():
+            motions = vi.find(*zone.at(*place), max_impacts=6, max_cycles=1, states=6, threads=1)
+            stable = [one for one in motions if one.stable and one.cycles == 1]
+            assert any(one.contains(*place) for one in found.zones) == bool(stable)

@@ -452,7 +452,9 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         True
         """
         if self.of_structure:
-            run = self._run() if self.structure._is_rigid else self._from_flight()
+            # impacts at the first instant of the period would be divided between its ends
+            whole = self.structure._is_rigid and (len(self.rests) or not self._has_meetings)
+            run = self._run() if whole else self._from_flight()
             return run.quantities(harmonics=harmonics)
         events = self.events
         starts, resting = segments(events, self.clearance)

@@ -371,7 +371,7 @@ def atlas_structure(
         "max_impacts": max_impacts, "max_cycles": max_cycles, "survey": survey, "settling": settling,
         "lines": lines, "max_points": max_points, "max_events": max_events,
     }  # fmt: skip
-    return door.run_structure(Atlas, structure, load, keys, threads, progress, names)
+    return door.run_structure(Atlas, structure, load, keys, threads, progress, names, stops=True)
 
 
 @overload

@@ -21,7 +21,8 @@ module vi_atlas_study
    use vi_text, only: counted, exact, line_type, whole, whole_width
    use vi_zone_pieces, only: add_pieces, corner_column, family_columns, not_closed, piece_columns, &
       pieces_type, place_columns, put_pieces, vertex_columns
-   use vi_zone_study, only: check_plane, in_parameters, lines_key, plane_columns, plane_keys, &
+   use vi_zone_study, only: check_plane, gaps_followed, in_parameters, lines_key, plane_columns, &
+      plane_keys, &
       plane_type, structure_place_columns, structure_vertex_columns, vertex_names, vertices_key
    implicit none (type, external)
    private
@@ -74,7 +75,7 @@ module vi_atlas_study
 
    type(column_type), parameter :: structure_columns(*) = [ &
       column_type('families', 'order', words, &
-      meaning='gaps of the impacts in their order, from 0'), &
+      meaning='gaps of the impacts in their order, from 0; with stops or friction of all events'), &
       column_type('families', 'cycles', wholes, meaning='load cycles of the period'), &
       symmetric_column, piece_columns, structure_place_columns, corner_column, &
       structure_vertex_columns, family_columns, &
@@ -123,6 +124,7 @@ contains
       study%name = 'atlas'
       study%meaning = 'find the zones of all patterns in a window'
       study%row = 'vertices'
+      study%takes_elements = .true.
       study%check => check_atlas
       study%memory => atlas_memory
       study%run => run_atlas
@@ -257,7 +259,7 @@ contains
       type(pieces_type), allocatable :: found(:)
       character(:), allocatable :: outcomes, message
       type(line_type), allocatable :: orders(:)
-      integer, allocatable :: gaps(:, :)
+      integer, allocatable :: followed(:), gaps(:, :)
       integer :: i, j, lost, n, status
 
       call structure_of(case, plane%structure, plane%load)
@@ -282,14 +284,16 @@ contains
          result%empty = n == 0
          if (result%empty) return
       end if
-      allocate (found(n), orders(n), gaps(maxval([1, (size(families(i)%motion%gaps), i=1, n)]), n))
+      allocate (found(n), orders(n), gaps(maxval([1, (size(gaps_followed(families(i)%motion)), &
+         i=1, n)]), n))
       gaps = -1
       do i = 1, n
          found(i) = families(i)%pieces
          call in_parameters(case, families(i)%surface, plane%changes, found(i))
          orders(i)%text = ''
-         do j = 1, size(families(i)%motion%gaps)
-            gaps(j, i) = families(i)%motion%gaps(j) - 1
+         followed = gaps_followed(families(i)%motion)
+         do j = 1, size(followed)
+            gaps(j, i) = followed(j) - 1
             if (j > 1) orders(i)%text = orders(i)%text//' '
             orders(i)%text = orders(i)%text//whole(gaps(j, i))
          end do

@@ -209,7 +209,8 @@ contains
          [2, 1])) > 0)
    end function is_inside
 
-   !> Whether a motion has the order of impacts of another one, or of its mirror image.
+   !> Whether a motion has the order of impacts of another one, or of its mirror image; with stops
+   !! or friction the order and the kinds of events.
    pure logical function has_order(path, motion, other)
       !> The structure and its load, and both parameters.
       type(structure_path_type), intent(in) :: path
@@ -219,6 +220,15 @@ contains
 
       has_order = .false.
       if (motion%cycles /= other%cycles .or. size(motion%gaps) /= size(other%gaps)) return
+      if (allocated(motion%events) .neqv. allocated(other%events)) return
+      if (allocated(motion%events)) then
+         do turn = 1, size(motion%gaps)
+            has_order = all(cshift(motion%events%gap, turn) == other%events%gap) .and. &
+               all(cshift(motion%events%kind, turn) == other%events%kind)
+            if (has_order) return
+         end do
+         return
+      end if
       images = motion%gaps
       if (is_odd(path)) images = [(opposite_gap(path%structure, motion%gaps(i)), &
          i=1, size(motion%gaps))]

@@ -18,6 +18,7 @@ module vi_zone_study
       y_function_keys
    use vi_structure_path, only: change_type, parameter_takes, value_at
    use vi_structure_return, only: settled_type
+   use vi_structure_run, only: run_event_type
    use vi_structure_start, only: start_curve
    use vi_structure_tables, only: path_columns, put_path, put_structure, structure_columns
    use vi_study, only: a_whole, a_word, case_type, column_type, every_model, key_type, list_for, &
@@ -30,7 +31,7 @@ module vi_zone_study
    implicit none (type, external)
    private
 
-   public :: check_plane, declare_zone, in_parameters, put_plane, start_surface
+   public :: check_plane, declare_zone, gaps_followed, in_parameters, put_plane, start_surface
 
    type(key_type), parameter, public :: lines_key = key_type('lines', a_whole, default='17', &
       low=5.0_wp, high=129.0_wp, &
@@ -464,6 +465,31 @@ call find_structure_motion(case, case%start, .true., structure, load, motion, st
       is = all(abs(apart) < near) .and. all(abs(states + late) <= near*maxval(abs(states)))
    end function is_own_image
 
+   !> The gaps of the events of a motion that count as events of their own: what changes at one
+   !! instant together is one event.
+   pure function gaps_followed(motion) result(gaps)
+      !> The motion.
+      type(settled_type), intent(in) :: motion
+      integer, allocatable :: gaps(:)
+      integer :: i
+
+      allocate (gaps, source=motion%gaps)
+      if (.not. allocated(motion%events)) return
+      associate (events => motion%events)
+         gaps = pack(events%gap, [(size(events) == 1 .or. .not. at_once(events(merge(i - 1, &
+            size(events), i > 1)), events(i)), i=1, size(events))])
+      end associate
+   contains
+      !> Whether an event is at the instant of the one before it, and in its regime.
+      pure logical function at_once(before, event)
+         !> The events.
+         type(run_event_type), intent(in) :: before, event
+
+         at_once = before%regime == event%regime .and. before%cycle == event%cycle .and. &
+            .not. abs(before%elapsed - event%elapsed) > 0
+      end function at_once
+   end function gaps_followed
+
    !> Puts the motion at the start and its structure into the result.
    subroutine put_plane(plane, result)
       !> The motion and its structure.
@@ -472,7 +498,7 @@ call find_structure_motion(case, case%start, .true., structure, load, motion, st
       type(result_type), intent(inout) :: result
 
       call result%open('motion', 'one', [1])
-      call result%put('motion', 'gaps', plane%motion%gaps - 1)
+      call result%put('motion', 'gaps', gaps_followed(plane%motion) - 1)
       if (size(plane%motion%resting) > 0) call result%put('motion', 'resting', &
          plane%motion%resting - 1)
       call result%put('motion', 'cycles', [plane%motion%cycles])
