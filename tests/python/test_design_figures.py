@@ -142,10 +142,11 @@ def test_runs_of_one_system_share_its_motions():
         for name in FIGURES:
             one, other = getattr(whole, name)[j], getattr(alone, name)[0]
             assert one == pytest.approx(other, rel=1e-7 if name == "multiplier" else 1e-9)
+        np.testing.assert_allclose(whole.states[:, j], alone.states[:, 0], rtol=1e-8)
         shared += j % 4 > 0 and any(
             np.array_equal(whole.states[:, j], whole.states[:, i]) for i in range(j - j % 4, j)
         )
-    assert shared > 10
+    assert shared > 5
 
 
 def test_some_figures_are_as_with_all_others():

@@ -52,7 +52,8 @@ module vi_attractor_performance
    !> Runs that a thread takes at once, and motions of a system that it keeps for the next ones.
    integer, parameter :: at_once = 16, most_kept = 4
 
-   !> A periodic motion that an earlier run of the same system has reached.
+   !> A motion with the period of the load that an earlier run of the same system has reached. Of
+   !! longer periods a run has its own, as the state that it lists depends on when it came there.
    type :: kept_type
       !> A state on it at the phase of the marks.
       type(state_type) :: strobe
@@ -78,9 +79,10 @@ contains
 
    !> The figures of many systems, each from one initial state.
    !!
-   !! Of runs of one system that follow each other, one that comes to the periodic motion of another
-   !! takes the figures of that: it is near it twice, a period apart, or near it and almost repeats
-   !! itself. Which runs share figures does not depend on the number of threads.
+   !! Of runs of one system that follow each other, one that comes to the motion of another with the
+   !! period of the load takes the figures of that: it is near it twice, a period apart, or less
+   !! near it and almost repeats itself. Which runs share figures does not depend on the number of
+   !! threads.
    subroutine perform(parameters, places, settling, keep, max_events, threads, found, ends, &
       counts, status, progress, wanted)
       !> (6, n): r, D, xi, mu, R1, R2
@@ -200,7 +202,7 @@ contains
          done = done + chunk
          filled = min(filled + chunk, 2*longest)
          do i = 1, motions
-            call find_kept(system, marks(:filled), near, kept(i), found, end, counts, good)
+            call find_kept(system, marks(:1), near, kept(i), found, end, counts, good)
             if (good) return
          end do
          do k = 1, filled/2
@@ -208,8 +210,7 @@ contains
             if (repeats) call compare(system, marks(k), marks(2*k), near, repeats)
             if (.not. repeats) cycle
             do i = 1, motions
-               if (modulo(k, kept(i)%counts(1)) /= 0) cycle
-               call find_kept(system, marks(:filled), attracted, kept(i), found, end, counts, good)
+               call find_kept(system, marks(:1), attracted, kept(i), found, end, counts, good)
                if (good) return
             end do
             ! a motion that is approached from both sides in turn looks like one of twice its period
@@ -294,8 +295,8 @@ contains
    pure subroutine find_kept(system, marks, within, known, found, end, counts, good)
       !> The forced system.
       type(forced_system_type), intent(in) :: system
-      !> In and out: the last marks, the latest first.
-      type(mark_type), intent(inout) :: marks(0:)
+      !> In and out: the last two marks, the latest first.
+      type(mark_type), intent(inout) :: marks(0:1)
       !> How near, over the clearance.
       real(wp), intent(in) :: within
       !> The motion.
@@ -307,19 +308,14 @@ contains
       !> Whether it is.
       logical, intent(out) :: good
       type(mark_type) :: strobe
-      integer :: i
 
       strobe = mark_at(known%strobe)
-      good = .false.
-      do i = 0, min(known%counts(1), ubound(marks, 1) + 1 - known%counts(1)) - 1
-         call compare(system, marks(i), strobe, within, good)
-         if (good) call compare(system, marks(i + known%counts(1)), strobe, within, good)
-         if (.not. good) cycle
-         found = known%found
-         end = known%end
-         counts = known%counts
-         return
-      end do
+      call compare(system, marks(0), strobe, within, good)
+      if (good) call compare(system, marks(1), strobe, within, good)
+      if (.not. good) return
+      found = known%found
+      end = known%end
+      counts = known%counts
    end subroutine find_kept
 
    !> Keeps a motion for the next runs, with its state at the phase of the marks.
@@ -332,13 +328,13 @@ contains
       integer, intent(in) :: counts(:)
       !> Room for events.
       type(event_type), intent(inout) :: events(:)
-      !> In and out: with the motion, if there is room.
+      !> In and out: with the motion, if it has the period of the load and there is room.
       type(kept_type), intent(inout) :: kept(most_kept)
       integer, intent(inout) :: motions
       type(state_type) :: begin, strobe
       integer :: n, status
 
-      if (motions == most_kept) return
+      if (counts(1) /= 1 .or. motions == most_kept) return
       begin = initial_state(system, end)
       begin%cycle = 0
       call simulate(system, begin, merge(1_int64, 0_int64, begin%phase > mark%phase), mark%phase, &
