@@ -19,7 +19,7 @@ from table import markdown, show
 MODULES = (
     "simulate_speed", "missed_impacts", "flags_speed", "reference_chain", "chart_speed", "boundary_point",
     "basin_speed", "design_speed", "prove_speed", "campaign_speed", "python_call", "structure_speed",
-    "threads_speed", "scaling", "instruction_counts",
+    "element_speed", "threads_speed", "scaling", "instruction_counts",
 )  # fmt: skip
 PEERS = ("numpy", "scipy", "numba", "scikit-sundae", "heyoka")
 ROOT = Path(__file__).resolve().parents[1]
