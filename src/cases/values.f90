@@ -5,8 +5,8 @@
 module vi_values
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_buffer, only: add, buffer_type
-   use vi_key, only: a_number, a_whole, a_word, describe_key, key_type, of_axes, of_parameter, &
-      of_state, place_of
+   use vi_key, only: a_number, a_whole, a_word, describe_key, key_type, of_axes, of_axis, &
+      of_parameter, of_state, place_of
    use vi_kinds, only: wp
    use vi_matrix_file, only: beside
    use vi_namelist, only: assignment_type, group_type
@@ -216,16 +216,16 @@ contains
 
       units = [key%unit]
       if (key%unit == of_state) units = state
-      if (key%unit /= of_parameter .and. key%unit /= of_axes) return
+      if (key%unit /= of_parameter .and. key%unit /= of_axes .and. all(key%unit /= of_axis)) return
       units = ['']
       do i = 1, size(values%items)
          ! the key that decides may stand behind this one
          if (key%unit == of_parameter .and. values%items(i)%key /= 'parameter') cycle
-         if (key%unit == of_axes .and. values%items(i)%key /= 'axes') cycle
+         if (key%unit /= of_parameter .and. values%items(i)%key /= 'axes') cycle
          call parse_words(values%items(i)%value, 2, words, good)
          units = [(repeat(' ', 20), j=1, size(words))]
          do j = 1, size(words)
-            if (key%unit == of_axes) then
+            if (key%unit /= of_parameter) then
                do at = 1, size(names)
                   if (names(at) == lower(words(j)%text)) units(j) = state(at)
                end do
@@ -233,6 +233,9 @@ contains
                if (lower(words(j)%text) == 'r') units(j) = 'omega'
                if (lower(words(j)%text) == 'clearance') units(j) = 'F0/K'
             end if
+         end do
+         do j = 1, min(2, size(words))
+            if (key%unit == of_axis(j)) units = units([j])
          end do
          return
       end do

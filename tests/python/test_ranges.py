@@ -103,14 +103,46 @@ def test_planes_of_states():
     assert plane(("x", (-8, 8)), ("x_dot", (-4, 4)), points=(3, 2)) == whole
     assert plane(("x", np.linspace(-8, 8, 3)), ("x_dot", (-4, 4)), points=(None, 2)) == whole
     assert plane(("x", [8, 0, -8]), second) == whole
-    with pytest.raises(
-        vi.ParameterError, match=r"^plane\[1\]\[1\] of shape \(3,\): must be evenly spaced"
-    ):
-        plane(first, ("x_dot", [1, 2, 4]))
+    for wrong in ([1, 2, 2], [1, 3, 2], [1], [1, np.nan]):
+        with pytest.raises(
+            vi.ParameterError, match=r"^plane\[1\]\[1\] of shape .* must be an array that rises or"
+        ):
+            plane(first, ("x_dot", wrong))
     with pytest.raises(vi.ParameterError, match=r"^plane\[0\]\[1\] = .* range \(lo, hi\)"):
         plane(("x", [1, 2, 3]), second, points=3)
     with pytest.raises(vi.ParameterError, match=r"^plane = "):
         plane(first)
+
+
+def test_planes_of_uneven_values(tmp_path):
+    """Each state of an uneven plane ends as the same state of a list, also after the plane was saved."""
+    x, x_dot = [-8, -7, 3], 2 * np.pi * np.linspace(0.5, -0.5, 3)
+    short = {"cycles": 200, "probes": 9}
+    found = vi.basins(FIGURE6, 1.04, 25.0, (("x", x), ("x_dot", x_dot)), **short)
+    first, second = found.axes
+    assert first.values.tolist() == x
+    assert second.values == pytest.approx(x_dot[::-1], abs=1e-12)
+    assert found.states[1].tolist() == np.repeat([x], 3, 0).T.tolist()
+    alone = vi.basins(FIGURE6, 1.04, 25.0, states=found.states.reshape(5, 9), **short)
+    assert found.labels.ravel().tolist() == alone.labels.tolist()
+    down = vi.basins(FIGURE6, 1.04, 25.0, (("x", x[::-1]), ("x_dot", x_dot)), **short)
+    assert down.to_dict() == found.to_dict()
+    found.save(tmp_path / "basins.json")
+    assert vi.load(tmp_path / "basins.json").axes == found.axes
+    for name in ("uncertain", "uncertainty_exponent"):
+        with pytest.raises(vi.ParameterError, match=r"^plane: must have evenly spaced values"):
+            getattr(found, name)
+    with pytest.raises(vi.ParameterError, match=r"^plane\[0\]\[1\] = .* y must be within half"):
+        vi.basins(FIGURE6, 1.04, 25.0, (("y", [-13, 0, 1]), ("x", x)), **short)
+
+
+def test_a_plane_of_a_structure_may_be_uneven():
+    """The states of an uneven plane are its values in ascending order."""
+    plane = (("q_0", [0.5, -0.2, -0.5]), ("q_dot_0", (-0.5, 0.5)))
+    found = vi.basins(WALL, LOAD, plane, points=(None, 2), settling=20)
+    assert found.states[0, 0, :, 0].tolist() == [-0.5, -0.2, 0.5]
+    assert found.states[1, 0, 0].tolist() == [-0.5, 0.5]
+    assert found.axes[0].values.tolist() == [-0.5, -0.2, 0.5]
 
 
 def test_windows():

@@ -149,38 +149,44 @@ def spacing_of(values: _Array) -> str | None:
 
 
 def axis_of(given: Any, points: Any, label: str) -> Axis:
-    """An axis of a plane: (name, low, high, n), or (name, values) of evenly spaced values, or of a range.
+    """An axis of a plane: (name, low, high, n), or (name, values) of an array or of a range.
+
+    Values are evenly spaced if they are so to a share of 1e-9 of their range.
 
     Raises
     ------
     TypeError, ValueError
         If it has another form.
     ParameterError, ParameterTypeError
-        If the values are not evenly spaced, to a share of 1e-9 of their range.
+        If the values do not rise or fall throughout.
     """
     if len(given) != 2:
         return Axis(*given)
     name, values = given
-    wanted = "evenly spaced numbers, or a range (lo, hi) with points"
+    wanted = "an array that rises or falls throughout, or a range (lo, hi) with points"
     array = checks.real_array(range_values(values, label, points), label, wanted)
-    even = array.ndim == 1 and array.size > 1 and bool(np.isfinite(array).all())
-    if even:
-        line = np.linspace(array[0], array[-1], array.size)
-        even = bool(np.abs(array - line).max() <= 1e-9 * abs(array[-1] - array[0]))
-    if not even or array[0] == array[-1]:
+    steps = np.diff(array) if array.ndim == 1 else np.zeros(0)
+    if not (steps.size and np.isfinite(array).all() and ((steps > 0).all() or (steps < 0).all())):
         raise ParameterError(f"{label} of shape {array.shape}: must be {wanted}")
-    return Axis(name, float(array.min()), float(array.max()), array.size)
+    rising = np.sort(array)
+    low, high, n = float(rising[0]), float(rising[-1]), rising.size
+    if np.abs(rising - np.linspace(low, high, n)).max() <= 1e-9 * (high - low):
+        return Axis(name, low, high, n)
+    return Axis(name, low, high, n, tuple(rising.tolist()))
 
 
 class Axis(NamedTuple):
-    """One direction of a plane of initial states: n of them from low to high."""
+    """One direction of a plane of initial states: n of them from low to high, evenly spaced or `listed`."""
 
     name: str
     low: float
     high: float
     n: int
+    listed: tuple[float, ...] | None = None
 
     @property
     def values(self) -> _Array:
         """The values along the axis."""
+        if self.listed is not None:
+            return np.array(self.listed)
         return spaced(self.low, self.high, self.n)

@@ -23,6 +23,8 @@ def details(result: Any) -> list[str]:
     """How fractal the boundaries are."""
     if result.of_structure or result.axes is None or not result.complete:
         return []
+    if any(axis.listed for axis in result.axes):  # pairs at equal distances need even steps
+        return []
     return [f"uncertainty exponent {result.uncertainty_exponent:.3f}"]
 
 

@@ -41,7 +41,11 @@ AXIS_NAMES = {
     "low": "plane: low",
     "high": "plane: high",
     "values": "plane: n",
+    "first_values": "plane[0][1]",
+    "second_values": "plane[1][1]",
 }
+#: Keys of the values along each axis, where they are not evenly spaced.
+LISTED = ("first_values", "second_values")
 #: The label of a state that was not simulated because the study was stopped, and of one with too many events.
 NOT_REACHED, EVENT_LIMITED = -2, -3
 #: Load cycles from which exponents are computed, tried in turn: impacts may be rare. Load cycles before them.
@@ -121,10 +125,10 @@ class Basins(Noun, study="basins", formerly="StructureBasins"):
     reached : int
         States that were simulated: all, unless the study was stopped.
     uncertain : (ndarray, ndarray)
-        Of a plane of an oscillator: share of pairs of states with different ends, along the first and the second
-        axis, against their distance in cells.
+        Of an evenly spaced plane of an oscillator: share of pairs of states with different ends, along the first
+        and the second axis, against their distance in cells.
     uncertainty_exponent : float
-        Of a plane of an oscillator: that of `uncertain`.
+        Of an evenly spaced plane of an oscillator: that of `uncertain`.
     case : str
         The case as a namelist.
     complete : bool
@@ -158,6 +162,13 @@ class Basins(Noun, study="basins", formerly="StructureBasins"):
     @property
     def axes(self) -> tuple[Axis, Axis] | None:
         keys = self.keys
+        if all(name in keys for name in ("axes", *LISTED)):
+            lists = [tuple(np.ravel(keys[name]).tolist()) for name in LISTED]
+            first, second = (
+                axis_of((name, values), None, label)
+                for name, values, label in zip(keys["axes"], lists, LISTED, strict=True)
+            )
+            return first, second
         names = ("axes", "low", "high", "values")
         if any(name not in keys for name in names):
             return None
@@ -237,6 +248,11 @@ class Basins(Noun, study="basins", formerly="StructureBasins"):
         going elsewhere."""
         if self.of_structure:
             raise AttributeError(self._lack(name, "fractions"))
+        if self.axes is not None and any(axis.listed for axis in self.axes):
+            raise ParameterError(
+                f"plane: must have evenly spaced values along both axes for {name}, which compares "
+                "states at equal distances"
+            )
         if "first" not in self._result.tables:
             raise ParameterError(
                 f"plane = None: must be one for {name}; these states are random or a list"
@@ -368,9 +384,9 @@ def basins(
     structure, load : Structure, Load
         In place of them; the load has a frequency.
     plane : ((name, (lo, hi)), (name, (lo, hi))), optional
-        Two coordinates, each with its range, of which `points` values are taken, or with an array of evenly spaced
-        values; or (name, lo, hi, n). Names are "x", "x_dot", "y" (that is z - x), "z_dot" and "t"; of a structure
-        "q_0", "q_1", ... (coordinates, from 0) and "q_dot_0", ... (velocities).
+        Two coordinates, each with its range, of which `points` values are taken, or with an array that rises or
+        falls throughout; or (name, lo, hi, n). Names are "x", "x_dot", "y" (that is z - x), "z_dot" and "t"; of a
+        structure "q_0", "q_1", ... (coordinates, from 0) and "q_dot_0", ... (velocities).
     states : int or array_like (5, M), optional
         Instead of a plane: this many random states, or of an oscillator t, x, x', z, z' of each. Random ones are
         at t = 0, uniform in a box: x, x' and z' from -s to s and y from wall to wall, where s is the amplitude of
@@ -483,7 +499,10 @@ def _plane_keys(plane: Any, names: str, points: Any) -> dict[str, Any]:
             axis_of(item, n, f"plane[{i}][1]")
             for i, (item, n) in enumerate(zip(plane, numbers, strict=True))
         ]
-        lists = map(list, zip(*axes, strict=True))
+        if any(axis.listed for axis in axes) and len(axes) == 2:
+            listed = {name: axis.values for name, axis in zip(LISTED, axes, strict=True)}
+            return {"axes": [axis.name for axis in axes], **listed}
+        lists = map(list, zip(*(axis[:4] for axis in axes), strict=True))
         columns = dict(zip(("axes", "low", "high", "values"), lists, strict=True))
     except (ParameterError, ParameterTypeError):
         raise

@@ -1,6 +1,7 @@
 !> What basins of the oscillator and of structures have in common: a plane of initial states, names
 !! of attractors, and their shares of the states.
 module vi_basin_tables
+   use vi_common_keys, only: check_product, most_numbers
    use vi_kinds, only: wp
    use vi_spacing, only: even
    use vi_study, only: result_type, values_type
@@ -8,9 +9,85 @@ module vi_basin_tables
    implicit none (type, external)
    private
 
-   public :: find_shares, open_states, set_axes, tell_apart
+   public :: check_uneven, find_shares, is_even, open_states, plane_values, plane_sizes, set_axes, &
+      tell_apart
+
+   !> The keys of the values along both axes of a plane, where they are not evenly spaced.
+   character(13), parameter, public :: uneven_keys(2) = [character(13) :: 'first_values', &
+      'second_values']
 
 contains
+
+   !> Whether the values along both axes of a plane are evenly spaced.
+   pure logical function is_even(study)
+      !> The group.
+      type(values_type), intent(in) :: study
+
+      is_even = .not. study%has(trim(uneven_keys(1)))
+   end function is_even
+
+   !> Numbers of values along both axes of a plane.
+   pure function plane_sizes(study) result(sizes)
+      !> The group.
+      type(values_type), intent(in) :: study
+      integer :: sizes(2), i
+
+      if (is_even(study)) then
+         sizes = study%whole_numbers('values')
+      else
+         sizes = [(size(study%numbers(trim(uneven_keys(i)))), i=1, 2)]
+      end if
+   end function plane_sizes
+
+   !> The values along an axis of a plane.
+   pure function plane_values(study, i) result(axis)
+      !> The group.
+      type(values_type), intent(in) :: study
+      !> Number of the axis, 1 or 2.
+      integer, intent(in) :: i
+      real(wp), allocatable :: axis(:)
+      real(wp) :: low(2), high(2)
+      integer :: sizes(2)
+
+      if (is_even(study)) then
+         sizes = study%whole_numbers('values')
+         low = study%numbers('low')
+         high = study%numbers('high')
+         allocate (axis(sizes(i)))
+         axis = even(low(i), high(i), sizes(i))
+      else
+         axis = study%numbers(trim(uneven_keys(i)))
+      end if
+   end function plane_values
+
+   !> Checks the values along the axes of a plane where they are not evenly spaced, and the number
+   !! of its states.
+   pure subroutine check_uneven(study)
+      !> The group.
+      type(values_type), intent(inout) :: study
+      character(:), allocatable :: most
+      real(wp), allocatable :: axis(:)
+      integer :: i, sizes(2)
+
+      if (len(study%fault) > 0) return
+      most = 'together at most '//whole(most_numbers)//' states'
+      if (is_even(study)) then
+         call check_product(study, 'values', study%whole_numbers('values'), most)
+         return
+      end if
+      if (.not. study%has(trim(uneven_keys(2)))) then
+         call study%refuse(trim(uneven_keys(2)), 'both axes are listed, or none')
+         return
+      end if
+      do i = 1, 2
+         axis = study%numbers(trim(uneven_keys(i)))
+         if (.not. all(axis(2:) > axis(:size(axis) - 1))) then
+            call study%refuse(trim(uneven_keys(i)))
+         end if
+      end do
+      sizes = plane_sizes(study)
+      if (product(real(sizes, wp)) > most_numbers) call study%refuse(trim(uneven_keys(2)), most)
+   end subroutine check_uneven
 
    !> Sets the values along both axes of a plane; the second axis varies fastest.
    pure subroutine set_axes(study, places, states)
@@ -20,17 +97,14 @@ contains
       integer, intent(in) :: places(2)
       !> (size of a state, values of the second axis times those of the first one) In and out.
       real(wp), intent(inout) :: states(:, :)
-      real(wp) :: low(2), high(2)
       integer :: sizes(2), i
 
-      sizes = study%whole_numbers('values')
-      low = study%numbers('low')
-      high = study%numbers('high')
+      sizes = plane_sizes(study)
       do i = 1, sizes(1)
-         states(places(2), (i - 1)*sizes(2) + 1:i*sizes(2)) = even(low(2), high(2), sizes(2))
+         states(places(2), (i - 1)*sizes(2) + 1:i*sizes(2)) = plane_values(study, 2)
       end do
       do i = 1, sizes(2)
-         states(places(1), i::sizes(2)) = even(low(1), high(1), sizes(1))
+         states(places(1), i::sizes(2)) = plane_values(study, 1)
       end do
    end subroutine set_axes
 
@@ -45,21 +119,18 @@ contains
       !> The result.
       type(result_type), intent(inout) :: result
       character(*), parameter :: tables(2) = [character(6) :: 'first', 'second']
-      real(wp) :: low(2), high(2)
       integer :: sizes(2), i
 
       if (.not. study%has('axes')) then
          call result%open('states', dimension, [n])
          return
       end if
-      sizes = study%whole_numbers('values')
-      low = study%numbers('low')
-      high = study%numbers('high')
+      sizes = plane_sizes(study)
       call result%open('states', trim(study%word('axes', 2))//' '//study%word('axes', 1), &
          sizes(2:1:-1))
       do i = 1, 2
          call result%open(trim(tables(i)), trim(study%word('axes', i)), [sizes(i)])
-         call result%put(trim(tables(i)), 'place', even(low(i), high(i), sizes(i)))
+         call result%put(trim(tables(i)), 'place', plane_values(study, i))
       end do
    end subroutine open_states
 

@@ -6,15 +6,15 @@ module vi_basins_study
    use vi_attractor_known, only: ball, known_type, no_impacts, periodic, repeating, resting
    use vi_attractor_list, only: attractor_list_type, label_states
    use vi_attractor_spread, only: random_states
-   use vi_basin_tables, only: find_shares, open_states, set_axes, tell_apart
-   use vi_common_keys, only: check_product, clearance_key, half_gap, load_key, max_events_key, &
+   use vi_basin_tables, only: check_uneven, find_shares, is_even, open_states, plane_sizes, &
+      plane_values, set_axes, tell_apart, uneven_keys
+   use vi_common_keys, only: clearance_key, half_gap, load_key, max_events_key, &
       most_numbers, most_state, state_keys
    use vi_forced_system, only: new_forced_system
    use vi_kinds, only: wp
    use vi_pattern, only: starred_symbols
    use vi_progress, only: is_stopped
    use vi_settled_states, only: chaotic, outcome_type, quasi_periodic, settle_states, settling_type
-   use vi_spacing, only: even
    use vi_status, only: stat, status_text
    use vi_structure, only: load_type, structure_type
    use vi_structure_find, only: random_structure_states
@@ -23,8 +23,8 @@ module vi_basins_study
    use vi_structure_keys, only: check_start_state, needs_frequency, place_in_state, start_keys
    use vi_structure_return, only: settled_type
    use vi_study, only: a_whole, a_word, case_type, column_type, every_model, key_type, list_for, &
-      of_axes, of_oscillator, of_state, of_structure, result_type, study_type, values_type, &
-      wholes, words
+      of_axes, of_axis, of_oscillator, of_state, of_structure, result_type, study_type, &
+      values_type, wholes, words
    use vi_text, only: counted, exact, exact_list, line_type, shown, whole
    implicit none (type, external)
    private
@@ -35,7 +35,13 @@ module vi_basins_study
    character(5), parameter :: axis_names(5) = [character(5) :: 't', 'x', 'x_dot', 'y', &
       'z_dot']
 
-   character(*), parameter :: beside = 'states list', random = ': it is for a plane'
+   character(*), parameter :: beside = 'states list', random = ': it is for a plane', &
+      even_steps = ': it is for a plane with even steps', listed = beside//' first_values', &
+      structure_listed = 'states first_values'
+   character(*), parameter :: increasing = 'two or more increasing numbers from -1e100 to 1e100', &
+      along_axis(2) = [character(70) :: &
+      'values along the first axis, if they are not evenly spaced', &
+      'values along the second axis, if those along one are not evenly spaced']
    type(key_type), parameter :: first_keys(*) = [ &
       key_type('states', a_whole, may_miss=.true., low=1.0_wp, high=real(most_numbers, wp), &
       meaning='number of random states, instead of a plane'), &
@@ -53,16 +59,22 @@ module vi_basins_study
       why=random, takes='two of ''x'', ''x_dot'', ''y'' (z - x), ''z_dot'' and ''t'', or states = &
       &N instead of a plane', option='plane', meaning='axes of the plane of initial states'), &
       key_type('low', least=2, most=2, low=-most_state, high=most_state, &
-      never=beside, why=random, &
+      never=listed, why=even_steps, &
       takes='two numbers from -1e100 to 1e100, one for each axis', option='plane', &
       unit=of_axes, meaning='first value along each axis'), &
       key_type('high', least=2, most=2, low=-most_state, high=most_state, &
-      over='low', never=beside, why=random, &
+      over='low', never=listed, why=even_steps, &
       takes='two numbers from -1e100 to 1e100, one for each axis', option='plane', &
       unit=of_axes, meaning='last value along each axis'), &
-      key_type('values', a_whole, least=2, most=2, low=2.0_wp, high=1.0e5_wp, never=beside, &
-      why=random, takes='two whole numbers, one for each axis, each with 2 <= values <= 100000', &
+      key_type('values', a_whole, least=2, most=2, low=2.0_wp, high=1.0e5_wp, never=listed, &
+      why=even_steps, &
+      takes='two whole numbers, one for each axis, each with 2 <= values <= 100000', &
       option='plane', meaning='number of values along each axis'), &
+      key_type('first_values', least=2, most=100000, may_miss=.true., low=-most_state, &
+      high=most_state, only='axes', takes=increasing, unit=of_axis(1), meaning=along_axis(1)), &
+      key_type('second_values', least=2, most=100000, may_miss=.true., low=-most_state, &
+      high=most_state, only='first_values', takes=increasing, unit=of_axis(2), &
+      meaning=along_axis(2)), &
       key_type('t', default='0', low=-most_state, high=most_state, &
       never=beside, why=random, unit='1/omega', meaning='time, unless it is an axis'), &
       key_type('x', default='0', low=-most_state, high=most_state, &
@@ -144,16 +156,22 @@ module vi_basins_study
    type(key_type), parameter :: structure_keys(*) = [ &
       key_type('axes', a_word, least=2, most=2, never='states', why=random, takes=axes_taken, &
       option='plane', meaning='axes of the plane of initial states'), &
-      key_type('low', least=2, most=2, low=-most_state, high=most_state, never='states', &
-      why=random, takes='two numbers from -1e100 to 1e100, one for each axis', option='plane', &
+      key_type('low', least=2, most=2, low=-most_state, high=most_state, never=structure_listed, &
+      why=even_steps, takes='two numbers from -1e100 to 1e100, one for each axis', option='plane', &
       meaning='first value along each axis'), &
       key_type('high', least=2, most=2, low=-most_state, high=most_state, over='low', &
-      never='states', why=random, &
+      never=structure_listed, why=even_steps, &
       takes='two numbers from -1e100 to 1e100, one for each axis', option='plane', &
       meaning='last value along each axis'), &
-      key_type('values', a_whole, least=2, most=2, low=2.0_wp, high=1.0e5_wp, never='states', &
-      why=random, takes='two whole numbers, one for each axis, each with 2 <= values <= 100000', &
+      key_type('values', a_whole, least=2, most=2, low=2.0_wp, high=1.0e5_wp, &
+      never=structure_listed,       why=even_steps, &
+      takes='two whole numbers, one for each axis, each with 2 <= values <= 100000', &
       option='plane', meaning='number of values along each axis'), &
+      key_type('first_values', least=2, most=100000, may_miss=.true., low=-most_state, &
+      high=most_state, only='axes', takes=increasing, meaning=along_axis(1)), &
+      key_type('second_values', least=2, most=100000, may_miss=.true., low=-most_state, &
+      high=most_state, only='first_values', takes=increasing, &
+      meaning=along_axis(2)), &
       start_keys, &
       key_type('settling', a_whole, default='1000', low=0.0_wp, high=1.0e6_wp, &
       meaning='load cycles simulated before a motion is looked for, unless it repeats to rounding &
@@ -220,7 +238,8 @@ contains
    subroutine check_basins(case)
       !> The case; coordinates that are axes lose their values.
       type(case_type), intent(inout) :: case
-      real(wp) :: low(2), high(2)
+      real(wp), allocatable :: axis(:)
+      character(:), allocatable :: names(:)
       integer :: i
 
       if (case%model == of_structure) then
@@ -230,18 +249,19 @@ contains
       associate (study => case%study)
          if (study%has('list')) call check_list(study)
          if (len(study%fault) > 0 .or. .not. study%has('axes')) return
-         low = study%numbers('low')
-         high = study%numbers('high')
          if (study%word('axes', 1) == study%word('axes', 2)) call study%refuse('axes')
+         call check_uneven(study)
+         if (len(study%fault) > 0) return
          do i = 1, 2
             if (study%word('axes', i) /= 'y') cycle
-            if (-low(i) > reach(study)) call study%refuse('low', &
+            axis = plane_values(study, i)
+            names = [character(13) :: 'low', 'high']
+            if (.not. is_even(study)) names = uneven_keys([i, i])
+            if (-axis(1) > reach(study)) call study%refuse(trim(names(1)), &
                'y must be within half the clearance')
-            if (high(i) > reach(study)) call study%refuse('high', &
+            if (axis(size(axis)) > reach(study)) call study%refuse(trim(names(2)), &
                'y must be within half the clearance')
          end do
-         call check_product(study, 'values', study%whole_numbers('values'), 'together at most '// &
-            whole(most_numbers)//' states')
          do i = 1, 2
             call study%forbid(trim(study%word('axes', i)), ': it is an axis')
             call study%drop(trim(study%word('axes', i)))
@@ -305,7 +325,7 @@ contains
       real(wp), allocatable :: states(:, :)
       integer :: i
 
-      allocate (states(5, product(study%whole_numbers('values'))))
+      allocate (states(5, product(plane_sizes(study))))
       do i = 1, 5
          if (study%has(trim(axis_names(i)))) states(i, :) = study%number(trim(axis_names(i)))
       end do
@@ -327,7 +347,7 @@ contains
          else if (s%has('list')) then
             states = 0.2_wp*size(s%numbers('list'))
          else
-            states = product(real(s%whole_numbers('values'), wp))
+            states = product(real(plane_sizes(s), wp))
          end if
          if (case%model == of_structure) then
             bytes = (48.0_wp*case%coordinates + 100)*states + 5.0e4_wp*real(case%coordinates, wp)**2
@@ -505,8 +525,8 @@ contains
       low = study%numbers('low')
       high = study%numbers('high')
       n = study%whole_numbers('values')
-      first = even(low(1), high(1), n(1))
-      second = even(low(2), high(2), n(2))
+      first = plane_values(study, 1)
+      second = plane_values(study, 2)
       cells = (high(2:1:-1) - low(2:1:-1))/(n(2:1:-1) - 1)
       call largest_disc(plane, i, cells, radius, place)
       centre = [first(place(2)), second(place(1))]
@@ -570,8 +590,7 @@ contains
          places = [(place_in_state(s%word('axes', i), case%coordinates), i=1, 2)]
          if (any(places == 0) .or. places(1) == places(2)) call s%refuse('axes', &
             'the structure has '//counted(case%coordinates, 'coordinate'))
-         call check_product(s, 'values', s%whole_numbers('values'), 'together at most '// &
-            whole(most_numbers)//' states')
+         call check_uneven(s)
       end associate
    end subroutine check_structure
 
@@ -583,7 +602,7 @@ contains
       if (study%has('states')) then
          n = study%whole_number('states')
       else
-         n = product(study%whole_numbers('values'))
+         n = product(plane_sizes(study))
       end if
    end function count_states
 
