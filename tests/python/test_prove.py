@@ -276,6 +276,15 @@ def test_box_is_not_proven():
         vi.prove_box(OSC, "RL", r=1.04, clearance=25, restitution=0.7, R1=0.7)
 
 
+def test_box_at_a_point_without_a_motion():
+    """Where nothing varies and no motion is found, the representation names the point."""
+    inelastic = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.0)
+    proof = vi.prove_box(inelastic, "RL", r=1.04, clearance=25)
+    assert repr(proof).startswith("<Certificate of RL/1 at r = 1.04, d K/F0 = 25.0: exists not")
+    assert not proof.proven
+    assert "no stable, admissible motion" in proof.undecided[0]["reason"]
+
+
 @pytest.mark.parametrize(
     ("given", "message"),
     [

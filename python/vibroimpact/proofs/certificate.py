@@ -188,7 +188,8 @@ class Certificate:
                 f"{name} {float(exact(low)):.10g} to {float(exact(high)):.10g}"
                 for sheet in self.sheets for name, (low, high) in sheet.items()
             )  # fmt: skip
-            place = f"for {', '.join(places)} in {len(self.boxes)} boxes"
+            if places:
+                place = f"for {', '.join(places)} in {len(self.boxes)} boxes"
         return f"<Certificate of {self.sides}/{self.cycles} {place}: {', '.join(words)}>"
 
     def _repr_html_(self) -> str:
