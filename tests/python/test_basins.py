@@ -457,3 +457,24 @@ def test_kinds_agree_with_the_exponents_of_long_averages():
                 assert long.per_cycle[0] < 0
             seen.add(item.kind)
     assert "chaotic" in seen
+
+
+@pytest.mark.parametrize("whole", [True, False])
+def test_what_is_stopped_while_it_is_watched_stays_undecided(whole):
+    """Ctrl-C during the watch of motions that may be chaotic keeps the states; the bar is not at its end."""
+    shares = []
+
+    def press(share, _):
+        shares.append(share)
+        if share > 0.5:  # all states were simulated
+            raise KeyboardInterrupt
+
+    walls = [vi.Gap([-1, 1], 36, 0.75), vi.Gap([1, -1], 36, 0.75)]
+    host = vi.Structure([1, FIGURE6.mu], [2 * FIGURE6.xi, 0], [1, 0], walls)
+    system = (FIGURE6, 1.04, 72.0) if whole else (host, vi.Load(1.04, sine=[1, 0]))
+    with pytest.raises(vi.StudyInterrupted) as caught:
+        vi.basins(*system, states=5, threads=1, progress=press)
+    found = caught.value.result
+    assert (found.labels == -1).any()
+    assert (found.labels >= -1).all()
+    assert max(shares) < 1

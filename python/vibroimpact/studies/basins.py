@@ -275,7 +275,8 @@ class Basins(Noun, study="basins", formerly="StructureBasins"):
         left = int(np.isin(self.labels, (-1, EVENT_LIMITED)).sum())
         parts += [f"{left} not decided"] if left and self.complete else []
         cut = "" if self.complete else f"; cut short, {self.cut}"
-        return f"<Basins of {self.labels.size} states: {', '.join(parts)}{cut}>"
+        shares = ", ".join(parts) or "none decided"
+        return f"<Basins of {self.labels.size} states: {shares}{cut}>"
 
 
 def basins_structure(

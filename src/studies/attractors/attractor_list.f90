@@ -16,7 +16,7 @@ module vi_attractor_list
    use vi_simulated_motion, only: cell_type, examination_type
    use vi_simulated_pair, only: new_pair_chains, pair_chains_type
    use vi_status, only: stat
-   use vi_progress, only: add_expected_work, is_stopped
+   use vi_progress, only: add_done_work, add_expected_work, is_stopped
    implicit none (type, external)
    private
 
@@ -44,6 +44,8 @@ module vi_attractor_list
    real(wp), parameter :: watched = 2.0e6_wp
    integer, parameter :: watched_cycles = 4000000, most_peers = 7
    real(wp), parameter :: decay = 40
+   !> Least units of work that stand for the states that are followed and watched.
+   integer, parameter :: least_room = 8
    !> Load cycles after which a motion that repeats itself to rounding, but is not confirmed, counts
    !! as
    !! an attractor of its own.
@@ -80,14 +82,16 @@ contains
       integer, intent(inout), optional :: progress(3)
       real(wp), allocatable :: ends(:, :), after(:, :)
       integer, allocatable :: open_ones(:), found(:), counts(:)
-      integer :: i, known, round
+      integer :: i, known, room, round
 
+      ! how long motions must be watched is not known before: the bar leaves room for it
+      room = max(least_room, size(labels)/8)
       allocate (list%known(most_attractors), list%groups(0), list%transients(0))
       labels = 0
       events = 0
       allocate (ends, source=starts)
       allocate (open_ones, source=[(i, i=1, size(labels))])
-      call add_expected_work(size(labels), progress)
+      call add_expected_work(size(labels) + room, progress)
       call discover(list, starts(:, some(size(labels), probes)), cycles/2, progress)
       do round = 1, rounds
          allocate (found(size(open_ones)), counts(size(open_ones)), after(5, size(open_ones)))
@@ -105,6 +109,7 @@ contains
       end do
       call examine(list, ends, cycles*min(round, rounds), labels, open_ones, progress)
       call order_by_share(list, labels)
+      call add_done_work(room, progress)
    end subroutine label_states
 
    !> Some of n places, spread evenly and without repetition.

@@ -409,7 +409,8 @@ contains
       allocate (shares(list%n), errors(list%n))
       call find_shares(labels, reached, names, shares, errors, text)
       call put_attractors(case, list, names, labels, shares, errors, result)
-      result%empty = lost == reached
+      ! what was cut short may hold states whose attractor was still watched: their labels are kept
+      result%empty = lost == reached .and. (reached == 0 .or. len(result%cut) == 0)
       if (.not. result%empty) call result%add_note(text)
       if (lost == 0) return
       text = ''
@@ -659,7 +660,7 @@ contains
       call result%put_codes('states', 'attractor', max(0, labels), names)
       call put_structure_attractors(result, list, labels, numbers, names, n)
       lost = count(labels == undecided .or. labels == event_limited)
-      result%empty = count(labels > 0) == 0
+      result%empty = count(labels > 0) == 0 .and. (reached == 0 .or. len(result%cut) == 0)
       i = findloc(outcomes%status /= stat%ok .and. outcomes%status /= stat%not_computed, &
          .true., 1)
       if (result%empty .and. i == 0) call result%fail('no state settles')

@@ -71,6 +71,8 @@ module vi_settled_states
       most_groups = 30
    !> States between which the list of motions is brought up to date.
    integer, parameter :: block = 512
+   !> Least units of work that stand for the watch of motions that are not periodic.
+   integer, parameter :: least_room = 8
 
    !> Greatest speed of events, and greatest |G_j.q| at events.
    type :: scales_type
@@ -98,9 +100,12 @@ contains
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)
       type(run_type) :: run
-      integer :: first, i, ready
+      integer :: first, i, ready, room
 
-      call add_expected_work(size(outcomes), progress)
+      ! how long motions must be watched is not known before: the bar leaves room for it
+      room = 0
+      if (how%watched) room = max(least_room, size(outcomes)/8)
+      call add_expected_work(size(outcomes) + room, progress)
       call new_run(structure, load, run, ready)
       if (ready /= stat%ok) outcomes%status = ready
       if (ready /= stat%ok) return
@@ -114,6 +119,7 @@ contains
       end do
       if (how%watched) call watch_wanderers(structure, load, run, start, how, list, outcomes, &
          progress)
+      call add_done_work(room, progress)
    end subroutine settle_states
 
    !> Simulates some of the states, and adds the motions on which they settle to the list.
@@ -252,7 +258,8 @@ contains
       call settle_on(structure, own, start, state(:n), state(n + 1:), cycles, how%max_cycles, 0, &
          .true., max(0, outcome%left), found, status, progress, outcome%finish)
       outcome%left = outcome%left - nint(min(0.5_wp*huge(1), outcome%pace*cycles))
-      if (.not. is_decided(found, status)) return
+      ! one that was stopped was reached before, and stays undecided
+      if (status == stat%not_computed .or. .not. is_decided(found, status)) return
       outcome%status = status
       outcome%kind = 0
    end subroutine go_on
