@@ -31,7 +31,7 @@ except ImportError:
 __all__ = ["final_state", "motion", "response"]
 
 _Array = NDArray[np.float64]
-#: The parameters, without R, which is both coefficients of restitution alike.
+#: The parameters, without R, which sets both coefficients of restitution to one value.
 NAMES = tuple(name for name in PARAMETERS if name != "R")
 #: Quantities of a motion by default.
 QUANTITIES = (

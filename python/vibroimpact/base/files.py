@@ -18,7 +18,7 @@ def place_for(path: str | Path, endings: Iterable[str]) -> Path:
     Raises
     ------
     ParameterError
-        If it has none of the endings, or its folder is not there.
+        If it has none of the endings, or its folder does not exist.
     """
     place = checks.path(path)
     if place.suffix.lower() not in endings:

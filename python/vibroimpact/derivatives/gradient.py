@@ -112,7 +112,7 @@ def trajectory_gradient(run: Trajectory) -> Gradient:
 
 
 def with_both(slopes: NDArray[Any]) -> NDArray[Any]:
-    """The derivatives of a trajectory with those by both R alike, before the last one."""
+    """The derivatives of a trajectory with those by a common R of both walls, before the last one."""
     both = slopes[..., 9:10] + slopes[..., 10:11]
     return frozen(np.concatenate([slopes[..., :11], both, slopes[..., 11:]], axis=-1))
 

@@ -371,7 +371,7 @@ class Design(Noun, study="design", example=EXAMPLE):
         Raises
         ------
         ParameterError
-            If the extension is none of these, or the folder is not there.
+            If the extension is none of these, or the folder does not exist.
         """
         ACTIONS["report"](self, path)
 

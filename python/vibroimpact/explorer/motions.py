@@ -59,7 +59,7 @@ def fuller(
 def ordered(
     motions: Iterable[Motion], kept: Iterable[Shown] = (), progress: Progress | None = None
 ) -> list[Shown]:
-    """Each once, with its mirror image where the walls are alike; the stable ones first."""
+    """Each once, with its mirror image where both walls have the same restitution; the stable ones first."""
     shown = list(kept)
     for motion in motions:
         for image in motion_images(motion):

@@ -34,7 +34,7 @@ def save(noun: Any, path: str | Path, units: str | None = None) -> None:
 def write_csv(noun: Any, path: Path, units: str | None = None) -> None:
     """Write the rows with the case in the header, by the core, which Ctrl-C stops.
 
-    A `Physical`, and a result without a case, which tells the core the units, are written here.
+    A `Physical`, and a result without a case (from which the core takes the units), are written here.
     """
     if hasattr(noun, "_csv"):
         write_text(path, noun._csv())

@@ -236,7 +236,7 @@ def fit(
 
 
 def far_off_gain(gain: float, calibration: float) -> str:
-    """What is said of a sensor that would have another gain than its calibration allows."""
+    """The message about a sensor whose fitted gain is outside its calibration."""
     return (
         f"the motion is {gain:.4g} times that of what is known, with a calibration to {calibration:.3g}: what is "
         f"known may be wrong, or the calibration; {HINT}"

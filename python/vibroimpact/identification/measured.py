@@ -33,7 +33,7 @@ UNITS: dict[str, dict[str, float]] = {
     "velocity": {f"{name}/s": one for name, one in _LENGTHS.items()},
     "displacement": _LENGTHS,
 }
-#: Order of the low-pass that stands for a sensor and its conditioner.
+#: Order of the low-pass that models a sensor and its conditioner.
 ORDER = 4
 #: Least number of samples of a record.
 LEAST = 16

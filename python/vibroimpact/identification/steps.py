@@ -479,7 +479,7 @@ def changing(values: _Array, rate: float, Omega: float, name: str) -> None:
 
 
 def steadiness(force: _Array, rate: float, load: Tones) -> str:
-    """What is said of a load whose frequency is not constant; nothing if it is."""
+    """The message about a load whose frequency is not constant; empty if it is constant."""
     edges = whole_periods(force.size, rate, load.omega, 16)
     t = centred(force.size, rate)
     turned = (force - force.mean()) * np.exp(-1j * load.omega * t)

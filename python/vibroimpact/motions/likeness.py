@@ -21,7 +21,8 @@ def standard_motion(motion: Motion, *, mirrored: bool = False) -> Motion:
     """A motion, or its mirror image, over its shortest period, with its impacts counted from the one that puts
     R before L.
 
-    The mirror image is x -> -x, R <-> L, half a cycle later; it is a motion if the walls are alike.
+    The mirror image is x -> -x, R <-> L, half a cycle later; it is a motion if both walls have the same
+    restitution.
 
     Raises
     ------
@@ -46,7 +47,7 @@ def standard_motion(motion: Motion, *, mirrored: bool = False) -> Motion:
 
 
 def motion_images(motion: Motion) -> Iterator[Motion]:
-    """A motion in standard form, and its mirror image where the walls are alike.
+    """A motion in standard form, and its mirror image where both walls have the same restitution.
 
     Raises
     ------

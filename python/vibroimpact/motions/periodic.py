@@ -361,7 +361,7 @@ def equispaced(
     Raises
     ------
     ParameterError, ParameterTypeError
-        If an argument is not allowed, or the walls are not alike; nothing was computed.
+        If an argument is not allowed, or the walls differ in restitution; nothing was computed.
 
     Examples
     --------
@@ -420,7 +420,7 @@ def equispaced_batch(
     Raises
     ------
     ParameterError, ParameterTypeError
-        If an argument is not allowed, or the walls are not alike; nothing was computed.
+        If an argument is not allowed, or the walls differ in restitution; nothing was computed.
 
     Examples
     --------

@@ -435,7 +435,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
             Of a structure: names or tuples as in `Motion.gradient`, and of the start: 'start' (its time, the state
             being fixed), 'q_I' and 'q_dot_I'. Of a record 'load' is a factor. By default those of the start,
             frequency, load, and all openings and coefficients of restitution. Those of an oscillator are t, x,
-            x_dot, z and z_dot of the initial state, and r, clearance, xi, mu, R1, R2, R (both alike) and load.
+            x_dot, z and z_dot of the initial state, and r, clearance, xi, mu, R1, R2, R (both walls) and load.
 
         Returns
         -------

@@ -56,14 +56,14 @@ def ratios(low: float, high: float, resolution: float = 1.0) -> NDArray[np.float
 
 
 def kind_of(sides: str, cycles: int, phases: Any = None, *, alike: bool = False) -> str:
-    """The paper's name of a motion: impacts a cycle, and e or u for two impacts on walls alike.
+    """The paper's name of a motion: impacts a cycle, and e or u for two impacts on equal walls.
 
     Motions over several cycles are called N/k, as in "N impacts/k cycles".
 
     Parameters
     ----------
     phases : sequence of two floats, optional
-        Impact phases, to distinguish equispaced from unequispaced motions if the walls are `alike`.
+        Impact phases, to distinguish equispaced from unequispaced motions if the walls are equal (`alike`).
     """
     if "*" in sides:
         return "rest"

@@ -76,7 +76,7 @@ class Uncertain:
     def around(self, nominal: Any, values: Any) -> Any:
         """Values of a parameter that has a nominal one: factors if all are positive, otherwise deviations.
 
-        Values that include 0 can only be deviations, and those of a factor are above 0, so that none means both.
+        Values that include 0 are deviations, and factors are above 0, so the two cannot be confused.
         """
         return nominal * values if self.low > 0 else nominal + values
 
@@ -120,7 +120,7 @@ def uncertain(value: Any, name: str) -> Uncertain:
     Raises
     ------
     ParameterError, ParameterTypeError
-        If it is none of these, or not finite.
+        If it has none of these forms, or is not finite.
 
     Examples
     --------

@@ -671,7 +671,7 @@ class Pattern:
         Parameters
         ----------
         alike : bool
-            Whether the walls are alike, so that the mirror image counts as the same.
+            Whether both walls have the same restitution, so that the mirror image counts as the same pattern.
 
         Examples
         --------

@@ -388,8 +388,8 @@ class Outputs(Mapping[str, _Array]):
 class Structure(ByValue):
     """A linear structure M q'' + C q' + K q = f with gaps, elastic stops and dry friction.
 
-    All bodies are alike, free masses too: a mass between two walls of another body is a coordinate without
-    stiffness and two gaps. Units are the user's own, consistent ones.
+    All bodies are treated the same, free masses too: a mass between two walls of another body is a coordinate
+    without stiffness and two gaps. Units are the user's own, consistent ones.
 
     Parameters
     ----------

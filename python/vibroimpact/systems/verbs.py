@@ -61,7 +61,7 @@ def every_system(
     of_structure : callable
         The procedure for structures.
     kind : type, optional
-        The class of its first argument, which tells its system, if that is not `Structure`.
+        The class of the first argument that selects this system, if it is not `Structure`.
     of_law : callable, optional
         Oscillators whose restitution depends on the speed, or whose load is a `Load`, are handed over, too, and
         points with friction or stops; it turns the arguments, by name, into those of a point and those for
