@@ -282,6 +282,32 @@ def test_sketch_of_fixed_stops(side):
     assert text_of(ax, "$e$ = 0.1").get_position()[1] == -0.6
 
 
+def test_sketch_of_elastic_stops_and_friction():
+    """A stop is a plate on a spring, friction a hatched contact on the ground, a belt, a body or in a slot."""
+    stop = vi.Stop([1], 1, stiffness=50)
+    ax, boxes = sketch_of(vi.Structure([1], [0.1], [1], [stop], [vi.Friction([1], 0.6, 1, 0.2)]))
+    plate = boxes[0][1] + 1.4 - 0.6
+    assert stops_of(ax) == pytest.approx([plate])
+    springs = [line.get_xdata() for line in ax.lines if line.get_xdata().size == 14]
+    assert [(x[0], x[-1]) for x in springs][-1] == pytest.approx((plate, plate + 0.6))
+    assert text_of(ax, "$e$ = 1, $k$ = 50")
+    assert text_of(ax, "$f$ = 0.6 to 1, belt at 0.2").get_position()[1] < 0
+    contacts = [p for p in ax.patches if p.get_hatch() == "xxxxxxx"]
+    assert [p.get_y() + p.get_height() for p in contacts] == [0]
+
+    slot = [vi.Gap([-1, 1], 5, 0.7), vi.Gap([1, -1], 5, 0.7)]
+    held = vi.Structure([1, 0.1], [0.1, 0], [1, 0], slot, [vi.Friction([-1, 1], 0.02)])
+    ax, boxes = sketch_of(held)
+    (contact,) = (p for p in ax.patches if p.get_hatch() == "xxxxxxx")
+    assert boxes[0][0] < contact.get_x() < contact.get_x() + contact.get_width() < boxes[0][1]
+    assert text_of(ax, "$f$ = 0.02")
+
+    two = vi.Structure([1, 1], [0, 0], [[2, -1], [-1, 1]], [], [vi.Friction([-1, 1], 0.02)])
+    ax, boxes = sketch_of(two)
+    (contact,) = (p for p in ax.patches if p.get_hatch() == "xxxxxxx")
+    assert boxes[1][0] < contact.get_x() < contact.get_x() + contact.get_width() < boxes[1][1]
+
+
 @pytest.mark.parametrize("count", [1, 6])
 def test_sketch_of_modes(count):
     """Coordinates of modes are no bodies: a block with the frequencies and up to four gaps."""

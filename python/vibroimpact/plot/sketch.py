@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..systems.record import Record
-from ..systems.structure import Load, Structure
+from ..systems.structure import Friction, Gap, Load, Stop, Structure
 from .style import FREE, IMPACT, LOAD, PRIMARY, SETTINGS, pyplot
 
 __all__ = ["bodies_of", "draw_sketch", "draw_system"]
@@ -230,7 +230,7 @@ def _draw_row(
         each.left = place
         place = each.right + DISTANCE
     first, last = boxes[shown[0]], boxes[shown[-1]]
-    walls = set()
+    walls, below = set(), set()
     # how far the picture reaches to both sides and down, and how much room loads leave above the bodies
     reach, depth, lift = [first.left, last.right], -0.3, 0.0
     stopped = any(
@@ -253,6 +253,7 @@ def _draw_row(
                     walls.add(1)
                 else:
                     _to_ground(ax, box, letter, label)
+                    below.add(i)
                     depth = -1.7
             for j, other in boxes.items():
                 if other.left > box.left and matrix[i, j]:
@@ -270,23 +271,36 @@ def _draw_row(
         if len(pair) == 1:
             own, side = boxes[int(pair[0])], int(np.sign(gap.direction[pair[0]]))
             beside = (own is last and side > 0) or (own is first and side < 0 and -1 not in walls)
-            _stop(ax, own, side, rf"$e$ = {gap.opening:.3g}", beside)
+            _stop(ax, own, side, _label_of(gap), beside, isinstance(gap, Stop))
             reach[0] = min(reach[0], own.left - GAP * beside * (side < 0))
             reach[1] = max(reach[1], own.right + GAP * beside * (side > 0))
-            depth = depth if beside else min(depth, -1.3)
+            if not beside:
+                below.add(own.coordinate)
+                depth = min(depth, -1.3)
             reach[0] = min(reach[0], own.left - 0.7 * (side < 0))
             reach[1] = max(reach[1], own.right + 0.7 * (side > 0))
         else:
             low, high = sorted((boxes[int(k)] for k in pair), key=lambda box: box.left)
             facing = bool(gap.direction[low.coordinate] > 0)
-            label = rf"$e$ = {gap.opening:.3g}"
+            label = _label_of(gap)
             if shown.index(high.coordinate) == shown.index(low.coordinate) + 1:
                 crowded = bool(structure.damping[low.coordinate, high.coordinate])
-                _between(ax, low, high, facing, label, crowded)
+                _between(ax, low, high, facing, label, crowded, isinstance(gap, Stop))
                 reach[1] = max(reach[1], high.right + 0.8 * (not facing))
                 lift = max(lift, 0.3 * (not facing))
             else:
                 far.append((low, high, label + ("" if facing else " (apart)")))
+    for rubbing in structure.friction:
+        touched = [int(k) for k in np.flatnonzero(rubbing.direction)]
+        if len(touched) == 1 and touched[0] in boxes:
+            _rub(ax, boxes[touched[0]], rubbing, touched[0] in below)
+            depth = min(depth, -1.7 if touched[0] in below else -1.0)
+        elif len(touched) == 2 and all(k in boxes for k in touched):
+            low, high = sorted((boxes[k] for k in touched), key=lambda box: box.left)
+            _rub_between(ax, low, high, rubbing)
+            depth = min(depth, -0.9)
+        elif len(touched) == 2 and any(k in hosts for k in touched):
+            _rub_in_slot(ax, boxes, hosts, touched, rubbing)
     floor = depth + 0.2 if depth < -1 else 0.0
     for k, (low, high, label) in enumerate(far, 1):
         _far(ax, low, high, floor - 0.6 * k + 0.15, label)
@@ -439,6 +453,68 @@ def _wall(ax: Any, x: float, side: int, height: float) -> None:
     ax.plot([x, x], [-0.2, height + 0.2], color="k", lw=1.0)
 
 
+def _label_of(gap: Gap | Stop) -> str:
+    """The opening of a gap, and the stiffness of an elastic stop."""
+    label = rf"$e$ = {gap.opening:.3g}"
+    return label + rf", $k$ = {gap.stiffness:.3g}" if isinstance(gap, Stop) else label
+
+
+def _hatched(ax: Any, x0: float, x1: float, y0: float, y1: float) -> None:
+    """Two surfaces that rub on each other."""
+    from matplotlib.patches import Rectangle
+
+    ax.add_patch(Rectangle((x0, y0), x1 - x0, y1 - y0, fc="w", ec="k", lw=0.6, hatch="xxxxxxx"))
+
+
+def _friction_of(rubbing: Friction) -> str:
+    words = rf"$f$ = {rubbing.slip:.3g}"
+    return words + (f" to {rubbing.stick:.3g}" if rubbing.stick > rubbing.slip else "")
+
+
+def _rub(ax: Any, box: Box, rubbing: Friction, low: bool) -> None:
+    """Friction of a body on the ground, or on a belt that moves; beside what else is below the body."""
+    x0, x1 = (box.left + 0.08, box.left + 0.48) if low else (box.left + 0.3, box.right - 0.3)
+    bottom = -1.0 if low else -0.2
+    if low:
+        ax.plot([0.5 * (x0 + x1)] * 2, [0, bottom + 0.2], color="k", lw=2.2)
+    _hatched(ax, x0, x1, bottom, bottom + 0.2)
+    if low:
+        _floor(ax, box.left, box.right)
+    else:
+        ax.plot([box.left, box.right], [bottom, bottom], color="k", lw=1.0)
+    words = _friction_of(rubbing)
+    if rubbing.speed:
+        words += rf", belt at {rubbing.speed:.3g}"
+        way = float(np.copysign(0.5, rubbing.speed))
+        _arrow(ax, (box.middle - way, bottom - 0.15), (box.middle + way, bottom - 0.15))
+    ax.text(box.middle, bottom - 0.33, words, ha="center", va="top", fontsize=6)
+
+
+def _rub_between(ax: Any, low: Box, high: Box, rubbing: Friction) -> None:
+    """Friction between two bodies: a plate of the left one under the right one."""
+    y = -0.2
+    ax.plot([low.middle, low.middle, high.middle + 0.4], [0, y, y], color="k", lw=1.2)
+    _hatched(ax, high.middle - 0.4, high.middle + 0.4, y, 0.0)
+    ax.text(
+        0.5 * (low.middle + high.middle), y - 0.1, _friction_of(rubbing), ha="center", va="top", fontsize=6
+    )  # fmt: skip
+
+
+def _rub_in_slot(
+    ax: Any, boxes: dict[int, Box], hosts: dict[int, tuple[int, set[int]]], touched: list[int], rubbing: Friction
+) -> None:  # fmt: skip
+    """Friction of a free mass in its slot."""
+    for inner, host in (touched, touched[::-1]):
+        if inner in hosts and hosts[inner][0] == host and host in boxes:
+            box = boxes[host]
+            k = [j for j, _ in box.inner].index(inner)
+            middle = box.left + 0.2 + (k + 0.5) * SLOTTED
+            _hatched(ax, middle - 0.45, middle + 0.45, 0.5, 0.6)
+            ax.text(
+                box.right - 0.1, 0.06, _friction_of(rubbing), ha="right", va="bottom", fontsize=5
+            )
+
+
 def _floor(ax: Any, x0: float, x1: float) -> None:
     from matplotlib.patches import Rectangle
 
@@ -459,19 +535,28 @@ def _opening(ax: Any, x0: float, x1: float, y: float, label: str, below: bool = 
     )  # fmt: skip
 
 
-def _stop(ax: Any, box: Box, side: int, label: str, alone: bool) -> None:
-    """A fixed stop: a wall beside the last body, or a post on the ground below a lug of the body."""
+def _stop(ax: Any, box: Box, side: int, label: str, alone: bool, elastic: bool) -> None:
+    """A fixed stop: a wall beside the last body, or a post on the ground below a lug of the body; an elastic one
+    is a plate on a spring."""
     if alone:
         face = box.right if side > 0 else box.left
-        x = face + side * GAP
-        _wall(ax, x, side, HEIGHT)
+        wall = face + side * GAP
+        x = wall - side * 0.6 * elastic
+        _wall(ax, wall, side, HEIGHT)
         ax.plot([x, x], [0.0, HEIGHT], color=IMPACT, lw=2.6, solid_capstyle="butt")
-        _opening(ax, min(face, x), max(face, x), MIDDLE, label)
+        if elastic:
+            _spring(ax, min(x, wall), max(x, wall), UPPER, "")
+        _opening(ax, min(face, x), max(face, x), MIDDLE, "" if elastic else label)
+        if elastic:
+            ax.text(0.5 * (face + wall), -0.05, label, ha="center", va="top", fontsize=6)
         return
     lug = box.right - 0.2 if side > 0 else box.left + 0.2
     x = lug + side * 0.7
     ax.plot([lug, lug], [0, -0.5], color="k", lw=2.2)
-    ax.plot([x, x], [-1, -0.2], color=IMPACT, lw=2.6, solid_capstyle="butt")
+    ax.plot([x, x], [-0.5 if elastic else -1, -0.2], color=IMPACT, lw=2.6, solid_capstyle="butt")
+    if elastic:
+        turns = x + 0.1 * np.r_[0, np.tile([1, -1], 3), 0]
+        ax.plot(turns, np.linspace(-0.5, -1, turns.size), color="k", lw=0.9)
     _floor(ax, min(box.left, x - 0.3), max(box.right, x + 0.3))
     _opening(ax, min(lug, x), max(lug, x), -0.35, "")
     ax.text(
@@ -479,14 +564,20 @@ def _stop(ax: Any, box: Box, side: int, label: str, alone: bool) -> None:
     )
 
 
-def _between(ax: Any, low: Box, high: Box, facing: bool, label: str, crowded: bool) -> None:
-    """A gap between two bodies: facing stops, or an arm of the left one around the right one."""
+def _between(
+    ax: Any, low: Box, high: Box, facing: bool, label: str, crowded: bool, elastic: bool
+) -> None:  # fmt: skip
+    """A gap between two bodies: facing stops, one of them on a spring if it is elastic, or an arm of the left one
+    around the right one."""
     y = MIDDLE
     if facing:
         x0, x1 = low.right, high.left
         half = 0.5 * (x0 + x1)
         for face, end in ((x0, half - 0.3), (x1, half + 0.3)):
-            ax.plot([face, end], [y, y], color="k", lw=1.6)
+            if elastic and face == x0:
+                _spring(ax, face, end, y, "")
+            else:
+                ax.plot([face, end], [y, y], color="k", lw=1.6)
             ax.plot([end, end], [y - 0.18, y + 0.18], color=IMPACT, lw=2.6, solid_capstyle="butt")
         # above the gap where a dashpot is below it
         shift, va = (0.2, "bottom") if crowded else (-0.24, "top")

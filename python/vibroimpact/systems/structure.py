@@ -398,8 +398,7 @@ class Structure(ByValue):
         A vector (n,) is a diagonal.
     gaps : sequence of Gap or Stop
     friction : sequence of Friction
-        `simulate`, `periodic`, `exact`, `find`, `branch`, `zone`, `chart`, `atlas`, `response`,
-        `bifurcation_diagram`, `lyapunov` and `basins` take stops and friction; the other verbs do not, yet.
+        All studies of motions take stops and friction, and so do `gradient` and `quantities`.
     outputs : mapping of str to array_like (n,), optional
         Displacements of interest by name, each as a row that gives it from the coordinates. Trajectories and
         motions are sampled at them; responses, bifurcation diagrams, plots and CSV files show them by name.
