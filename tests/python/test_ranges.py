@@ -62,7 +62,7 @@ def test_a_range_is_the_array_of_its_points(name):
             sweep((low, high), points=wrong)
 
 
-@pytest.mark.parametrize("name", [name for name in SWEEPS if not name.startswith(("chart", "unc"))])
+@pytest.mark.parametrize("name", SWEEPS)
 def test_an_array_may_be_uneven(name):
     """Any different values in ascending order are taken, and there is one result for each."""
     sweep, (low, high), _ = SWEEPS[name]
@@ -75,6 +75,14 @@ def test_values_that_fall_give_the_same_diagram():
     """A diagram goes through its values in order, however they are listed."""
     sweep, (low, high), _ = SWEEPS["bifurcation"]
     assert numbers(sweep((high, low), points=3)) == numbers(sweep((low, high), points=3))
+
+
+@pytest.mark.parametrize("name", ["chart", "uncertainty"])
+def test_axes_of_planes_may_fall(name):
+    """Charts and probabilities over a plane are in ascending order, however the values are listed."""
+    sweep, (low, high), _ = SWEEPS[name]
+    values = [low, low + 0.1 * (high - low), high]
+    assert numbers(sweep(values[::-1])) == numbers(sweep(values))
 
 
 def test_values_in_hertz_are_a_range():

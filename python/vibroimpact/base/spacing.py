@@ -107,6 +107,13 @@ def range_axes(r: Any, clearance: Any, points: Any) -> tuple[Any, Any]:
     return range_values(r, "r", n, first), range_values(clearance, "clearance", m, second)
 
 
+def rising(values: Any) -> Any:
+    """Numbers that fall throughout in ascending order, for an axis of a map; others as they are."""
+    array = np.asarray(values)
+    falls = array.ndim == 1 and array.size > 1 and array.dtype.kind in "fiu"
+    return array[::-1].copy() if falls and (np.diff(array) < 0).all() else values
+
+
 def ends_of(values: Any, name: str, wanted: str) -> tuple[Any, Any]:
     """The ends of a window: a pair (lo, hi), or an array that rises or falls throughout.
 

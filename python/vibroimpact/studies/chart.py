@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..base import checks
 from ..base.errors import StudyInterrupted
 from ..base.libraries import xarray
-from ..base.spacing import range_axes
+from ..base.spacing import range_axes, rising
 from ..base.status import status_text
 from ..motions.motion import Motion
 from ..results import door
@@ -311,8 +311,8 @@ def chart(
         Numbers of evenly spaced values where r and clearance are ranges; of a structure those of x and of y, 2 to
         129, by default 33.
     r, clearance : array_like, or (float, float)
-        Increasing frequency ratios and clearances d K/F0, at most 1000000 points altogether; d is the whole
-        travel of m between the walls. With `points` each is a range (lo, hi), or one number.
+        Frequency ratios and clearances d K/F0 that rise or fall throughout, at most 1000000 points altogether; d is
+        the whole travel of m between the walls. With `points` each is a range (lo, hi), or one number.
     symmetric : bool, optional
         True: only motions that are their own mirror image half a period later (of RL these are the
         equispaced ones); False: only the others; None: both.
@@ -386,7 +386,7 @@ def chart(
     (('motion', 'y', 'x'), 59)
     """
     xarray("charts")
-    r, clearance = range_axes(r, clearance, points)
+    r, clearance = map(rising, range_axes(r, clearance, points))
     options = {"slots": slots, "guesses": guesses, "seeds": seeds}
     try:
         found = compute_chart(

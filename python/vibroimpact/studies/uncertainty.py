@@ -15,7 +15,7 @@ from ..base.checks import Rng
 from ..base.errors import ParameterError, ParameterTypeError, StudyInterrupted
 from ..base.libraries import xarray
 from ..base.progress import with_progress
-from ..base.spacing import range_axes
+from ..base.spacing import range_axes, rising
 from ..results import door
 from ..results.performance import FIGURES, LEAST, Performance, perform
 from ..systems.distribution import Uncertain, interval, shares, systems, uncertain_parameters
@@ -205,8 +205,8 @@ def uncertainty(
         With the nominal values.
     pattern : Pattern or str
     r, clearance : array_like, or (float, float)
-        Increasing nominal frequency ratios and clearances d K/F0; d is the whole travel of m between the walls.
-        With `points` each is a range (lo, hi), or one number. Bands need two of each or more: the outermost ones
+        Nominal frequency ratios and clearances d K/F0 that rise or fall throughout; d is the whole travel of m
+        between the walls. With `points` each is a range (lo, hi), or one number. Bands need two of each or more: the outermost ones
         are the window of the nominal zone.
     uncertain : dict
         For some of xi, mu, R1, R2 or restitution (the same on both walls) their values; for r, clearance and
@@ -263,7 +263,7 @@ def uncertainty(
     wanted = checks.truth(bands, "bands")
     ends = quantile_pair(quantiles)
     number = checks.seed_of(rng)
-    r, clearance = range_axes(r, clearance, points)
+    r, clearance = map(rising, range_axes(r, clearance, points))
     axes = axis(r, "r"), axis(clearance, "clearance")
     if wanted and min(map(len, axes)) < 2:
         raise ParameterError(
