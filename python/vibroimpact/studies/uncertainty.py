@@ -206,8 +206,8 @@ def uncertainty(
     pattern : Pattern or str
     r, clearance : array_like, or (float, float)
         Nominal frequency ratios and clearances d K/F0 that rise or fall throughout; d is the whole travel of m
-        between the walls. With `points` each is a range (lo, hi), or one number. Bands need two of each or more: the outermost ones
-        are the window of the nominal zone.
+        between the walls. With `points` each is a range (lo, hi), or one number. Bands need two of each or more:
+        the outermost ones are the window of the nominal zone.
     uncertain : dict
         For some of xi, mu, R1, R2 or restitution (the same on both walls) their values; for r, clearance and
         load factors of their nominal values, above 0 and with 1 among them, as in tolerances of `design`: a gap
