@@ -167,6 +167,12 @@ class Certificate:
         bound = self.multiplier_bound
         if self.stable and bound is not None:
             words[-1] += f" (max|lambda| < {bound:.10g})"
+        if "mass" in self.system:
+            place = f"{len(self.system['mass'])} coordinates at Omega = {self.system['frequency']}"
+            return (
+                f"<Certificate of impacts on gaps {self.sides} in {self.cycles} cycles, "
+                f"{place}: {', '.join(words)}>"
+            )
         place = f"at r = {self.system['r']}, d K/F0 = {self.system['clearance']}"
         if self.kind == "all":
             orders = ", ".join(f"{sheet['sides']}/{sheet['cycles']}" for sheet in self.sheets)

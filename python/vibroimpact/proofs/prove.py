@@ -26,6 +26,7 @@ from .balls import decimal, decimal_text, flint, hexadecimal, upward
 from .boxes import NEAR_CIRCLE, NO_MOTION, NO_SPEED, WITH_REST, Box, Family, cover, sizes_of
 from .certificate import Certificate
 from .equations import System, characteristic, determinant, flights, period_map
+from .structures import prove_structure
 from .verdicts import between_walls, inside, krawczyk, multiplier_bound
 
 __all__ = ["prove_box", "prove_branch", "prove_motion"]
@@ -48,6 +49,8 @@ ATTEMPTS = ((64, 2.0**-34), (64, 2.0**-42), (128, 2.0**-56), (256, 2.0**-120))
 
 def prove_motion(motion: Motion) -> Certificate:
     """As `Motion.prove`."""
+    if motion.of_structure:
+        return prove_structure(motion)
     begin = time.perf_counter()
     family = Family.of(motion)
     box, reason = best_attempt(family, family.states(motion))

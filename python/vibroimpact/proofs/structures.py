@@ -1,0 +1,362 @@
+"""Proofs of single motions of structures.
+
+The coordinates and velocities, 1, and the cosines and sines of the load follow z' = A z, so a flight is exp(A t) z
+for any damping, and no modes are needed. The unknowns are, at each impact, its time t and q, q' just after it.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..base.errors import ParameterError
+from ..motions.motion import Motion
+from ..systems.structure import Gap
+from .balls import ball, decimal, decimal_text, flint, hexadecimal
+from .boxes import NEAR_CIRCLE, NO_MOTION, NO_SPEED
+from .certificate import Certificate
+from .verdicts import above, approximate_inverse, inside, multiplier_bound
+
+#: Bits of the mantissa, and the sizes of the boxes relative to the largest unknown of a kind, in turn.
+ATTEMPTS = ((64, 2.0**-34), (128, 2.0**-42), (256, 2.0**-44))
+#: How often a piece of a flight is halved, and coordinates at most.
+MOST_HALVINGS, MOST_COORDINATES = 40, 8
+
+
+def texts(values: Any) -> Any:
+    """The decimal texts of an array, nested as it is."""
+    return [texts(one) for one in values] if np.ndim(values) else decimal(values)
+
+
+def record_of(motion: Motion) -> dict[str, Any]:
+    """The system of a certificate; ParameterError if the equations of the motion are others."""
+    structure, load = motion.structure, motion.load
+    for name, refused in (
+        ("stops", not all(isinstance(gap, Gap) for gap in structure.gaps)),
+        ("friction", bool(structure.friction)),
+        ("walls that move", bool(structure._moves)),
+        ("rests", bool(len(motion.rests))),
+        ("a free period", bool(motion.self_excited)),
+        (f"more than {MOST_COORDINATES} coordinates", structure.coordinates > MOST_COORDINATES),
+        (
+            "R(v)",
+            any(not isinstance(getattr(gap, "restitution", 0), (int, float)) for gap in structure.gaps),
+        ),
+    ):  # fmt: skip
+        if refused:
+            raise ParameterError(
+                f"motion = {motion!r}: must be without {name}, which proofs do not support"
+            )
+    gaps = [
+        {"direction": texts(gap.direction), "opening": decimal(gap.opening), "restitution": decimal(gap.restitution)}
+        for gap in structure.gaps
+    ]  # fmt: skip
+    return {
+        "mass": texts(structure.mass), "damping": texts(structure.damping), "stiffness": texts(structure.stiffness),
+        "gaps": gaps, "frequency": decimal(load.frequency), "sine": texts(load.sine), "cosine": texts(load.cosine),
+        "constant": texts(load.constant), "impacts": [int(gap) for gap in motion.gaps],
+    }  # fmt: skip
+
+
+class System:
+    """The balls of the system of a certificate."""
+
+    def __init__(self, system: dict[str, Any], cycles: int) -> None:
+        module = flint()
+
+        def matrix(rows: Any) -> Any:
+            return module.arb_mat([[ball(one) for one in row] for row in rows])
+
+        mass = matrix(system["mass"])
+        self.n = n = mass.nrows()
+        self.inverse = mass.inv()
+        self.damping = self.inverse * matrix(system["damping"])
+        self.rows = [[ball(one) for one in gap["direction"]] for gap in system["gaps"]]
+        self.openings = [ball(gap["opening"]) for gap in system["gaps"]]
+        self.restitution = [ball(gap["restitution"]) for gap in system["gaps"]]
+        self.impacts = system["impacts"]
+        self.frequency = ball(system["frequency"])
+        self.period = 2 * module.arb.pi() * cycles / self.frequency
+        self.harmonics = len(system["sine"])
+        size = 2 * n + 1 + 2 * self.harmonics
+        flow = module.arb_mat(size, size)
+        parts = [
+            (0, self.inverse * matrix(system["stiffness"]), -1), (n, self.damping, -1),
+            (2 * n, self.inverse * matrix([[one] for one in system["constant"]]), 1),
+        ]  # fmt: skip
+        for h in range(self.harmonics):
+            at = 2 * n + 1 + 2 * h
+            for k, name in ((at, "cosine"), (at + 1, "sine")):
+                parts.append((k, self.inverse * matrix([[one] for one in system[name][h]]), 1))
+            turn = (h + 1) * self.frequency
+            flow[at, at + 1], flow[at + 1, at] = -turn, turn
+        for first, part, sign in parts:
+            for i in range(n):
+                for j in range(part.ncols()):
+                    flow[n + i, first + j] = sign * part[i, j]
+        for i in range(n):
+            flow[i, n + i] = 1
+        self.flow, self.square = flow, flow * flow
+        # the velocity after an impact is a matrix times that before it
+        self.jumps = []
+        for row, R in zip(self.rows, self.restitution, strict=True):
+            push = (self.inverse * module.arb_mat([[one] for one in row])).entries()
+            factor = (1 + R) / self.dot(row, push)
+            self.jumps.append(
+                module.arb_mat(
+                    [[(1 if i == j else 0) - factor * push[i] * row[j] for j in range(n)] for i in range(n)]
+                )
+            )  # fmt: skip
+
+    @staticmethod
+    def dot(one: Sequence[Any], two: Sequence[Any]) -> Any:
+        """The sum of products."""
+        return sum((a * b for a, b in zip(one, two, strict=True)), flint().arb(0))
+
+    def extended(self, state: Sequence[Any]) -> Any:
+        """(q, q', 1, cos, sin, ...) at the time state[0]."""
+        module = flint()
+        values = [*state[1:], module.arb(1)]
+        for h in range(self.harmonics):
+            sine, cosine = ((h + 1) * self.frequency * state[0]).sin_cos()
+            values += [cosine, sine]
+        return module.arb_mat([[one] for one in values])
+
+    def flights(self, states: Sequence[Sequence[Any]]) -> list[Flight]:
+        """The flight after each impact."""
+        found = []
+        for i, state in enumerate(states):
+            j = (i + 1) % len(states)
+            end = states[j][0] + (self.period if j == 0 else 0)
+            start, duration = self.extended(state), end - state[0]
+            matrix = (self.flow * duration).exp()
+            landing = matrix * start
+            gap = self.impacts[j]
+            speed = self.dot(self.rows[gap], landing.entries()[self.n : 2 * self.n])
+            found.append(Flight(self.impacts[i], gap, duration, start, matrix, landing, speed))
+        return found
+
+    def residuals(self, states: Sequence[Sequence[Any]], found: Sequence[Flight]) -> list[Any]:
+        """What is left of the equations: q and q' after each impact, and the contact."""
+        n, left = self.n, []
+        for i, flight in enumerate(found):
+            following = states[(i + 1) % len(states)]
+            z = flight.landing.entries()
+            after = [*z[:n], *self.turned(flight.after, z[n : 2 * n])]
+            left += [one - two for one, two in zip(after, following[1:], strict=True)]
+            left.append(self.dot(self.rows[flight.after], z[:n]) - self.openings[flight.after])
+        return left
+
+    def turned(self, gap: int, velocity: Sequence[Any]) -> list[Any]:
+        """A velocity after an impact."""
+        product: list[Any] = (
+            self.jumps[gap] * flint().arb_mat([[one] for one in velocity])
+        ).entries()
+        return product
+
+    def jacobian(self, found: Sequence[Flight]) -> Any:
+        """The derivative of `residuals` by the unknowns."""
+        n = self.n
+        size = 2 * n + 1
+        matrix = flint().arb_mat(size * len(found), size * len(found))
+        for i, flight in enumerate(found):
+            j = (i + 1) % len(found)
+            leaving = (self.flow * flight.start).entries()[: 2 * n]
+            columns = [
+                [-self.dot([flight.matrix[row, k] for k in range(2 * n)], leaving) for row in range(2 * n)]
+            ]  # fmt: skip
+            columns += [[flight.matrix[row, k] for row in range(2 * n)] for k in range(2 * n)]
+            columns.append((self.flow * flight.landing).entries()[: 2 * n])
+            places = [*range(size * i, size * i + size), size * j]
+            for place, column in zip(places, columns, strict=True):
+                values = [*column[:n], *self.turned(flight.after, column[n:])]
+                values.append(self.dot(self.rows[flight.after], column[:n]))
+                for row, value in enumerate(values):
+                    matrix[size * i + row, place] += value
+            for k in range(2 * n):
+                matrix[size * i + k, size * j + 1 + k] -= 1
+        return matrix
+
+    def period_map(self, found: Sequence[Flight]) -> Any:
+        """[P] by flights and saltation matrices."""
+        module, n = flint(), self.n
+        product = module.arb_mat(2 * n, 2 * n, [int(i == j) for i in range(2 * n) for j in range(2 * n)])
+        for i, flight in enumerate(found):
+            part = [[flight.matrix[row, k] for k in range(2 * n)] for row in range(2 * n)]
+            before = (self.flow * flight.landing).entries()[n : 2 * n]
+            after = (self.flow * found[(i + 1) % len(found)].start).entries()[n : 2 * n]
+            corner = [
+                (one - two) / flight.speed
+                for one, two in zip(after, self.turned(flight.after, before), strict=True)
+            ]
+            jump, row = self.jumps[flight.after], self.rows[flight.after]
+            zero = [module.arb(0)] * n
+            salt = [[jump[k, m] for m in range(n)] + zero for k in range(n)]
+            salt += [
+                [corner[k] * one for one in row] + [jump[k, m] for m in range(n)] for k in range(n)
+            ]
+            product = module.arb_mat(salt) * (module.arb_mat(part) * product)
+        return product
+
+    def determinant(self) -> Any:
+        """det[P] by its law: exp(-tr(M^-1 C) T) times the product of all R^2."""
+        value = (-self.damping.trace() * self.period).exp()
+        for gap in self.impacts:
+            value = value * self.restitution[gap] * self.restitution[gap]
+        return value
+
+
+@dataclass
+class Flight:
+    """A flight between impacts on the gaps `before` and `after`, with exp(A t) over it."""
+
+    before: int
+    after: int
+    duration: Any
+    start: Any
+    matrix: Any
+    landing: Any
+    speed: Any
+
+
+def krawczyk(system: System, centre: list[list[Any]], radii: list[Any]) -> list[list[Any]] | None:
+    """The states of the one motion within `radii` of `centre`, as `verdicts.krawczyk`; None: not proven."""
+    module, size = flint(), 2 * system.n + 1
+    around = [[c + module.arb(0, r) for c, r in zip(row, radii, strict=True)] for row in centre]
+    middle = module.arb_mat([[one] for one in system.residuals(centre, system.flights(centre))])
+    derivative = system.jacobian(system.flights(around))
+    try:
+        inverse = approximate_inverse(derivative)
+    except (np.linalg.LinAlgError, ValueError):
+        return None
+    n = size * len(centre)
+    identity = module.arb_mat(n, n, [int(i == j) for i in range(n) for j in range(n)])
+    spread = module.arb_mat([[module.arb(0, r)] for _ in centre for r in radii])
+    shifts = ((identity - inverse * derivative) * spread - inverse * middle).entries()
+    stated = [module.arb(r) for _ in centre for r in radii]
+    if not all(abs(shift) < radius for shift, radius in zip(shifts, stated, strict=True)):
+        return None
+    return [[c + shifts[size * i + k] for k, c in enumerate(row)] for i, row in enumerate(centre)]
+
+
+def gaps_stay_open(system: System, found: Sequence[Flight]) -> tuple[bool | None, str]:
+    """Whether each impact has an approach speed and all gaps stay open in all flights; the reason if not proven."""
+    for i, flight in enumerate(found):
+        if flight.speed < 0:
+            return False, f"impact {(i + 1) % len(found)} has no approach speed"
+        if not flight.speed > 0 or not system.restitution[flight.after] > 0:
+            return None, f"the speeds at the ends of flight {i} are not separated from zero"
+    for i, flight in enumerate(found):
+        clear = flight_is_open(system, flight)
+        if clear is not True:
+            return clear, f"flight {i} {'closes a gap' if clear is False else 'comes too near to a wall'}"  # fmt: skip
+    return True, ""
+
+
+def flight_is_open(system: System, flight: Flight) -> bool | None:
+    """The same of one flight: on each piece a gap is open, or it opens from, or closes to, the impact at its end."""
+    module, n = flint(), system.n
+    whole, shortest = above(float(flight.duration.upper())), -above(-float(flight.duration.lower()))
+    powers: dict[int, Any] = {}
+    pieces = [(0.0, whole, 0, list(range(len(system.rows))))]
+    while pieces:
+        low, high, depth, gaps = pieces.pop()
+        middle = (low + high) / 2
+        t, width = module.arb(middle), above(max(high - middle, middle - low))
+        h = module.arb(0, width)
+        if depth not in powers or powers[depth][0] < width:
+            powers[depth] = (width, (system.flow * h).exp())
+        z = (system.flow * t).exp() * flight.start
+        bends = (system.square * (powers[depth][1] * z)).entries()[:n]
+        z, left = z.entries(), []
+        for gap in gaps:
+            row = system.rows[gap]
+            distance = system.openings[gap] - system.dot(row, z[:n])
+            rate, bend = -system.dot(row, z[n : 2 * n]), -system.dot(row, bends)
+            if middle < shortest and distance < 0:
+                return False
+            speed = rate + h * bend
+            half = module.arb(width) ** 2 / 2
+            opens = (
+                distance + h * rate + (half * bend).union(module.arb(0)) > 0
+                or (low == 0 and gap == flight.before and speed > 0)
+                or (high >= shortest and gap == flight.after and speed < 0)
+            )
+            if not opens:
+                left.append(gap)
+        if left:
+            if depth == MOST_HALVINGS:
+                return None
+            pieces += [(middle, high, depth + 1, left), (low, middle, depth + 1, left)]
+    return True
+
+
+def attempt(system: System, states: Any, size: float) -> tuple[dict[str, Any], str]:
+    """A box of a certificate, and what is not decided in it; an empty one where existence is not proven."""
+    module, n = flint(), system.n
+    largest = [1 / float(system.frequency), *([np.abs(states[:, 1 : n + 1]).max()] * n)]
+    largest += [np.abs(states[:, n + 1 :]).max()] * n
+    largest = [one or 1.0 for one in largest]
+    centre = [[module.arb(float(value)) for value in row] for row in states]
+    # Newton's method: each step from the middle of the last enclosure
+    for coarse in (2.0**-30, size):
+        rough = krawczyk(system, centre, [module.arb(float(one) * coarse) for one in largest])
+        if rough is not None:
+            centre = [[one.mid() for one in row] for row in rough]
+    radii = [module.arb(float(one) * size) for one in largest]
+    enclosed = krawczyk(system, centre, radii)
+    if enclosed is None:
+        return {}, NO_MOTION
+    # a motion within a box is within its image too, which holds more digits
+    middle = [[one.mid() for one in row] for row in enclosed]
+    size_now = [
+        module.arb(max(float(row[k].rad()) for row in enclosed) * 4 + 1e-300) for k in range(2 * n + 1)
+    ]  # fmt: skip
+    enclosed = krawczyk(system, middle, size_now) or enclosed
+    found = system.flights(enclosed)
+    if not all(flight.duration > 0 for flight in found):
+        return {}, "the order of the impacts in time"
+    box: dict[str, Any] = {
+        "sheet": 0, "parameters": {}, "centre": [[[hexadecimal(one)] for one in row] for row in centre],
+        "radius": [[hexadecimal(one) for one in radii]] * len(centre),
+        "exists": True, "admissible": None, "stable": None,
+        "multipliers_below": None, "multipliers_above": None, "attenuation_below": None,
+    }  # fmt: skip
+    box["admissible"], reason = gaps_stay_open(system, found)
+    if not all(abs(flight.speed) > 0 for flight in found):
+        return box, reason or NO_SPEED
+    coefficients = system.period_map(found).charpoly().coeffs()
+    coefficients[0] = system.determinant()
+    box["stable"] = stable = inside(coefficients)
+    if stable is None:
+        return box, "; ".join(filter(None, [reason, NEAR_CIRCLE]))
+    bound = multiplier_bound(coefficients, stable)
+    if bound is not None:
+        box["multipliers_below" if stable else "multipliers_above"] = decimal_text(bound)
+    return box, reason
+
+
+def prove_structure(motion: Motion) -> Certificate:
+    """As `Motion.prove`, of a structure."""
+    begin = time.perf_counter()
+    record = record_of(motion)
+    times = motion.phases / motion.load.frequency
+    states = np.column_stack([times, motion.states.reshape(len(times), -1)])
+    box: dict[str, Any] = {}
+    reason = NO_MOTION
+    for bits, size in ATTEMPTS:
+        with flint().ctx.workprec(bits):
+            found, why = attempt(System(record, motion.cycles), states, size)
+        if found or not box:
+            box, reason = found, why
+        if box and None not in (box["admissible"], box["stable"]):
+            break
+    return Certificate(
+        "motion", " ".join(map(str, record["impacts"])), motion.cycles, False, record, [{}],
+        [box] if box else [], [{"reason": reason}] if reason else [],
+        time.perf_counter() - begin,
+    )  # fmt: skip
