@@ -21,7 +21,8 @@ from pathlib import Path
 from flint import arb, arb_mat, ctx
 
 sys.path.insert(0, str(Path(__file__).parent))
-from flight import Flight  # noqa: I001
+from check_structure import check_structure  # noqa: I001
+from flight import Flight
 from search import check_all
 from series import (
     DEGREES, UNIT, RejectedError, Series, ball, cover, determinant, exact, flat, halves, hurwitz, monomials,
@@ -295,6 +296,9 @@ def check_statements(data):
     need(all(one in (True, False, None) for one in verdicts), "verdicts are true, false or null")
     reasons = [item["reason"] for item in data["undecided"]]
     need(all(reasons) and (reasons or None not in verdicts), "reasons of what is not decided")
+    if "mass" in data["system"]:
+        check_structure(data)
+        return
     if kind == "all":
         check_all(data, Pair, check_box)
         return

@@ -529,10 +529,8 @@ def test_no_damping():
 
 
 def test_refused():
-    """Motions of structures and with rest have other equations."""
+    """Motions with rest and boxes of structures have other equations."""
     stop = vi.Structure([1], [0.1], [1], [vi.Gap([1], 1, 0.8)])
-    with pytest.raises(vi.ParameterError, match="must be one of an Oscillator"):
-        vi.exact(stop, vi.Load(1.0, cosine=[1]), ([0.1], [0])).prove()
     for call in (
         lambda: vi.prove_box(stop, "RL", r=1.0, clearance=2.0),
         lambda: vi.prove_all(stop, 1.0, 2.0),
@@ -752,3 +750,108 @@ def test_branch_across_resonance():
     assert (proof.proven, proof.stable, proof.admissible) == (True, True, True)
     ends = [[float(Fraction(end)) for end in box["parameters"]["r"]] for box in proof.boxes]
     assert (min(low for low, _ in ends), max(high for _, high in ends)) == (0.9985, 1.0155)
+
+
+#: One oscillator before a wall (COCO's example 15.2), and the pair as a structure.
+WALL = vi.Structure([[1]], [[0.1]], [[1]], [vi.Gap([1], 1.0, 0.8)])
+
+
+def structures():
+    """A motion of one wall, of the pair, and an unstable one of the pair."""
+    one = vi.exact(WALL, vi.Load(1.0, cosine=[1.0]), ([0.0759], [0], 1))
+    found = [one]
+    for osc, r, clearance, motion in (
+        (OSC, 1.04, 25.0, MOTIONS[0]), (TABLE1, 0.94, 37.0, MOTIONS[1]),
+    ):  # fmt: skip
+        point = osc.at(r, clearance)
+        found.append(
+            vi.exact(point.structure, point.load, (motion.phases, motion.gaps.tolist(), 1))
+        )
+    return found
+
+
+def test_motion_of_one_wall():
+    """The phase, the speed and the multipliers that COCO's tutorial prints are enclosed."""
+    motion = structures()[0]
+    proof = motion.prove()
+    assert proof.proven
+    # |lambda|^2 is the determinant, exp(-.1 T) R^2, since both multipliers are complex
+    law = 0.8 * math.exp(-0.1 * math.pi)
+    assert law < proof.multiplier_bound < law * (1 + 1e-6)
+    time, q, speed = (float(exact(text)) for (text,) in proof.boxes[0]["centre"][0])
+    assert [time, q] == pytest.approx([0.07595216493831, 1.0], rel=1e-12)
+    assert speed == pytest.approx(-0.8 * 1.69573294, rel=1e-8)
+    assert "exists, admissible, stable" in repr(proof)
+    assert "proven" in proof._repr_html_()
+
+
+def test_pair_as_structure():
+    """The verdicts and the bound are those of the oscillator's proof."""
+    for motion, of_oscillator in zip(structures()[1:], MOTIONS, strict=False):
+        proof, other = motion.prove(), of_oscillator.prove()
+        for name in ("exists", "admissible", "stable"):
+            assert getattr(proof, name) is getattr(other, name)
+        if other.stable:
+            assert proof.multiplier_bound == pytest.approx(other.multiplier_bound, rel=1e-9)
+        checker.check(json.loads(proof.to_json()))
+
+
+def wrong_structures(data):
+    """Certificates of a structure that differ in one thing and are false."""
+
+    def changed(what, *path, value):
+        other = copy.deepcopy(data)
+        place = other
+        for key in path[:-1]:
+            place = place[key]
+        place[path[-1]] = value(place[path[-1]])
+        return what, other
+
+    for name in ("mass", "damping", "stiffness", "sine", "cosine"):
+        for i, row in enumerate(data["system"][name]):
+            for j, text in enumerate(row):
+                if float(text):
+                    more = lambda text: repr(float(text) * 1.000001)  # noqa: E731
+                    yield changed(f"{name} {i} {j}", "system", name, i, j, value=more)
+    yield changed(
+        "frequency", "system", "frequency", value=lambda text: repr(float(text) * 1.00001)
+    )
+    for name in ("opening", "restitution"):
+        more = lambda text: repr(float(text) * 1.00001)  # noqa: E731
+        yield changed(name, "system", "gaps", 0, name, value=more)
+    yield changed("cycles", "cycles", value=lambda k: k + 1)
+    box = data["boxes"][0]
+    for i, row in enumerate(box["centre"]):
+        for k in range(len(row)):
+            by = lambda text, r=box["radius"][i][k]: (
+                f"{hex(int((exact(text) + 2 * exact(r)) * 2**300))}p-300"
+            )  # noqa: E731,E501
+            yield changed(f"centre {i} {k}", "boxes", 0, "centre", i, k, 0, value=by)
+            yield changed(f"radius {i} {k}", "boxes", 0, "radius", i, k, value=lambda _: "0x0p0")
+    for name in ("exists", "admissible", "stable"):
+        yield changed(name, "boxes", 0, name, value=lambda verdict: not verdict)
+    if box["multipliers_below"]:
+        lower = lambda text: f"{float(text) * (1 - 1e-5):.12f}"  # noqa: E731
+        yield changed("bound", "boxes", 0, "multipliers_below", value=lower)
+
+
+def test_false_certificates_of_structures_are_rejected():
+    """Changed digits, shifted boxes and flipped verdicts."""
+    for motion in structures():
+        data = json.loads(motion.prove().to_json())
+        checker.check(data)
+        for what, other in wrong_structures(data):
+            with pytest.raises(checker.RejectedError):
+                checker.check(other)
+                pytest.fail(what)
+
+
+def test_structure_without_loss():
+    """Without damping and loss no multiplier is proven inside the circle, and what is not decided has a reason."""
+    osc = vi.Oscillator(xi=0, mu=0.1, restitution=1)
+    point = osc.at(0.5, 1.0)
+    motion = vi.equispaced(osc, 0.5, 1.0)[0]
+    proof = vi.exact(point.structure, point.load, (motion.phases, motion.gaps.tolist(), 1)).prove()
+    assert proof.stable is not True
+    assert proof.stable is False or proof.undecided
+    checker.check(json.loads(proof.to_json()))

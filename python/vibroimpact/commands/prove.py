@@ -68,9 +68,9 @@ def check(case: Case, tolerance: float | None) -> None:
     if case.study not in STUDIES:
         allowed = ", ".join(f"&{study}" for study in STUDIES)
         raise ParameterError(f"{case.name}: &{case.study}: must be one of {allowed} for a proof")
-    if case.structure is not None:
+    if case.structure is not None and case.study != "motion":
         raise ParameterError(
-            f"{case.name}: &structure: must be a &system for a proof; structures are not supported"
+            f"{case.name}: &structure: must be a &system for the proof of a &{case.study}"
         )
     if tolerance is None:
         return

@@ -663,7 +663,8 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         Raises
         ------
         ParameterError
-            If it is a motion of a structure, with rest or without a load.
+            If it is a motion with rest or without a load, or of a structure with stops, friction, walls that
+            move, R(v) or more than eight coordinates.
         MissingExtraError
             If python-flint is not installed.
 

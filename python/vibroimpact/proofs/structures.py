@@ -184,7 +184,9 @@ class System:
     def period_map(self, found: Sequence[Flight]) -> Any:
         """[P] by flights and saltation matrices."""
         module, n = flint(), self.n
-        product = module.arb_mat(2 * n, 2 * n, [int(i == j) for i in range(2 * n) for j in range(2 * n)])
+        product = module.arb_mat(
+            2 * n, 2 * n, [int(i == j) for i in range(2 * n) for j in range(2 * n)]
+        )
         for i, flight in enumerate(found):
             part = [[flight.matrix[row, k] for k in range(2 * n)] for row in range(2 * n)]
             before = (self.flow * flight.landing).entries()[n : 2 * n]
