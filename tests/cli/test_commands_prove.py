@@ -95,7 +95,7 @@ WINDOW = "clearance_min = 20, clearance_max = 30, r_min = 1.0, r_max = 1.01"
 REFUSED = {
     "simulation": ("", SYSTEM + "&simulate clearance = 37, cycles = 5 /\n",
                    "case: &simulate: must be one of &motion, &branch, &zone for a proof"),
-    "structure": ("", STRUCTURE + "&branch parameter = 'amplitude', low = 0.9, high = 1.1 /\n",
+    "structure": ("", STRUCTURE + "&branch parameter = 'load', low = 0.9, high = 1.1 /\n",
                   "&structure: must be a &system for the proof of a &branch"),
     "tolerance of a motion": ("--tolerance .1", DAMPER + MOTION,
                               "--tolerance 0.1: must be left out for case, a &motion"),

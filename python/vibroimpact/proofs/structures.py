@@ -22,7 +22,10 @@ from .certificate import Certificate
 from .verdicts import above, approximate_inverse, inside, multiplier_bound
 
 #: Bits of the mantissa, and the sizes of the boxes relative to the largest unknown of a kind, in turn.
-ATTEMPTS = ((64, 2.0**-34), (128, 2.0**-42), (256, 2.0**-44))
+LEAST_BITS = 64
+ATTEMPTS = ((LEAST_BITS, 2.0**-34), (128, 2.0**-42), (256, 2.0**-44))
+#: Steps of Newton's method with more digits.
+NEWTON = 8
 #: How often a piece of a flight is halved, and coordinates at most.
 MOST_HALVINGS, MOST_COORDINATES = 40, 8
 
@@ -51,12 +54,15 @@ def record_of(motion: Motion) -> dict[str, Any]:
             raise ParameterError(
                 f"motion = {motion!r}: must be without {name}, which proofs do not support"
             )
-    gaps = [
-        {"direction": texts(gap.direction), "opening": decimal(gap.opening), "restitution": decimal(gap.restitution)}
-        for gap in structure.gaps
-    ]  # fmt: skip
+    gaps = []
+    for gap in structure.gaps:
+        values: dict[str, Any] = {
+            name: getattr(gap, name) for name in ("direction", "opening", "restitution")
+        }
+        gaps.append({name: texts(value) for name, value in values.items()})
     return {
-        "mass": texts(structure.mass), "damping": texts(structure.damping), "stiffness": texts(structure.stiffness),
+        "mass": texts(structure.mass), "damping": texts(structure.damping),
+        "stiffness": texts(structure.stiffness),
         "gaps": gaps, "frequency": decimal(load.frequency), "sine": texts(load.sine), "cosine": texts(load.cosine),
         "constant": texts(load.constant), "impacts": [int(gap) for gap in motion.gaps],
     }  # fmt: skip
@@ -245,8 +251,32 @@ def krawczyk(system: System, centre: list[list[Any]], radii: list[Any]) -> list[
     return [[c + shifts[size * i + k] for k, c in enumerate(row)] for i, row in enumerate(centre)]
 
 
+def newton(system: System, centre: list[list[Any]]) -> list[list[Any]]:
+    """The states after a step of Newton's method, without bounds."""
+    found, size = system.flights(centre), 2 * system.n + 1
+    left = flint().arb_mat([[one] for one in system.residuals(centre, found)])
+    try:
+        step = system.jacobian(found).mid().solve(left).entries()
+    except ZeroDivisionError:
+        return centre
+    return [
+        [(c - step[size * i + k]).mid() for k, c in enumerate(row)] for i, row in enumerate(centre)
+    ]
+
+
+def is_inside(coefficients: Sequence[Any]) -> bool | None:
+    """As `verdicts.inside`, also where the product of all zeros has the modulus 1, as without damping and loss."""
+    found = inside(coefficients)
+    if found is None:
+        even, odd = sum(coefficients[::2]), sum(coefficients[1::2])
+        # the degree is even, so a negative value at 1 or -1 means that a real zero lies beyond
+        if even + odd < 0 or even - odd < 0:
+            return False
+    return found
+
+
 def gaps_stay_open(system: System, found: Sequence[Flight]) -> tuple[bool | None, str]:
-    """Whether each impact has an approach speed and all gaps stay open in all flights; the reason if not proven."""
+    """Whether each impact has an approach speed and all gaps stay open in flights; the reason if not proven."""
     for i, flight in enumerate(found):
         if flight.speed < 0:
             return False, f"impact {(i + 1) % len(found)} has no approach speed"
@@ -255,12 +285,13 @@ def gaps_stay_open(system: System, found: Sequence[Flight]) -> tuple[bool | None
     for i, flight in enumerate(found):
         clear = flight_is_open(system, flight)
         if clear is not True:
-            return clear, f"flight {i} {'closes a gap' if clear is False else 'comes too near to a wall'}"  # fmt: skip
+            what = "closes a gap" if clear is False else "comes too near to a wall"
+            return clear, f"flight {i} {what}"
     return True, ""
 
 
 def flight_is_open(system: System, flight: Flight) -> bool | None:
-    """The same of one flight: on each piece a gap is open, or it opens from, or closes to, the impact at its end."""
+    """The same of one flight: on each piece a gap is open, or opens from or closes to the impact at its end."""
     module, n = flint(), system.n
     whole, shortest = above(float(flight.duration.upper())), -above(-float(flight.duration.lower()))
     powers: dict[int, Any] = {}
@@ -304,11 +335,8 @@ def attempt(system: System, states: Any, size: float) -> tuple[dict[str, Any], s
     largest += [np.abs(states[:, n + 1 :]).max()] * n
     largest = [one or 1.0 for one in largest]
     centre = [[module.arb(float(value)) for value in row] for row in states]
-    # Newton's method: each step from the middle of the last enclosure
-    for coarse in (2.0**-30, size):
-        rough = krawczyk(system, centre, [module.arb(float(one) * coarse) for one in largest])
-        if rough is not None:
-            centre = [[one.mid() for one in row] for row in rough]
+    for _ in range(NEWTON if module.ctx.prec > LEAST_BITS else 0):
+        centre = newton(system, centre)
     radii = [module.arb(float(one) * size) for one in largest]
     enclosed = krawczyk(system, centre, radii)
     if enclosed is None:
@@ -333,7 +361,7 @@ def attempt(system: System, states: Any, size: float) -> tuple[dict[str, Any], s
         return box, reason or NO_SPEED
     coefficients = system.period_map(found).charpoly().coeffs()
     coefficients[0] = system.determinant()
-    box["stable"] = stable = inside(coefficients)
+    box["stable"] = stable = is_inside(coefficients)
     if stable is None:
         return box, "; ".join(filter(None, [reason, NEAR_CIRCLE]))
     bound = multiplier_bound(coefficients, stable)
