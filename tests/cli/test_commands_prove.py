@@ -106,6 +106,15 @@ REFUSED = {
 }  # fmt: skip
 
 
+def test_motion_of_a_structure_is_proven(tool):
+    """A &motion with a &structure has a certificate that is accepted."""
+    write(tool.cwd / "wall.nml", STRUCTURE)
+    done = tool("prove", "wall.nml")
+    assert (done.status, done.err) == (0, b"")
+    assert b"impacts on gap 0 in 1 cycle at Omega = 1.0: exists, admissible, stable" in done.out
+    assert accepted(tool.cwd / "results" / "wall_proof.json")[0] == 0
+
+
 @pytest.mark.parametrize("case", REFUSED)
 def test_what_has_no_proof_is_refused(tool, case):
     """Each with one clear line, status 2 and no file."""

@@ -238,6 +238,7 @@ def check_structure(data):
     """RejectedError unless all statements of the certificate of a motion of a structure are proven here too."""
     system = System(data)
     need(data["sheets"] == [{}] and len(data["boxes"]) <= 1, "one box")
+    need(data["boxes"] or data["undecided"], "a reason where nothing is proven")
     for box in data["boxes"]:
         need(box["exists"] is True and box["parameters"] == {} and box["sheet"] == 0, "a motion")
         need(box["attenuation_below"] is None, "no bound of the amplitude")

@@ -819,6 +819,16 @@ def wrong_structures(data):
     for name in ("opening", "restitution"):
         more = lambda text: repr(float(text) * 1.00001)  # noqa: E731
         yield changed(name, "system", "gaps", 0, name, value=more)
+    for i in range(len(data["system"]["gaps"])):
+        for j, text in enumerate(data["system"]["gaps"][i]["direction"]):
+            more = lambda text: repr(float(text) * 1.00001 or 0.001)  # noqa: E731
+            if any(k == i for k in data["system"]["impacts"]):
+                yield changed(f"direction {i} {j}", "system", "gaps", i, "direction", j, value=more)
+    yield changed("constant", "system", "constant", 0, value=lambda text: repr(float(text) + 1e-5))
+    yield changed("impacts", "system", "impacts", value=lambda gaps: [*gaps, gaps[0]])
+    yield changed("sides", "sides", value=lambda sides: sides + " 0")
+    yield changed("box dropped", "boxes", value=lambda _: [])
+    yield changed("symmetric", "symmetric", value=lambda _: True)
     yield changed("cycles", "cycles", value=lambda k: k + 1)
     box = data["boxes"][0]
     for i, row in enumerate(box["centre"]):
@@ -829,6 +839,9 @@ def wrong_structures(data):
             yield changed(f"radius {i} {k}", "boxes", 0, "radius", i, k, value=lambda _: "0x0p0")
     for name in ("exists", "admissible", "stable"):
         yield changed(name, "boxes", 0, name, value=lambda verdict: not verdict)
+    if box["multipliers_above"]:
+        higher = lambda text: f"{float(text) * (1 + 1e-5):.12f}"  # noqa: E731
+        yield changed("bound", "boxes", 0, "multipliers_above", value=higher)
     if box["multipliers_below"]:
         lower = lambda text: f"{float(text) * (1 - 1e-5):.12f}"  # noqa: E731
         yield changed("bound", "boxes", 0, "multipliers_below", value=lower)
@@ -843,6 +856,48 @@ def test_false_certificates_of_structures_are_rejected():
             with pytest.raises(checker.RejectedError):
                 checker.check(other)
             assert what
+
+
+def test_beam_with_two_gaps():
+    """A beam by three modes between two unlike walls, under gravity: the verdicts of the motion, and its numbers."""
+    shapes = [[1.2, -0.7, 0.4], [0.6, 1.1, -0.8]]
+    beam = vi.Structure.from_modes(
+        [1.0, 2.7, 5.3], [0.02, 0.01, 0.01], shapes,
+        gaps=[vi.Gap([1, 0], 0.9, 0.7), vi.Gap([0, -1], 0.6, 0.6)],
+    )  # fmt: skip
+    load = vi.Load(0.83, sine=[[0.9, 0.2, 0.1]], constant=[0.05, 0, 0])
+    motion = vi.exact(beam, load, vi.simulate(beam, load, cycles=400))
+    proof = motion.prove()
+    assert (proof.exists, proof.admissible, proof.stable) == (
+        True,
+        motion.admissible,
+        motion.stable,
+    )
+    assert max(abs(motion.multipliers)) < proof.multiplier_bound < 1
+    texts, radii = (np.array(proof.boxes[0][key]) for key in ("centre", "radius"))
+    centre = np.array([[float(exact(text)) for text in row] for row in texts[..., 0]])
+    radius = np.array([[float(exact(text)) for text in row] for row in radii])
+    states = motion.states.reshape(len(centre), -1)
+    assert np.all(abs(centre[:, 1:] - states) < 10 * radius[:, 1:])
+    checker.check(json.loads(proof.to_json()))
+    assert vi.Certificate.from_json(proof.to_json()) == proof
+
+
+def test_structures_that_are_refused():
+    """By the name of what the equations do not contain."""
+    load = vi.Load(1.0, cosine=[1.0])
+    law = vi.PowerLaw(0.8, 1.0, 0.2)
+    friction = vi.Structure(
+        [[1]], [[0.1]], [[1]], [vi.Gap([1], 1.0, 0.8)], friction=[vi.Friction([1], 0.01)]
+    )
+    for structure, name in (
+        (vi.Structure([[1]], [[0.1]], [[1]], [vi.Stop([1], 1.0, 10.0)]), "stops"),
+        (friction, "friction"),
+        (vi.Structure([[1]], [[0.1]], [[1]], [vi.Gap([1], 1.0, law)]), r"R\(v\)"),
+    ):
+        motion = vi.exact(structure, load, vi.simulate(structure, load, cycles=400))
+        with pytest.raises(vi.ParameterError, match=f"must be without {name}, which proofs"):
+            motion.prove()
 
 
 def test_structure_near_a_fold():
@@ -867,3 +922,22 @@ def test_structure_without_loss(frequency, phase, stable):
     assert (proof.exists, proof.admissible, proof.stable) == (True, True, stable)
     assert bool(proof.undecided) is (stable is None)
     checker.check(json.loads(proof.to_json()))
+
+
+@pytest.mark.slow
+def test_random_structures(share):
+    """No verdict contradicts that of the motion; what is not decided has a multiplier 1, of a free mass that floats."""
+    pytest.importorskip("scipy")
+    from test_structure_motion import samples
+
+    decided = 0
+    for motion, _ in samples(share(24)):
+        proof = motion.prove()
+        if proof.exists is None:
+            assert min(abs(motion.multipliers - 1)) < 1e-6
+            continue
+        assert (proof.admissible, proof.stable) == (motion.admissible, motion.stable)
+        decided += 1
+        if len(motion.gaps) < 4:
+            checker.check(json.loads(proof.to_json()))
+    assert decided > 0

@@ -42,12 +42,14 @@ class Certificate:
         "motion", "branch", "box", "zone" or "all".
     sides : str
     cycles : int
-        The word of the motion and the load cycles in its period; of "all" the words, and the most load cycles.
+        The word of the motion and the load cycles in its period; of "all" the words, and the most load cycles. Of a
+        motion of a structure the numbers of the gaps of all impacts.
     symmetric : bool
         Whether the motions are their own mirror images half a period later, and proven by that half.
     system : dict
         The texts of xi, mu, r, clearance, load, and of restitution, a list with one for each impact; of "all"
-        those of the right and of the left wall.
+        those of the right and of the left wall. Of a structure mass, damping, stiffness, gaps (direction, opening,
+        restitution), frequency, sine, cosine and constant of the load, and impacts, the gap of each impact.
     sheets : list of dict
         The regions that the boxes cover: (lowest, highest) of each parameter that varies, as texts. Of a motion
         one that is empty; of a branch one for each part between folds. Of a zone r and
@@ -55,7 +57,7 @@ class Certificate:
         Of "all" the ``sides`` and ``cycles`` of each word.
     boxes : list of dict
         ``sheet``, the number of the region, and ``parameters``, the part of it; ``centre``, psi, X, X', Z' just
-        after each impact, as coefficients of polynomials of the parameters on [-1, 1], and ``radius``, around
+        after each impact (of a structure its time, and q, q' just after it), as coefficients of polynomials of the parameters on [-1, 1], and ``radius``, around
         it, in which there is one and only one motion (with `symmetric` one and only one symmetric motion);
         ``exists, admissible, stable``, True, False or None; bounds ``multipliers_below`` or
         ``multipliers_above``, of max|lambda|, and ``attenuation_below``, of max|x|/A; None where they are not
@@ -168,11 +170,10 @@ class Certificate:
         if self.stable and bound is not None:
             words[-1] += f" (max|lambda| < {bound:.10g})"
         if "mass" in self.system:
-            place = f"{len(self.system['mass'])} coordinates at Omega = {self.system['frequency']}"
-            return (
-                f"<Certificate of impacts on gaps {self.sides} in {self.cycles} cycles, "
-                f"{place}: {', '.join(words)}>"
-            )
+            gaps = f"gap{'s' * (' ' in self.sides)} {self.sides}"
+            cycles = f"{self.cycles} cycle{'s' * (self.cycles != 1)}"
+            place = f"at Omega = {self.system['frequency']}"
+            return f"<Certificate of impacts on {gaps} in {cycles} {place}: {', '.join(words)}>"
         place = f"at r = {self.system['r']}, d K/F0 = {self.system['clearance']}"
         if self.kind == "all":
             orders = ", ".join(f"{sheet['sides']}/{sheet['cycles']}" for sheet in self.sheets)

@@ -17,13 +17,18 @@ from ..base.errors import ParameterError
 from ..motions.motion import Motion
 from ..systems.structure import Gap
 from .balls import ball, decimal, decimal_text, flint, hexadecimal
-from .boxes import NEAR_CIRCLE, NO_MOTION, NO_SPEED
+from .boxes import NEAR_CIRCLE, NO_SPEED
 from .certificate import Certificate
 from .verdicts import above, approximate_inverse, inside, multiplier_bound
 
 #: Bits of the mantissa, and the sizes of the boxes relative to the largest unknown of a kind, in turn.
 LEAST_BITS = 64
 ATTEMPTS = ((LEAST_BITS, 2.0**-34), (128, 2.0**-42), (256, 2.0**-44))
+#: What a box may lack: a free mass without impacts may be anywhere, and then no motion is the only one.
+NO_MOTION = (
+    "Newton's method does not contract in a box around it (near a fold, pitchfork or graze, or with a free mass "
+    "that meets no wall)"
+)
 #: Steps of Newton's method with more digits.
 NEWTON = 8
 #: How often a piece of a flight is halved, and coordinates at most.
