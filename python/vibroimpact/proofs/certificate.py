@@ -42,8 +42,8 @@ class Certificate:
         "motion", "branch", "box", "zone" or "all".
     sides : str
     cycles : int
-        The word of the motion and the load cycles in its period; of "all" the words, and the most load cycles. Of a
-        motion of a structure the numbers of the gaps of all impacts.
+        The word of the motion and the load cycles in its period; of "all" the words, and the most load cycles.
+        Of a motion of a structure the numbers of the gaps of all impacts.
     symmetric : bool
         Whether the motions are their own mirror images half a period later, and proven by that half.
     system : dict
@@ -57,8 +57,9 @@ class Certificate:
         Of "all" the ``sides`` and ``cycles`` of each word.
     boxes : list of dict
         ``sheet``, the number of the region, and ``parameters``, the part of it; ``centre``, psi, X, X', Z' just
-        after each impact (of a structure its time, and q, q' just after it), as coefficients of polynomials of the parameters on [-1, 1], and ``radius``, around
-        it, in which there is one and only one motion (with `symmetric` one and only one symmetric motion);
+        after each impact (of a structure t, q, q'), as coefficients of polynomials of the parameters on [-1, 1],
+        and ``radius``, around it, in which there is one and only one motion (with `symmetric` one and only one
+        symmetric motion);
         ``exists, admissible, stable``, True, False or None; bounds ``multipliers_below`` or
         ``multipliers_above``, of max|lambda|, and ``attenuation_below``, of max|x|/A; None where they are not
         proven.
