@@ -652,7 +652,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         Proven, or refuted, or not decided, are: existence and uniqueness in a box around these numbers, by
         Krawczyk's operator; that the masses approach at each impact and both gaps stay open in between; and
         stability, by the recursion of Schur and Cohn with the law of det[P]. Bounds of max|lambda| and max|x|/A
-        come with it.
+        come with it. Of a structure that bound of max|lambda| comes alone, and all gaps must stay open.
 
         Returns
         -------
