@@ -595,7 +595,8 @@ contains
          stat%not_smooth, stat%no_extremum, stat%shorter_period, stat%symmetric, &
          stat%dependent_rests, stat%unbalanced, stat%too_stiff, &
          stat%permanent_rest, stat%narrow_gap, stat%stop_holds, &
-         stat%friction_rests, stat%friction_undecided, stat%permanent_stick]
+         stat%friction_rests, stat%friction_undecided, stat%permanent_stick, &
+         stat%no_derivative, stat%endless_sequence, stat%gains_energy]
       character(:), allocatable :: text, nonsense
       integer :: i, j
 
