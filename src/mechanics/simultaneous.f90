@@ -41,10 +41,13 @@ contains
       real(wp) :: matrix(size(gaps), size(gaps)), restitution, slope, way
       integer, allocatable :: active(:)
       logical :: pushes(size(gaps))
-      integer :: i, next, round
+      integer :: i, j, next, round
 
-      matrix = matmul(transpose(structure%directions(:, gaps)), structure%mobility(:, gaps))
       do i = 1, size(gaps)
+         do j = 1, size(gaps)
+            matrix(j, i) = dot_product(structure%directions(:, gaps(j)), &
+               structure%mobility(:, gaps(i)))
+         end do
          call restitution_of(structure, gaps(i), max(speeds(i), 0.0_wp), restitution, slope)
          wanted(i) = (1 + restitution)*speeds(i)
       end do

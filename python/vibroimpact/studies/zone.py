@@ -412,7 +412,8 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
 
         It is followed from the nearest vertex of each piece, then from others: the first one that is stable and
         admissible; otherwise, or where no closed loop of an oscillator encloses the point, the first admissible
-        one of the nearest pieces. None if none can be followed so far, and for motions with rest.
+        one of the nearest pieces. None if none can be followed so far, and for motions with rest
+        and of structures with stops or friction.
 
         Examples
         --------

@@ -239,7 +239,7 @@ contains
       !> The case; coordinates that are axes lose their values.
       type(case_type), intent(inout) :: case
       real(wp), allocatable :: axis(:)
-      character(:), allocatable :: names(:)
+      character(13) :: names(2)
       integer :: i
 
       if (case%model == of_structure) then
@@ -256,7 +256,7 @@ contains
             if (study%word('axes', i) /= 'y') cycle
             axis = plane_values(study, i)
             names = [character(13) :: 'low', 'high']
-            if (.not. is_even(study)) names = uneven_keys([i, i])
+            if (.not. is_even(study)) names = uneven_keys(i)
             if (-axis(1) > reach(study)) call study%refuse(trim(names(1)), &
                'y must be within half the clearance')
             if (axis(size(axis)) > reach(study)) call study%refuse(trim(names(2)), &

@@ -1387,7 +1387,7 @@ contains
                end do
             end if
          end if
-         gaps = [gap_of(regime, reached%row, reached%wall)]
+         allocate (gaps, source=[gap_of(regime, reached%row, reached%wall)])
          i = 1
          do while (i <= size(gaps))
             do k = structure%coupled_begins(gaps(i)), structure%coupled_begins(gaps(i) + 1) - 1
