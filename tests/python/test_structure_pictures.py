@@ -301,6 +301,10 @@ def test_sketch_of_elastic_stops_and_friction():
     (contact,) = (p for p in ax.patches if p.get_hatch() == "xxxxxxx")
     assert boxes[0][0] < contact.get_x() < contact.get_x() + contact.get_width() < boxes[0][1]
     assert text_of(ax, "$f$ = 0.02")
+    slot = [vi.Stop([-1, 1], 5, stiffness=30), vi.Stop([1, -1], 5, stiffness=30)]
+    ax, _ = sketch_of(vi.Structure([1, 0.1], [0.1, 0], [1, 0], slot))
+    assert [text.get_text() for text in ax.texts].count("5\n$k$ = 30") == 2
+    assert sum(line.get_xdata().size == 8 for line in ax.lines) == 2
 
     two = vi.Structure([1, 1], [0, 0], [[2, -1], [-1, 1]], [], [vi.Friction([-1, 1], 0.02)])
     ax, boxes = sketch_of(two)

@@ -380,9 +380,20 @@ def _draw_boxes(ax: Any, structure: Structure, boxes: dict[int, Box]) -> None:
             left = box.left + 0.2 + k * SLOTTED + 0.15
             right = left + SLOTTED - 0.3
             ax.add_patch(Rectangle((left, 0.55), right - left, 1.05, fc="w", ec="k", lw=0.7))
-            for side, x in ((-1, left), (1, right)):
-                if side in sides:
-                    ax.plot([x, x], [0.55, 1.6], color=IMPACT, lw=2.4, solid_capstyle="butt")
+            springs = {
+                int(np.sign(gap.direction[j])): gap.stiffness
+                for gap in structure.gaps if isinstance(gap, Stop) and gap.direction[j]
+            }  # fmt: skip
+            # the faces that the free mass meets: a wall, or the plate of an elastic stop
+            faces = {
+                side: x - side * 0.3 * (side in springs) for side, x in ((-1, left), (1, right))
+            }
+            for side in sides:
+                face = faces[side]
+                ax.plot([face, face], [0.55, 1.6], color=IMPACT, lw=2.4, solid_capstyle="butt")
+                if side in springs:
+                    turns = 1.3 + 0.08 * np.r_[0, np.tile([1, -1], 3), 0]
+                    ax.plot(np.linspace(face, face + side * 0.3, turns.size), turns, "k", lw=0.7)
             middle = 0.5 * (left + right)
             ax.add_patch(Rectangle((middle - 0.45, 0.58), 0.9, 0.76, fc=FREE, ec="k", lw=0.7))
             ax.text(middle, 0.96, f"$m_{{{j}}}$", ha="center", va="center", color="w", fontsize=7)
@@ -391,8 +402,11 @@ def _draw_boxes(ax: Any, structure: Structure, boxes: dict[int, Box]) -> None:
             for gap in structure.gaps:
                 if gap.direction[j]:
                     side = int(np.sign(gap.direction[j]))
-                    at = 0.5 * (middle + side * 0.45 + (right if side > 0 else left))
-                    ax.text(at, 0.96, f"{gap.opening:.3g}", ha="center", va="center", fontsize=6)
+                    at = 0.5 * (middle + side * 0.45 + faces[side])
+                    words = f"{gap.opening:.3g}"
+                    if isinstance(gap, Stop):
+                        words += f"\n$k$ = {gap.stiffness:.3g}"
+                    ax.text(at, 0.96, words, ha="center", va="center", fontsize=6)
 
 
 def _spring(ax: Any, x0: float, x1: float, y: float, label: str) -> None:
