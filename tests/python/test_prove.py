@@ -6,6 +6,7 @@ import math
 import subprocess
 import sys
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -70,16 +71,20 @@ def test_verdicts_are_proven(motion):
     checker.check(json.loads(proof.to_json()))
 
 
+def changed_in(data, what, *path, value):
+    """A copy of a certificate in which one entry is another, and what was changed."""
+    other = copy.deepcopy(data)
+    place = other
+    for key in path[:-1]:
+        place = place[key]
+    place[path[-1]] = value(place[path[-1]])
+    return what, other
+
+
 def wrong(data):
     """Certificates that differ in one thing and are false; what was changed."""
 
-    def changed(what, *path, value):
-        other = copy.deepcopy(data)
-        place = other
-        for key in path[:-1]:
-            place = place[key]
-        place[path[-1]] = value(place[path[-1]])
-        return what, other
+    changed = partial(changed_in, data)
 
     def moved(text):
         """A parameter with which the motion leaves the box."""
@@ -799,13 +804,7 @@ def test_pair_as_structure():
 def wrong_structures(data):
     """Certificates of a structure that differ in one thing and are false."""
 
-    def changed(what, *path, value):
-        other = copy.deepcopy(data)
-        place = other
-        for key in path[:-1]:
-            place = place[key]
-        place[path[-1]] = value(place[path[-1]])
-        return what, other
+    changed = partial(changed_in, data)
 
     for name in ("mass", "damping", "stiffness", "sine", "cosine"):
         for i, row in enumerate(data["system"][name]):
