@@ -428,7 +428,7 @@ BAD = [
     ({"uncertain": {"clearance": (9.5, 11.5)}}, "factors of the nominal clearance"),
     ({"uncertain": {"load": (0.0, 1.0)}}, "factors of the nominal load, above 0"),
     ({"uncertain": {"R1": (0.7, 0.75)}, "symmetric": None}, "lose their symmetry"),
-    ({"r": [1.1, 0.9]}, "r of shape"),
+    ({"r": [0.9, 1.1, 1.0]}, "r of shape"),
     ({"r": []}, "r of shape"),
     ({"clearance": [1.0, math.inf]}, "clearance = inf"),
     ({"clearance": [5.0]}, "bands = True: must have at least two"),
