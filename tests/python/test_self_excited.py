@@ -26,15 +26,14 @@ PAIR = vi.Structure(
 )  # fmt: skip
 
 
-def matched_period(damping, mass=1.0, slip=0.6, stick=1.0, speed=0.2):
-    """The time of a slip, from where the spring overcomes the stick level to where the mass is as fast as the belt
-    again, in closed form with a bisection, and that in which the belt then carries the mass back."""
+def slip_of(damping, mass, slip, stick, speed):
+    """Place and speed of a slip by the time since the spring overcame the stick level."""
     sigma = damping / (2 * mass)
     w = math.sqrt(1 / mass - sigma**2)
     start = stick - damping * speed
 
     def at(t):
-        """Place and speed from the slip level as the origin: y'' + 2 sigma y' + y/m = 0."""
+        # from the slip level as the origin: y'' + 2 sigma y' + y/m = 0
         a, b = start - slip, (speed + sigma * (start - slip)) / w
         decay = math.exp(-sigma * t)
         y = decay * (a * math.cos(w * t) + b * math.sin(w * t))
@@ -43,6 +42,13 @@ def matched_period(damping, mass=1.0, slip=0.6, stick=1.0, speed=0.2):
         )
         return slip + y, rate
 
+    return at, start, w
+
+
+def matched_period(damping, mass=1.0, slip=0.6, stick=1.0, speed=0.2):
+    """The time of a slip, from where the spring overcomes the stick level to where the mass is as fast as the belt
+    again, in closed form with a bisection, and that in which the belt then carries the mass back."""
+    at, start, w = slip_of(damping, mass, slip, stick, speed)
     low, high = 0.5 * math.pi / w, 2 * math.pi / w  # it comes back after more than half a vibration
     for _ in range(100):
         middle = 0.5 * (low + high)
@@ -132,6 +138,148 @@ def test_files_and_namelists(tmp_path):
     vi.exact(PAIR, None, loaded)
 
 
+@pytest.mark.parametrize(("parameter", "bounds"), [
+    ("speed", (0.05, 0.6)), ("slip", (0.3, 0.9)), ("stick", (0.8, 2.0)), ("damping", (0.1, 3.0)),
+])  # fmt: skip
+def test_branches_in_closed_form(parameter, bounds):
+    """The period along a branch is the closed form; so is that of the motion at a point."""
+    own = BELT | {"damping": 0.02}
+    branch = vi.branch(self_excited(bow(0.02)), parameter, bounds=bounds)
+    assert branch.ends == ("bound of the parameter",) * 2
+    assert branch.self_excited
+    for i in range(0, len(branch), max(1, len(branch) // 20)):
+        value = float(branch.values[i])
+        here = own | {parameter: 0.02 * value if parameter == "damping" else value}
+        if parameter == "slip":
+            here["stick"] = value / 0.6
+        assert branch.period[i] == pytest.approx(matched_period(**here), rel=1e-13)
+    assert branch.residual.max() < 1e-13
+    assert branch.multipliers[0] == pytest.approx(1, abs=1e-12)
+    assert np.abs(branch.multipliers[1]).max() < 1e-12
+    assert (branch.admissible == 1).all()
+    assert 0 not in branch.stable
+    point = branch[len(branch) // 2]
+    assert point.self_excited
+    assert point.period == pytest.approx(branch.period[len(branch) // 2], rel=1e-13)
+
+
+def test_a_halt_vanishes():
+    """Damping ends stick and slip where the fastest slip is just as fast as the belt."""
+    branch = vi.branch(self_excited(bow(0.05)), "damping_0_0", bounds=(0.01, 1.0))
+    (end,) = (point for point in branch.special_points if point.type == "event_vanishes")
+    assert "a halt or a slip vanishes" in branch.ends
+    assert end.detail.startswith("friction 0")
+    assert np.isnan(branch.multipliers[:, end.index]).all()
+    assert (branch.stable[end.index], branch.admissible[end.index]) == (-1, -1)
+    # y'' = 0 there: the spring and the dashpot balance the slip level at the speed of the belt
+    at, _, w = slip_of(end.value, 1.0, 0.6, 1.0, 0.2)
+    t = np.linspace(math.pi / w, 2 * math.pi / w, 200_001)
+    rates = np.array([at(time)[1] for time in t[::100]])
+    near = t[::100][rates.argmax()] + np.linspace(-2e-3, 2e-3, 2001)
+    assert max(at(time)[1] for time in near) == pytest.approx(0.2, abs=1e-11)
+    with pytest.raises(vi.SingularError, match="a motion without impacts"):
+        self_excited(bow(end.value + 1e-3))
+
+
+#: Two coupled masses, the first of them on a belt.
+FLIPPING = vi.Structure(
+    [1, 1.3], [[0.03, -0.012], [-0.012, 0.036]], [[1.5, -0.6], [-0.6, 1.8]],
+    friction=[vi.Friction([1, 0], 0.49, 0.87, 0.15)],
+)  # fmt: skip
+TURNING = vi.Structure(
+    [1, 0.7], [[0.024, -0.008], [-0.008, 0.044]], [[1.2, -0.4], [-0.4, 2.2]],
+    friction=[vi.Friction([1, 0], 0.53, 0.79, 0.15)],
+)  # fmt: skip
+
+
+def test_period_doubling():
+    """Where a multiplier passes -1 a motion of twice the period begins, whose branch ends at that flip."""
+    branch = vi.branch(self_excited(FLIPPING, 400), "speed", bounds=(0.05, 0.4))
+    flips = [point for point in branch.special_points if point.type == "flip"]
+    flip = flips[int(np.argmin([abs(point.value - 0.0969) for point in flips]))]
+    assert np.abs(branch.multipliers[:, flip.index] + 1).min() < 1e-8
+    unstable = np.flatnonzero((branch.stable == 0) & (np.abs(branch.values - flip.value) < 4e-3))
+    beside = branch[int(unstable[np.abs(branch.values[unstable] - flip.value).argmax()])]
+    q, rate = beside._run()._between_events()[1]
+    run = vi.simulate(beside.structure, duration=3000, state=(1.001 * q, rate))
+    double = vi.exact(beside.structure, None, run)
+    assert len(double.phases) == 2 * len(beside.phases)
+    assert double.period == pytest.approx(2 * beside.period, rel=0.02)
+    assert double.stable
+    assert not beside.stable
+    doubled = vi.branch(double, "speed", bounds=(0.05, 0.4))
+    place = doubled.ends.index("meets a motion that repeats itself")
+    assert doubled.values[-place] == pytest.approx(flip.value, abs=1e-8)
+    assert doubled.period[-place] == pytest.approx(2 * branch.period[flip.index], rel=1e-8)
+
+
+def test_folds_and_neimark_sacker_points():
+    """The parameter turns back at folds, where one more multiplier is 1; motions that are simulated there have the
+    multipliers of the branch, and its verdicts."""
+    branch = vi.branch(self_excited(TURNING, 400), "speed", bounds=(0.05, 0.4))
+    kinds = [point.type for point in branch.special_points]
+    assert {"fold", "neimark_sacker"} <= {*kinds}
+    turns = np.flatnonzero(np.diff(np.sign(np.diff(branch.values)))) + 1
+    folds = [point.index for point in branch.special_points if point.type == "fold"]
+    assert folds == turns.tolist()
+    for point in branch.special_points:
+        found = branch.multipliers[:, point.index]
+        if point.type == "fold":
+            assert np.sort(np.abs(found - 1))[1] < 1e-6
+            assert branch.stable[point.index] == -1
+        elif point.type == "neimark_sacker":
+            others = found[np.abs(found.imag) > 0]
+            assert np.abs(others) == pytest.approx(1, abs=1e-9)
+    for i in range(1, len(branch), 7):
+        if branch.admissible[i] != 1 or i in folds:
+            continue
+        point = branch[i]
+        assert point.period == pytest.approx(branch.period[i], rel=1e-9)
+        assert np.sort(np.abs(point.multipliers)) == pytest.approx(
+            np.sort(np.abs(branch.multipliers[:, i])), rel=1e-5, abs=1e-7
+        )
+        if branch.stable[i] >= 0 and point.stable is not None:
+            assert point.stable == bool(branch.stable[i])
+
+
+def test_branches_by_functions_and_files(tmp_path):
+    """A function of a parameter gives the same branch; files and namelists keep the periods."""
+    motion = self_excited(bow())
+    named = vi.branch(motion, "speed", bounds=(0.1, 0.3))
+    branch = vi.branch(motion, lambda v: (bow(speed=v), vi.Load.none()), bounds=(0.1, 0.3), at=0.2)
+    assert branch.period == pytest.approx(named.period, rel=1e-12)
+    assert branch.at(0.25)[0].friction[0].speed == pytest.approx(0.25, rel=1e-15)
+    named.save(tmp_path / "branch.json")
+    loaded = vi.load(tmp_path / "branch.json")
+    assert loaded.period.tolist() == named.period.tolist()
+    assert loaded[3].period == pytest.approx(named.period[3], rel=1e-13)
+    case = tmp_path / "again.nml"
+    case.write_text(named.case)
+    again = vi.read_namelist(case)[0].run()[0]
+    assert again.period.tolist() == named.period.tolist()
+    # under a load the period is that of the load
+    load = vi.Load(0.7, cosine=[1.0])
+    stop = vi.Structure([1.0], [0.1], [1.0], [vi.Stop([1.0], 0.5, 4.0)])
+    forced = vi.branch(
+        vi.exact(stop, load, vi.simulate(stop, load, cycles=100)), "frequency", (0.69, 0.71)
+    )
+    assert not forced.self_excited
+    assert forced.period == pytest.approx(2 * math.pi / forced.values, rel=1e-14)
+
+
+def test_two_periods_are_not_followed_as_one(tmp_path):
+    """A motion over twice its period is told from one that has doubled."""
+    motion = self_excited(bow())
+    q, rate = (float(values[0]) for values in motion._run()._between_events()[1])
+    case = tmp_path / "case.nml"
+    case.write_text(motion.to_namelist().split("&motion")[0] + (
+        f"&motion kind = 'settled', q = {q}, q_dot = {rate}, period = {2 * motion.period} /\n"
+        "&branch parameter = 'slip', low = .5, high = .7 /\n"
+    ))  # fmt: skip
+    with pytest.raises(vi.SingularError, match="repeats itself within its period"):
+        vi.read_namelist(case)[0].run()
+
+
 def test_what_is_not_self_excited():
     """Sliding for ever, sticking for ever, no repetition, and other verbs, each by name."""
     with pytest.raises(vi.SingularError, match="a motion without impacts"):
@@ -141,8 +289,12 @@ def test_what_is_not_self_excited():
     with pytest.raises(vi.SingularError, match="does not repeat"):
         self_excited(bow(), 3 * 8.068887871591405 / 2)
     motion = self_excited(bow())
-    with pytest.raises(vi.ParameterError, match="self-excited motions are not followed"):
-        vi.branch(motion, "slip", bounds=(0.5, 0.7))
+    with pytest.raises(vi.ParameterError, match="only branches follow self-excited motions"):
+        vi.zone(motion, ("slip", (0.5, 0.7)), ("speed", (0.1, 0.3)))
+    with pytest.raises(vi.ParameterError, match="a self-excited motion has no load"):
+        vi.branch(motion, "frequency", bounds=(0.5, 0.9))
+    with pytest.raises(vi.ParameterError, match="a stick level is at least the slip level"):
+        vi.branch(motion, "stick", bounds=(0.5, 1.2))
     with pytest.raises(vi.ParameterError, match="must be a Motion or a Trajectory"):
         vi.exact(bow(), vi.Load.none(), ([0.1], [0]))
     with pytest.raises(
@@ -158,7 +310,8 @@ def test_what_is_not_self_excited():
     ("&load frequency = 1, cosine = 1 /", "period = 8", "the &load has a frequency"),
     ("", "", "it goes with a &load that has a frequency"),
     ("", "duration = 0", "must be a number with 0 < duration"),
-    ("", "duration = 50 / &branch parameter = 'slip', low = .5, high = .7", "are not followed"),
+    ("", "duration = 50 / &zone x = 'slip', x_low = .5, x_high = .7, y = 'speed', y_low = .1, y_high = .3",
+     "only branches follow self-excited motions"),
 ])  # fmt: skip
 def test_bad_namelists(tmp_path, load, keys, message):
     case = tmp_path / "case.nml"

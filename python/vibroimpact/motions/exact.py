@@ -113,14 +113,22 @@ def self_excited(structure: Structure, load: Load | None, guess: Motion | Trajec
         state = guess.final_state
         known = {"duration": guess.end - guess.start}
     n = structure.coordinates
-    for name, values in zip(("q", "q_dot"), state, strict=True):
+    for values in state:
         if np.size(values) != n:
             raise ParameterError(
                 f"guess = {guess!r}: must have {n} coordinates, as the structure has"
             )
-        known[name] = np.asarray(values).tolist()
+    return self_excited_from(structure, load, state, **known)
+
+
+def self_excited_from(
+    structure: Structure, load: Load | None, state: tuple[ArrayLike, ArrayLike], **known: float
+) -> Motion:
+    """The self-excited motion near a state, with its period or the duration of a simulation."""
     groups = [*structure._groups(), *([] if load is None else load._groups())]
     keys = {"kind": "settled", "settling": 0, **known}
+    for name, values in zip(("q", "q_dot"), state, strict=True):
+        keys[name] = np.asarray(values).tolist()
     found = door.run_groups(MotionSet, groups, keys, True, little=True)
     found.require()
     return found.parts()[0]

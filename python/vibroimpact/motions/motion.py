@@ -294,6 +294,17 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         return self.of_structure and not len(self.load.sine) and not self.structure._moves
 
     @property
+    def _given_load(self) -> Load:
+        """Of a structure: its load; of a self-excited motion without the frequency, which is a result."""
+        return Load(constant=self.load.constant) if self.self_excited else self.load
+
+    def _groups(self) -> list[tuple[str, dict[str, Any]]]:
+        """Of a structure: the groups of it and its load."""
+        load = self._given_load
+        bare = self.self_excited and not load.constant.any()
+        return [*self.structure._groups(), *([] if bare else load._groups())]
+
+    @property
     def without_multipliers(self) -> str:
         """Why there are no multipliers; empty if there are."""
         if not np.isnan(self.multipliers).any():
@@ -689,12 +700,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
             raise ParameterError(
                 f"{self!r}: has no namelist, since it was computed with full=True or read from a file without one"
             )
-        load = self.load._groups()
-        if self.self_excited:
-            # its frequency is a result
-            constant = self.load.constant
-            load = [("load", {"constant": constant.tolist()})] if constant.any() else []
-        return namelist.text([*self.structure._groups(), *load, ("motion", self.request)])
+        return namelist.text([*self._groups(), ("motion", self.request)])
 
     def _keys(self) -> dict[str, Any]:
         """The group &motion that produces it, of an oscillator."""

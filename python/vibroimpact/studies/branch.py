@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 from ..base import checks
 from ..base.actions import ACTIONS
 from ..base.errors import ParameterError, SingularError, StudyInterrupted
-from ..motions.exact import settled
+from ..motions.exact import self_excited_from, settled
 from ..motions.motion import VERDICTS, Motion, load_phase_of, motion_of_oscillator
 from ..motions.periodic import impact_restitution, motion_from_phases
 from ..motions.trajectory import simulate_structure
 from ..results import door, namelist
 from ..results.noun import Noun, column
-from ..results.parameters import Parameter, Path, keys_of_parameter
+from ..results.parameters import Parameter, Path, checked_pair, keys_of_parameter
 from ..results.systems import structure_of
 from ..results.tables import Result
 from ..systems.oscillator import Pattern
@@ -52,7 +52,8 @@ class SpecialPoint:
         (two events at one instant, beyond which their order is another), rest_vanishes (the impacts before a rest
         just fail to accumulate), rest_splits (the contact force touches zero within a rest), stick_begins
         (friction that changes its sense begins to stick), stick_vanishes and contact_vanishes (its time falls to
-        zero).
+        zero), and event_vanishes (the speed or the force that makes friction halt or slip only just reaches its
+        limit).
     index : int
         Its place among the points of the branch.
     detail : str
@@ -200,9 +201,12 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
     cycles : int
         Load cycles in a period.
     phases : ndarray (N, M)
-        Load phases of the impacts (rad), as in `Motion`.
+        Load phases of the impacts (rad), as in `Motion`; of self-excited motions 2 pi times the share of the
+        period, from the event just before the longest flight.
     multipliers : ndarray (4, M) or (2n, M) of complex
         NaN at a "zero_approach": the derivative of the period does not exist there.
+    period : ndarray (M,)
+        In time, of an oscillator in units of 1/omega. The period of self-excited motions is a result.
     residual : ndarray (M,)
     consistent, admissible, stable : ndarray (M,) of int
         1, 0, or -1 where not known.
@@ -212,6 +216,7 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
         Why the branch ends, at its first and last point: "bound of the parameter", "meets a motion that repeats
         itself", "two impacts at one instant" (on one wall: the special point there is the last motion that
         rounding leaves exact), "a rest vanishes", "two events at one instant" (a rest ends at another event),
+        "friction begins to stick", "a stick vanishes", "a contact vanishes", "a halt or a slip vanishes",
         "closed", "full", "stopped", or "cannot be followed".
     osc, pattern : Oscillator, Pattern
         Of an oscillator.
@@ -280,6 +285,20 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
             return np.moveaxis(self._values("points", "phases"), -1, 0)
         first: _Array = np.mod(load_phase_of(self.tau, self.xi, self.r), 2 * np.pi)
         return self.alpha + first
+
+    @property
+    def self_excited(self) -> bool:
+        """Whether the motions are self-excited, so that their period is a result."""
+        return self.of_structure and "period" in self._result.tables["points"].columns
+
+    @property
+    def period(self) -> _Array:
+        if self.self_excited:
+            return self._values("points", "period")
+        if not self.of_structure:
+            return 2 * np.pi * self.cycles / self.r
+        frequency = [self.at(value)[1].frequency for value in self.values.tolist()]
+        return 2 * np.pi * self.cycles / np.array(frequency)
 
     @property
     def parameter(self) -> str:
@@ -370,6 +389,11 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
             )
         start, state = float(self.phases[0, i]) / load.frequency, (q, rate)
         try:
+            if self.self_excited:
+                period = float(self.period[i])
+                load = Load(constant=load.constant)
+                run = simulate_structure(structure, load, duration=period, state=state)
+                return self_excited_from(structure, load, run._between_events()[1], period=period)
             if not structure._is_rigid:
                 # just after an event its limit may be reached again by rounding
                 period = 2 * np.pi * self.cycles / load.frequency
@@ -541,11 +565,25 @@ def branch_structure(
     at: float | None = None,
 ) -> Branch:
     """As `branch`, of a motion of a structure."""
+    if motion.self_excited and callable(parameter):
+        parameter = of_constant_load(parameter)
     keys = keys_of_parameter(
-        motion.structure, motion.load, parameter, bounds, at, "parameter"
+        motion.structure, motion._given_load, parameter, bounds, at, "parameter"
     ) | {"longest_step": longest_step, "max_points": max_points}  # fmt: skip
     names = {"low": "bounds[0]", "high": "bounds[1]"}
     return only_branch(lambda: run_from(motion, Branches, keys, names, progress))
+
+
+def of_constant_load(
+    function: Callable[[float], tuple[Structure, Load]],
+) -> Callable[[float], tuple[Structure, Load]]:
+    """A function of a parameter whose loads without a frequency have a constant force, at least 0."""
+
+    def at(value: float) -> tuple[Structure, Load]:
+        structure, load = checked_pair(function(value), value)
+        return structure, load + Load(constant=np.zeros(structure.coordinates))
+
+    return at
 
 
 def run_from(
@@ -553,9 +591,9 @@ def run_from(
     progress: door.Progress | None, threads: int | None = None,
 ) -> _Found:  # fmt: skip
     """The result of a study that starts from a motion; `names` are the caller's names of its keys."""
-    if motion.self_excited:
+    if motion.self_excited and noun is not Branches:
         raise ParameterError(
-            f"motion = {motion!r}: must be one under a periodic load; self-excited motions are not followed"
+            f"motion = {motion!r}: must be one under a periodic load; only branches follow self-excited motions"
         )
     if motion.consistent is False:
         raise ParameterError(
@@ -574,9 +612,11 @@ def run_from(
         start |= {
             "kind": "settled", "start": time, "settling": 0, "q": state[0].tolist(), "q_dot": state[1].tolist(),
         }  # fmt: skip
+        if motion.self_excited:
+            start |= {"start": None, "cycles": None, "period": motion.period}
     else:
         start |= {"gaps": motion.gaps.tolist(), "phases": motion.phases.tolist()}
-    groups = [*motion.structure._groups(), *motion.load._groups(), ("motion", start)]
+    groups = [*motion._groups(), ("motion", start)]
     return door.run_groups(noun, groups, keys, True, threads, progress, names)
 
 
@@ -613,7 +653,8 @@ def branch(
     of a structure, another symmetry such as an exchange of equal units, is followed as such, with the map of half
     a period, so that the branch continues through a pitchfork. The unknowns of a structure are the approach speeds
     and load phases of the impacts and the mean positions of modes of frequency 0; with rests, stops or friction a
-    state and the load phases of all events.
+    state and the load phases of all events; of self-excited motions, which have no load, also the period, and the
+    trivial multiplier 1 is left out.
 
     Parameters
     ----------
@@ -627,7 +668,8 @@ def branch(
         "frequency"; "load", "constant", "damping" or "stiffness", factors of the harmonics, of the constant forces
         and of the matrices; "opening" or "restitution" of all gaps, which are the same; "opening_J" or
         "restitution_J" of gap J; "mass_I_J", "damping_I_J" or "stiffness_I_J", an entry and its mirror image;
-        "slip" or "slip_J" of friction, with the stick level in the same ratio; "contact" or "contact_J", the
+        "slip" or "slip_J" of friction, with the stick level in the same ratio; "stick" or "stick_J"; "speed" or
+        "speed_J" of belts; "contact" or "contact_J", the
         stiffness of stops; "wall" or "wall_J", a factor above 0 of the motions of walls; all numbers count from 0.
         Or a smooth function that gives (structure, load) for a value of the parameter.
     bounds : (float, float)

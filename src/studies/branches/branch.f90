@@ -8,9 +8,9 @@ module vi_branch
    use vi_crossing, only: locate, look_between
    use vi_curve, only: curve_type, distance_from
    use vi_kinds, only: wp
-   use vi_motion_family, only: condition_type, contact_vanishes, edge, events_meet, fold, grazing, &
-      is_exchange, neimark_sacker, repetition, rest_splits, rest_vanishes, stick_begins, &
-      stick_vanishes, zero_approach
+   use vi_motion_family, only: condition_type, contact_vanishes, edge, event_vanishes, &
+      events_meet, fold, grazing, is_exchange, neimark_sacker, repetition, rest_splits, &
+      rest_vanishes, stick_begins, stick_vanishes, zero_approach
    use vi_spectrum, only: is_neutral_saddle, outside_circle
    use vi_steps, only: begin_walk, can_shorten, place_type, stride_type, take_step
    use vi_progress, only: is_stopped, report_share
@@ -22,7 +22,7 @@ module vi_branch
    !> Why a branch ends.
    integer, parameter, public :: end_bound = 1, end_repetition = 2, end_closed = 3, end_stuck = 4, &
       end_full = 5, end_stopped = 6, end_simultaneous = 7, end_rest = 8, end_exchange = 9, &
-      end_stick_begins = 10, end_stick = 11, end_contact = 12
+      end_stick_begins = 10, end_stick = 11, end_contact = 12, end_event = 13
 
    !> A step this short is not repeated to search for hidden special points.
    real(wp), parameter :: least_step = 1.0e-6_wp
@@ -72,6 +72,8 @@ contains
          text = 'a stick vanishes'
       case (end_contact)
          text = 'a contact vanishes'
+      case (end_event)
+         text = 'a halt or a slip vanishes'
       case (end_closed)
          text = 'closed'
       case (end_full)
@@ -337,7 +339,7 @@ contains
       type(condition_type) :: none(0)
       type(place_type) :: found(size(now%values))
       real(wp) :: share(size(now%values)), least
-      logical :: crossed(size(now%values)), good, short, beside
+      logical :: crossed(size(now%values)), good, short, beside, vanishes
       integer :: order(size(now%values)), i, j, n
 
       done = .false.
@@ -347,7 +349,13 @@ contains
       crossed = now%values*next%values < 0 .and. (next%values < 0 .or. now%conditions%kind /= &
          edge) .and. .not. stays_on_circle(now, next)
       beside = nearly_repeats(now, next)
-      if (beside) then
+      ! the parameter turns back there, and a multiplier may pass infinity
+      vanishes = any(crossed .and. now%conditions%kind == event_vanishes)
+      if (vanishes) then
+         unsure = any(crossed .and. now%conditions%kind <= neimark_sacker) .and. .not. short
+         if (unsure) return
+         where (now%conditions%kind <= neimark_sacker) crossed = .false.
+      else if (beside) then
          ! the difference of the parameter from the bifurcation is of second order in the distance
          crossed(fold) = .false.
       else if ((crossed(fold) .neqv. turns_back(now, next)) .neqv. any(crossed .and. &
@@ -381,7 +389,8 @@ contains
          n = n + 1
          order(n) = j
       end do
-      if (.not. (short .or. beside)) unsure = .not. explained(now, next, found, order(:n))
+      if (.not. (short .or. beside .or. vanishes)) unsure = .not. explained(now, next, found, &
+         order(:n))
       if (unsure) return
       do i = 1, n
          j = order(i)
@@ -399,7 +408,8 @@ contains
             ! at the end of a flight another gap closes: beyond it, its impact comes first
             done = is_exchange(found(j)%conditions(j))
             if (done) branch%reason = merge(end_exchange, end_simultaneous, &
-               any(now%conditions%kind == stick_begins .or. now%conditions%kind == events_meet))
+               any(now%conditions%kind == stick_begins .or. now%conditions%kind == events_meet &
+               .or. now%conditions%kind == event_vanishes))
          case (rest_splits)
             ! a rest ends at another event: beyond it, it ends before
             done = is_exchange(found(j)%conditions(j))
@@ -408,13 +418,14 @@ contains
             ! beyond it the accumulation is not completed
             branch%reason = end_rest
             done = .true.
-         case (events_meet, stick_begins, stick_vanishes, contact_vanishes)
+         case (events_meet, stick_begins, stick_vanishes, contact_vanishes, event_vanishes)
             ! beyond it the events are others
             associate (kind => found(j)%conditions(j)%kind)
                branch%reason = end_exchange
                if (kind == stick_begins) branch%reason = end_stick_begins
                if (kind == stick_vanishes) branch%reason = end_stick
                if (kind == contact_vanishes) branch%reason = end_contact
+               if (kind == event_vanishes) branch%reason = end_event
             end associate
             done = .true.
          case default
@@ -446,7 +457,7 @@ contains
    end function turns_back
 
    !> Whether a grazing touch belongs to an impact whose approach speed becomes zero at the same
-   !! point.
+   !! point, or to a halt or a slip that vanishes.
    !!
    !! There the flight before or after that impact ends or begins with a touch: it is one event, not
    !! two.
@@ -467,11 +478,11 @@ contains
       if (found(j)%conditions(j)%kind /= grazing) return
       ! a condition for each event
       n = count(found(j)%conditions%kind == zero_approach .or. found(j)%conditions%kind == &
-         stick_begins)
+         stick_begins .or. found(j)%conditions%kind == event_vanishes)
       share = found(j)%conditions(j)%share
       do i = 1, size(crossed)
          if (.not. crossed(i)) cycle
-         if (found(i)%conditions(i)%kind /= zero_approach) cycle
+         if (all(found(i)%conditions(i)%kind /= [zero_approach, event_vanishes])) cycle
          ! 0: the flight begins with the impact, 1: it ends with it
          behind = modulo(found(i)%conditions(i)%index - found(j)%conditions(j)%index, n)
          same = any(behind == [0, 1]) .and. norm2(found(i)%point - found(j)%point) < merge(far, &

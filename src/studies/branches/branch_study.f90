@@ -10,7 +10,8 @@ module vi_branch_study
    use vi_curve_point, only: curve_type, parameters_of, unknowns_of
    use vi_kinds, only: two_pi, wp
    use vi_motion, only: motion_type
-   use vi_motion_family, only: condition_type, contact_vanishes, edge, grazing, is_exchange, &
+   use vi_motion_family, only: condition_type, contact_vanishes, edge, event_vanishes, grazing, &
+      is_exchange, &
       repetition, rest_splits, rest_vanishes, stick_begins, stick_vanishes, zero_approach
    use vi_motion_study, only: check_motion, check_structure_motion, find_motions, &
       find_structure_motion, motion_request, motion_request_type
@@ -29,7 +30,7 @@ module vi_branch_study
    use vi_structure_resting_family, only: structure_resting_type
    use vi_structure_rests, only: release, rests_type
    use vi_structure_return, only: settled_type
-   use vi_structure_start, only: motion_at, phases_at, start_curve
+   use vi_structure_start, only: motion_at, period_at, phases_at, start_curve
    use vi_structure_tables, only: path_columns, put_path, put_structure, structure_columns
    use vi_study, only: a_whole, a_word, case_type, column_type, complexes, every_model, key_type, &
       list_for, of_oscillator, of_parameter, of_structure, result_type, study_type, truths, &
@@ -38,7 +39,7 @@ module vi_branch_study
    implicit none (type, external)
    private
 
-   public :: check_structure_start, declare_branch, touch_detail
+   public :: check_plane_start, declare_branch, touch_detail
 
    type(key_type), parameter :: branch_keys(*) = [ &
       key_type('parameter', a_word, words=parameter_words, takes=parameter_takes, &
@@ -85,6 +86,8 @@ module vi_branch_study
       column_type('points', 'R2', meaning='coefficient of restitution of the left wall', &
       model=of_oscillator), &
       column_type('points', 'value', meaning='the parameter', model=of_structure), &
+      column_type('points', 'period', listed=.false., meaning='period of a self-excited motion', &
+      model=of_structure), &
       column_type('points', 'consistent', verdicts, meaning='whether it solves all equations'), &
       column_type('points', 'admissible', verdicts, &
       meaning='whether all gaps stay open between the impacts'), &
@@ -193,7 +196,7 @@ contains
       type(motion_request_type) :: wanted
 
       if (case%model == of_structure) then
-         call check_structure_start(case, line)
+         call check_structure_start(case, line, .true.)
          return
       end if
       call check_motion(case%osc, case%start)
@@ -570,19 +573,35 @@ contains
       text = text//'; ends: '//end_text(branch%reasons(1))//', '//end_text(branch%reasons(2))
    end subroutine summarize
 
-   !> Checks the &motion that a study of a structure starts from.
-   subroutine check_structure_start(case, line)
+   !> Checks the &motion that a study of a structure in a plane starts from.
+   subroutine check_plane_start(case, line)
       !> A case with a `start`, in which a fault is recorded.
       type(case_type), intent(inout) :: case
       !> Line of the group of the study.
       integer, intent(in) :: line
+
+      call check_structure_start(case, line, .false.)
+   end subroutine check_plane_start
+
+   !> Checks the &motion that a study of a structure starts from.
+   subroutine check_structure_start(case, line, free)
+      !> A case with a `start`, in which a fault is recorded.
+      type(case_type), intent(inout) :: case
+      !> Line of the group of the study.
+      integer, intent(in) :: line
+      !> Whether the motion may be self-excited.
+      logical, intent(in) :: free
       type(values_type) :: group
-      character(*), parameter :: self_excited = 'self-excited motions are not followed'
+      character(*), parameter :: self_excited = 'only branches follow self-excited motions'
 
       associate (not_used => line)    ! the faults belong to the &motion
       end associate
       group = case%start
       call check_structure_motion(case, group)
+      if (free) then
+         case%start = group
+         return
+      end if
       if (len(group%fault) == 0 .and. group%has('duration')) call group%refuse('duration', &
          self_excited)
       if (len(group%fault) == 0 .and. group%has('period')) call group%refuse('period', self_excited)
@@ -603,6 +622,10 @@ contains
       load%frequency = load_frequency(case)
       call check_structure(structure, status)
       group = case%study
+      if (.not. load%frequency > 0) then
+         if (group%is('parameter', 'frequency')) call group%refuse('parameter', 'a self-excited &
+            &motion has no load with a frequency')
+      end if
       call check_parameter(group, 'parameter', '', structure, load, change)
       case%study = group
    end subroutine check_structure_branch
@@ -727,10 +750,10 @@ contains
       type(change_type), intent(in) :: change
       character(*), intent(in) :: name
       type(line_type) :: special(size(motions)), detail(size(motions)), ends(2)
-      character(name_length), parameter :: names(13) = [character(name_length) :: 'fold', &
+      character(name_length), parameter :: names(14) = [character(name_length) :: 'fold', &
          'pitchfork', 'branch_point', 'flip', 'neimark_sacker', 'grazing', 'zero_approach', &
          'simultaneous', 'rest_vanishes', 'rest_splits', 'stick_begins', 'stick_vanishes', &
-         'contact_vanishes']
+         'contact_vanishes', 'event_vanishes']
       character(:), allocatable :: text
       real(wp) :: values(size(motions)), phases(size(found%gaps), size(motions)), &
          shift(size(motions))
@@ -754,6 +777,8 @@ contains
       call result%open('points', 'point', [n])
       call result%put('points', 'point', [(i, i=1, n)])
       call result%put('points', 'value', values)
+      if (found%free) call result%put('points', 'period', [(period_at(curve, points(:, i)), &
+         i=1, n)])
       call result%put('points', 'consistent', [(motions(i)%verdicts%consistent, i=1, n)])
       call result%put('points', 'admissible', [(motions(i)%verdicts%admissible, i=1, n)])
       call result%put('points', 'stable', [(motions(i)%verdicts%stable, i=1, n)])
@@ -818,8 +843,8 @@ contains
             gap = findloc(structure%channel*structure%wall, condition%side, dim=1)
             if (condition%kind == rest_vanishes) gap = family%rests%gaps(number)
             if (condition%kind == rest_splits) gap = condition%side - structure%channels
-            if (condition%kind == stick_begins .or. condition%kind == stick_vanishes .or. &
-               condition%kind == contact_vanishes) gap = family%rests%gaps(number)
+            if (any(condition%kind == [stick_begins, stick_vanishes, contact_vanishes, &
+               event_vanishes])) gap = family%rests%gaps(number)
             if (condition%kind == grazing .and. allocated(family%rests%rows)) then
                if (.not. (structure%rubs(max(1, gap)) .or. structure%elastic(max(1, gap)))) gap = &
                   -gap
@@ -846,6 +871,8 @@ contains
          text = 'rest of gap '//whole(gap - 1)
       case (stick_begins, stick_vanishes)
          text = 'friction '//whole(gap - 1)
+      case (event_vanishes)
+         text = 'friction '//whole(gap - 1)//' in event '//whole(number)
       case (contact_vanishes)
          text = 'stop '//whole(gap - 1)
       case (zero_approach)

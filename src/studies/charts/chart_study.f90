@@ -1,7 +1,7 @@
 !> The study &chart: the motions of a pattern on a grid.
 module vi_chart_study
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use vi_branch_study, only: check_structure_start
+   use vi_branch_study, only: check_plane_start
    use vi_common_keys, only: most_numbers, cycles_key, symmetric_key, window_keys
    use vi_curve_point, only: curve_type
    use vi_family, only: can_be_symmetric
@@ -152,7 +152,7 @@ contains
       study%starts_from(of_structure) = 'motion'
       study%takes_elements = .true.
       study%takes_walls = .true.
-      study%check_start => check_structure_start
+      study%check_start => check_plane_start
       study%row = 'motions'
       study%check => check_chart
       study%memory => chart_memory

@@ -1,8 +1,8 @@
 !> The standard names of the conditions that bound the motions of a branch or a zone.
 module vi_condition_names
-   use vi_motion_family, only: contact_vanishes, edge, events_meet, flip, fold, grazing, joint, &
-      neimark_sacker, repetition, rest_splits, rest_vanishes, stick_begins, stick_vanishes, &
-      together, zero_approach
+   use vi_motion_family, only: contact_vanishes, edge, event_vanishes, events_meet, flip, fold, &
+      grazing, joint, neimark_sacker, repetition, rest_splits, rest_vanishes, stick_begins, &
+      stick_vanishes, together, zero_approach
    implicit none (type, external)
    private
 
@@ -56,6 +56,8 @@ contains
          name = 'contact_vanishes'
       case (events_meet)
          name = 'simultaneous'
+      case (event_vanishes)
+         name = 'event_vanishes'
       case (joint)
          name = 'joint'
       case default

@@ -33,6 +33,9 @@ module vi_motion_family
    integer, parameter, public :: stick_begins = 11, stick_vanishes = 12, contact_vanishes = 13, &
       events_meet = 14
 
+   !> With friction: the speed or force that brings a halt or a slip about only touches its limit.
+   integer, parameter, public :: event_vanishes = 15
+
    integer, parameter, public :: together = 1, alike = 2
 
    !> A residual that makes Newton's method fail: there is no motion, or not of this family.

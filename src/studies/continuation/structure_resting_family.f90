@@ -16,9 +16,9 @@ module vi_structure_resting_family
    use vi_lapack_routines, only: geev
    use vi_linear, only: most
    use vi_motion_family, only: at_fault, condition_type, contact_vanishes, coordinates_type, &
-      edge, events_meet, flip, fold, grazing, motion_family_type, neimark_sacker, parameters_at, &
-      repetition, rest_splits, rest_vanishes, set_differences, stick_begins, stick_vanishes, &
-      zero_approach
+      edge, event_vanishes, events_meet, flip, fold, grazing, motion_family_type, neimark_sacker, &
+      parameters_at, repetition, rest_splits, rest_vanishes, set_differences, stick_begins, &
+      stick_vanishes, zero_approach
    use vi_orbit, only: n_parameters
    use vi_spectrum, only: outside_circle, spectrum_type
    use vi_structure_family, only: numbers_of
@@ -59,6 +59,8 @@ contains
       real(wp), intent(inout) :: offset(:)
       integer :: m, n
 
+      ! the phases of self-excited motions begin at 0
+      if (family%rests%free) return
       n = 2*size(family%rests%path%structure%mass, 1)
       m = size(family%rests%kinds)
       offset(n + 1:n + m) = offset(n + 1:n + m) - two_pi*nint(offset(n + 1)/two_pi)
@@ -171,6 +173,7 @@ contains
       do i = 1, n
          found(3 + i) = condition_type(zero_approach, i)
          if (family%rests%kinds(i) == switch) found(3 + i)%kind = stick_begins
+         if (halts_or_slips(family, i)) found(3 + i)%kind = event_vanishes
          found(3 + n + i) = condition_type(grazing, i)
          found(3 + 2*n + i) = condition_type(end_of(family, i), i)
       end do
@@ -236,7 +239,7 @@ contains
          case (zero_approach)
             value = 1
             if (s%kinds(symbol) < release) value = course%speeds(symbol)/s%speed
-         case (stick_begins)
+         case (stick_begins, event_vanishes)
             value = course%excess(symbol)
          case (stick_vanishes, contact_vanishes, events_meet)
             i = findloc(course%segments(:course%parts)%symbol, symbol, dim=1)
@@ -285,9 +288,12 @@ contains
 
       values = 0
       n = 2*size(course%run%structure%mass, 1)
-      allocate (p(n, n), re(n), im(n), work(66*n))
+      allocate (p(n, n))
       call monodromy(family%rests, course, p, spectrum%regular)
       if (.not. spectrum%regular) return
+      if (family%rests%free) call leave_trivial(course%flow, p)
+      n = size(p, 1)
+      allocate (re(n), im(n), work(66*n))
       call geev('N', 'N', n, p, n, re, im, unused, 1, unused, 1, work, size(work), info)
       spectrum%regular = info == 0
       if (.not. spectrum%regular) return
@@ -301,6 +307,36 @@ contains
             family%repetitions(info), unknowns))**2
       end do
    end subroutine stability_values
+
+   !> Leaves the trivial multiplier 1 of a self-excited motion out of the derivative of its period.
+   !!
+   !! In an orthonormal basis that begins with the flow f, with [P] f = f, the first column of [P]
+   !! is that of the unit matrix, and the other rows and columns have the other multipliers: so it
+   !! is not confused with another one that passes 1.
+   pure subroutine leave_trivial(flow, p)
+      !> (n) f.
+      real(wp), intent(in) :: flow(:)
+      !> In: [P] (n, n). Out: the rest of it (n - 1, n - 1).
+      real(wp), allocatable, intent(inout) :: p(:, :)
+      real(wp), allocatable :: rest(:, :)
+      real(wp) :: mirror(size(flow)), turned(size(flow))
+      integer :: i, n
+
+      n = size(flow)
+      ! the reflection I - 2 u u^T that takes the first unit vector to -+f
+      mirror = flow/norm2(flow)
+      mirror(1) = mirror(1) + sign(1.0_wp, mirror(1))
+      mirror = mirror/norm2(mirror)
+      do i = 1, n
+         p(:, i) = p(:, i) - 2*dot_product(mirror, p(:, i))*mirror
+      end do
+      turned = matmul(p, mirror)
+      allocate (rest(n - 1, n - 1))
+      do i = 2, n
+         rest(:, i - 1) = p(2:, i) - 2*turned(2:)*mirror(i)
+      end do
+      call move_alloc(rest, p)
+   end subroutine leave_trivial
 
    !> The distance of a motion from one that repeats itself, in load phase (rad).
    pure real(wp) function distance(family, way, unknowns)
@@ -329,9 +365,30 @@ contains
       half = size(family%rests%kinds)/2
       n = size(unknowns) - 2*half
       image = unknowns
+      if (family%rests%free) then
+         ! the period remains, and phases are those after the middle event
+         associate (middle => unknowns(n + 1 + half))
+            image(n + 2:n + half) = unknowns(n + half + 2:) - middle
+            image(n + half + 1:) = unknowns(n + 1) - middle + [0.0_wp, unknowns(n + 2:n + half)]
+         end associate
+         return
+      end if
       image(n + 1:n + half) = unknowns(n + half + 1:) - way%phase
       image(n + half + 1:) = unknowns(n + 1:n + half) + way%phase
    end function image_of
+
+   !> Whether a symbol is a halt after which friction sticks, or its slip.
+   pure logical function halts_or_slips(family, symbol) result(does)
+      !> The family.
+      class(structure_resting_type), intent(in) :: family
+      !> The symbol.
+      integer, intent(in) :: symbol
+
+      associate (s => family%rests)
+         does = s%kinds(symbol) == switch
+         if (does) does = s%path%structure%rubs(s%gaps(symbol)) .and. size(s%stuck(symbol)%set) == 0
+      end associate
+   end function halts_or_slips
 
    !> The condition at which a symbol and the next one come together, or its rest vanishes.
    pure integer function end_of(family, symbol) result(kind)
@@ -532,8 +589,11 @@ contains
       real(wp) :: phases(size(family%rests%kinds))
 
       ! the one that begins the period is last
-      associate (first => size(unknowns) - size(phases) + 1)
-         phases = [unknowns(first + 1:), unknowns(first) + family%rests%whole_turn()]
+      associate (first => size(unknowns) - size(phases) + 1, last => &
+         family%rests%end_of_turn(unknowns))
+         phases = [unknowns(first + 1:), last]
+         ! of a self-excited motion shares of the period
+         if (family%rests%free) phases = (family%rests%whole_turn()/last)*phases
       end associate
    end function phases_of
 

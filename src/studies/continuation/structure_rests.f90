@@ -16,6 +16,10 @@
 !! that becomes infinitely short and then negative is followed as well.
 !!
 !! Without restitution (R = 0) the first impact of an accumulation is also the last one.
+!!
+!! Of self-excited motions the period T is unknown and the phase is free. Then phases are times over
+!! the fixed unit 1/Omega of the load, which has no harmonics, and in place of the phase of the
+!! event that begins the period, which is 0, Omega T is the unknown.
 module vi_structure_rests
    use vi_channels, only: leaving_type, row_derivatives
    use vi_columns, only: solve_columns
@@ -63,8 +67,10 @@ module vi_structure_rests
       !> Of motions that are their own mirror images, q(t + T/2) = -q(t), the symbols are those of
       !! half a period, at the end of which the state is minus that at the start. Whether they are.
       logical :: halved = .false.
+      !> Whether the motions are self-excited, so that the period is unknown.
+      logical :: free = .false.
    contains
-      procedure :: whole_turn
+      procedure :: whole_turn, begin_of, end_of_turn
    end type rests_type
 
    !> A flight or a rest between two events.
@@ -97,12 +103,17 @@ module vi_structure_rests
       !! completed; 1 for other symbols.
       real(wp), allocatable :: rests(:)
       !> (N) By how much the force that would hold friction where it changes its sense is above the
-      !! stick level, in units of the family; 1 for other symbols.
+      !! stick level, in units of the family; of its halts and slips how fast the row comes to its
+      !! limit; 1 for other symbols.
       real(wp), allocatable :: excess(:)
       !> What the determinant of the derivative of the period must be: 0 where a direction is lost.
       real(wp) :: volume = 1
       !> (N) Load phases (rad) at which the rests begin.
       real(wp), allocatable :: begins(:)
+      !> (2n) The rate of the state at the start by the load phase, in units of the family.
+      real(wp), allocatable :: flow(:)
+      !> The time from which a flight is too long, and what a negative one is compared with.
+      real(wp) :: longest = 0, whole = 0
       !> The flights and rests in order.
       type(segment_type), allocatable :: segments(:)
       integer :: parts = 0
@@ -133,12 +144,35 @@ contains
       whole_turn = merge(0.5_wp, 1.0_wp, s%halved)*two_pi*s%cycles
    end function whole_turn
 
+   !> The load phase (rad) of the event that begins the period.
+   pure real(wp) function begin_of(s, unknowns)
+      !> The family.
+      class(rests_type), intent(in) :: s
+      !> As in `follow_period`.
+      real(wp), intent(in) :: unknowns(:)
+
+      begin_of = unknowns(size(unknowns) - size(s%kinds) + 1)
+      if (s%free) begin_of = 0
+   end function begin_of
+
+   !> The load phase (rad) at the end of what is followed.
+   pure real(wp) function end_of_turn(s, unknowns)
+      !> The family.
+      class(rests_type), intent(in) :: s
+      !> As in `follow_period`.
+      real(wp), intent(in) :: unknowns(:)
+
+      end_of_turn = unknowns(size(unknowns) - size(s%kinds) + 1)
+      if (.not. s%free) end_of_turn = end_of_turn + s%whole_turn()
+   end function end_of_turn
+
    !> One period.
    pure subroutine follow_period(s, unknowns, shares, sloped, course)
       !> The family.
       type(rests_type), intent(in) :: s
       !> (2n + N) Positions and velocities just after the release that begins the period, in units
-      !! of the family; the load phases of it and of all other symbols in their order (rad).
+      !! of the family; the load phases of it, or Omega T if that is free, and of all other symbols
+      !! in their order (rad).
       real(wp), intent(in) :: unknowns(:)
       !> Each parameter, as a share of the way between its bounds.
       real(wp), intent(in) :: shares(:)
@@ -162,8 +196,13 @@ contains
       q = s%length*unknowns(:n)
       rate = s%speed*unknowns(n + 1:2*n)
       allocate (acceleration(n))
+      if (s%free) good = unknowns(2*n + 1) > 0
+      if (.not. good) return
+      course%whole = course%run%period
+      if (s%free) course%whole = unknowns(2*n + 1)/course%run%load%frequency
+      course%longest = (s%cycles + 1)*course%whole
       here%regime = course%after(0)
-      here%phase = unknowns(2*n + 1)
+      here%phase = s%begin_of(unknowns)
       here%symbol = m
       here%begins = s%first_gap
       here%column = 2*n + 1
@@ -181,11 +220,12 @@ contains
          call accelerations(regime, here%phase, here%x, here%v, acceleration)
          if (sloped) then
             p(:, 2*n + 1) = -[rate, acceleration]/regime%frequency
+            course%flow = -p(:, 2*n + 1)/unit
          end if
          call from_coordinates(regime, p, here%d)
       end associate
       do i = 1, m
-         associate (phase => unknowns(2*n + 1 + modulo(i, m)) + merge(s%whole_turn(), 0.0_wp, &
+         associate (phase => merge(s%end_of_turn(unknowns), unknowns(2*n + 1 + modulo(i, m)), &
             i == m), column => 2*n + 1 + modulo(i, m))
             call next_symbol(s, i, phase, column, here, course, good)
          end associate
@@ -207,6 +247,12 @@ contains
                course%slopes(:, i) = p(i, :)/unit(i)
                course%slopes(i, i) = course%slopes(i, i) - 1
             end do
+            if (s%free) then
+               ! the last event comes at T, and the state at the end is that just after it
+               course%slopes(2*n + 1, :) = course%slopes(2*n + m + 1, :)
+               course%slopes(2*n + 1, :2*n) = course%slopes(2*n + 1, :2*n) + [rate, &
+                  acceleration]/(regime%frequency*unit)
+            end if
          end if
       end associate
       course%exists = all(abs(course%residuals) <= huge(1.0_wp))
@@ -239,6 +285,8 @@ contains
       if (.not. good) return
       n = size(q)
       m = size(s%kinds)
+      course%whole = course%run%period
+      course%longest = (s%cycles + 1)*course%whole
       here%regime = course%after(symbol - 1)
       here%phase = phases(symbol)
       here%symbol = symbol
@@ -378,7 +426,7 @@ contains
          structure => course%run%structure, frequency => course%run%load%frequency)
          time = (phase - here%phase)/frequency
          ! beyond an exchange of two events, and where a rest has vanished, it is negative
-         if (.not. (time > -0.25_wp*run%period .and. time < (s%cycles + 1)*run%period)) return
+         if (.not. (time > -0.25_wp*course%whole .and. time < course%longest)) return
          allocate (x, source=here%x)
          allocate (v, source=here%v)
          if (s%kinds(symbol) == switch) then
@@ -541,6 +589,8 @@ contains
                   by(column) = by(column) - course%residuals(equation)*unit/(time*frequency)
                   by(here%column) = by(here%column) + course%residuals(equation)*unit &
                      /(time*frequency)
+                  if (s%free .and. symbol == size(s%kinds)) by(size(by)) = by(size(by)) &
+                     - course%residuals(equation)*unit/(time*frequency)
                end if
             else
                course%residuals(equation) = (d_begin(1) + 0.5_wp*time*(d_begin(2) &
@@ -555,7 +605,11 @@ contains
             end if
             if (size(by) > 0) course%slopes(:, equation) = by/unit
          end if
-         if (course%stuck(symbol) == 0) return
+         if (course%stuck(symbol) == 0) then
+            if (structure%rubs(s%gaps(symbol))) course%excess(symbol) = s%walls(symbol)*steepness/ &
+               (unit_of_row(s, structure, row, s%gaps(symbol), frequency)*frequency)
+            return
+         end if
          call find_excess(s, symbol, phase, x, v, regime, course)
       end associate
    contains

@@ -9,7 +9,7 @@ module vi_structure_start
    use vi_columns, only: solve_columns
    use vi_linear, only: most
    use vi_motion, only: no, unknown, yes
-   use vi_motion_family, only: condition_type, edge, neimark_sacker, zero_approach
+   use vi_motion_family, only: condition_type, edge, event_vanishes, neimark_sacker, zero_approach
    use vi_orbit, only: family_type, most_impacts, n_parameters
    use vi_pattern, only: pattern_type
    use vi_responses, only: offset_pairs
@@ -37,7 +37,7 @@ module vi_structure_start
    implicit none (type, external)
    private
 
-   public :: motion_at, phases_at, start_curve
+   public :: motion_at, period_at, phases_at, start_curve
 
    !> A motion nearer than this to one that repeats itself is that one.
    real(wp), parameter :: same = 1.0e-6_wp
@@ -224,12 +224,23 @@ contains
          if (allocated(start%events)) s%speed = max(maxval(abs(start%motion%states(n + 1:, :))), &
             load%frequency*maxval(abs(start%motion%states(:n, :))))
          s%length = s%speed/load%frequency
+         s%free = start%free
+         if (s%free .and. .not. allocated(start%events)) then
+            message = 'a self-excited motion without friction cannot be followed'
+            return
+         end if
          if (allocated(start%events)) then
             call read_events(s, start, min(most_impacts, most - 2 - 2*n), unknowns, message)
             if (len(message) > 0) return
             call set_repetitions(family, [unknowns(2*n + 1:), unknowns(2*n + 1) + 2*pi*s%cycles], &
                mirrored, message)
+            if (len(message) > 0) return
             start%gaps = s%gaps
+            if (s%free) then
+               ! phases from the event that begins the period, the end of which is unknown
+               unknowns(2*n + 2:) = unknowns(2*n + 2:) - unknowns(2*n + 1)
+               unknowns(2*n + 1) = s%whole_turn()
+            end if
             if (half .and. size(family%repetitions) == 0) call take_half(family, unknowns)
             call finish_resting(family, unknowns, changes, curve, point)
             return
@@ -433,6 +444,7 @@ contains
       logical, intent(out) :: mirrored
       !> Why the motion is not followed; empty if it is.
       character(:), allocatable, intent(inout) :: message
+      character(:), allocatable :: turn
       integer, allocatable :: sides(:)
       integer :: m, parts
 
@@ -448,15 +460,18 @@ contains
             associate (step => m/parts, next => cshift(sides, m/parts))
                mirrored = parts == 2 .and. modulo(s%cycles, 2) == 1 .and. all(sides == -next) &
                   .and. is_odd(s%path)
-               if (.not. mirrored .and. (any(sides /= next) .or. modulo(s%cycles, parts) > 0)) cycle
+               if (.not. mirrored .and. (any(sides /= next) .or. (modulo(s%cycles, parts) > 0 &
+                  .and. .not. s%free))) cycle
                if (any(abs(phases(step:) - phases(:m - step) - 2*pi*s%cycles/parts) > same)) then
                   if (parts == 2) family%repetitions = [repetition_type(step, merge(-1.0_wp, &
                      1.0_wp, mirrored), pi*s%cycles)]
                else if (mirrored) then
                   mirrored = .false.
                else
-                  message = 'the motion repeats itself within its '//counted(s%cycles, &
-                     'load cycle')//'; start from the shorter period'
+                  turn = counted(s%cycles, 'load cycle')
+                  if (s%free) turn = 'period'
+                  message = 'the motion repeats itself within its '//turn//'; start from the &
+                     &shorter period'
                   return
                end if
                if (parts == 2) exit
@@ -691,6 +706,21 @@ contains
       allocate (phases, source=whole(size(whole)/2 + 1:))
    end function phases_at
 
+   !> The period of a self-excited motion at a point of a curve; 0 of other families.
+   pure real(wp) function period_at(curve, point) result(period)
+      !> The curve.
+      type(curve_type), intent(in) :: curve
+      !> The point.
+      real(wp), intent(in) :: point(:)
+
+      period = 0
+      select type (known => curve%family)
+      type is (structure_resting_type)
+         period = known%rests%end_of_turn(unknowns_of(curve, point))/ &
+            known%rests%path%load%frequency
+      end select
+   end function period_at
+
    !> The motion at a point of a curve, with its verdicts.
    pure subroutine motion_at(curve, point, condition, motion, extremes, rests)
       !> The curve.
@@ -832,6 +862,13 @@ contains
                verdicts%admissible = yes
             end if
             if (condition%kind == zero_approach) return
+            if (condition%kind == event_vanishes) then
+               ! the instant of the event has no derivative
+               i = verdicts%admissible
+               call without_derivative(verdicts)
+               verdicts%admissible = i
+               return
+            end if
             unit = [spread(s%length, 1, n), spread(s%speed, 1, n)]
             call monodromy(s, course, verdicts%p, good)
             if (.not. good) call without_derivative(verdicts)
@@ -845,7 +882,7 @@ contains
             speeds = pack(abs(course%speeds), s%kinds < release)
             if (size(speeds) == 0) speeds = [s%speed]
             call assess_multipliers(1.0e-12_wp*max(1.0_wp, maxval(speeds)/max(tiny(1.0_wp), &
-               minval(speeds))), verdicts)
+               minval(speeds))), verdicts, s%free)
          end associate
       end associate
    end subroutine resting_motion

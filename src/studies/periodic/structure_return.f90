@@ -48,6 +48,8 @@ module vi_structure_return
       integer :: cycles = 0
       !> Whether the simulation on it repeated itself to rounding.
       logical :: repeats = .false.
+      !> Whether it is self-excited, so that its phase is free.
+      logical :: free = .false.
       !> (m) Gaps that rest, and the load phases (rad) at which each rest begins and ends.
       integer, allocatable :: resting(:)
       real(wp), allocatable :: rests(:, :)
@@ -725,6 +727,7 @@ contains
       type(settled_type), intent(inout) :: found
       logical :: complete, push
 
+      found%free = free
       call store_period(run, events, found)
       if (has_elements(run%structure)) call store_events(run, begun, events, found)
       found%motion%verdicts%consistent = consistency(found%motion%residual, exact_acceptance)

@@ -20,16 +20,16 @@ module vi_structure_path
       of_opening = 5, of_restitution = 6, of_frequency = 7, of_cosine = 8, of_sine = 9, &
       of_constant = 10, of_law = 11, of_wall_cosine = 12, of_wall_sine = 13
 
-   !> Names of other entries: the levels of friction, the stiffness of a stop, and the motion of a
-   !! wall.
-   integer, parameter :: of_slip = 11, of_contact = 12, of_wall = 13
+   !> Names of other entries: both levels of friction, the stiffness of a stop, the motion of a
+   !! wall, and the stick level of friction alone and the speed of its belt.
+   integer, parameter :: of_slip = 11, of_contact = 12, of_wall = 13, of_stick = 14, of_speed = 15
 
    character(*), parameter, public :: parameter_takes = '''frequency'', ''load'', ''constant'', &
       &''damping'' or ''stiffness'' (factors, 1 for the motion), ''opening'' or ''restitution'' &
-      &(of all gaps), ''opening_J'', ''restitution_J'' (of gap J), ''slip'', ''slip_J'' (of &
-      &friction, stick in the same ratio), ''contact'', ''contact_J'' (stiffness of stops), &
-      &''wall'', ''wall_J'' (factor of the motion of walls, above 0), &
-      &''mass_I_J'', ''damping_I_J'', ''stiffness_I_J'', all from 0'
+      &(of all gaps), ''slip'' (of friction, stick in the same ratio), ''stick'', ''speed'' (of &
+      &belts), ''contact'' (stiffness of stops) or ''wall'' (factor of the motion of walls, above &
+      &0), the same of element J as ''opening_J'', ''mass_I_J'', ''damping_I_J'', &
+      &''stiffness_I_J'', all from 0'
 
    !> How one parameter p changes entries, between its bounds.
    type, public :: change_type
@@ -404,14 +404,14 @@ contains
       factor = .false.
       call split(name, word, places, good)
       kind = findloc([character(11) :: 'mass', 'damping', 'stiffness', '', 'opening', &
-         'restitution', 'frequency', 'load', '', 'constant', 'slip', 'contact', 'wall'] == word, &
-         .true., 1)
+         'restitution', 'frequency', 'load', '', 'constant', 'slip', 'contact', 'wall', 'stick', &
+         'speed'] == word, .true., 1)
       if (kind == 0 .or. len(word) == 0 .or. .not. good) then
          message = 'it has no such name'
          return
       end if
       select case (kind)
-      case (of_opening, of_restitution, of_slip, of_contact, of_wall)
+      case (of_opening, of_restitution, of_slip, of_contact, of_wall, of_stick, of_speed)
          if (places(2) >= 0) message = 'it has one number, that of a gap'
          if (places(1) >= gaps) message = 'the structure has '//counted(gaps, 'gap')
          if (len(message) > 0) return
@@ -424,8 +424,8 @@ contains
             if (factor) cycle
             if (.not. has_it(kind, structure%laws(i)%kind)) cycle
             if (places(1) < 0 .or. places(1) + 1 == i) entries = reshape([entries, &
-               merge(of_law, kind, kind > of_constant), i, merge(1, 0, kind > of_constant)], &
-               [3, size(entries, 2) + 1])
+               merge(of_law, kind, kind > of_constant), i, number_of(kind)], [3, size(entries, 2) &
+               + 1])
          end do
       case (of_mass, of_damping, of_stiffness)
          if (any(places >= n)) message = 'the structure has '//counted(n, 'coordinate')
@@ -478,7 +478,23 @@ contains
       end if
       call move_alloc(entries, change%entries)
       call check_range(kind, factor, change, message, bound)
+      if (kind /= of_stick .or. len(message) > 0) return
+      if (any([(structure%laws(change%entries(2, i))%numbers(1) > change%low, i=1, &
+         size(change%entries, 2))])) then
+         message = 'a stick level is at least the slip level'
+         if (present(bound)) bound = 1
+      end if
    end subroutine new_change
+
+   !> The place of what a parameter changes among the numbers of a law; 0 if it is none of them.
+   pure integer function number_of(kind) result(number)
+      !> The kind of the parameter.
+      integer, intent(in) :: kind
+
+      number = merge(1, 0, kind > of_constant)
+      if (kind == of_stick) number = 2
+      if (kind == of_speed) number = 3
+   end function number_of
 
    !> Whether a gap, a stop or friction has what a parameter changes.
    elemental logical function has_it(kind, law) result(has)
@@ -490,7 +506,7 @@ contains
          has = law /= friction_law
       case (of_restitution)
          has = law <= table_law
-      case (of_slip)
+      case (of_slip, of_stick, of_speed)
          has = law == friction_law
       case default
          has = law > table_law .and. law /= friction_law

@@ -1,7 +1,7 @@
 !> The study &zone: where motions of a pattern are stable.
 module vi_zone_study
    use vi_common_keys, only: check_window, cycles_key, symmetric_key, window_keys
-   use vi_branch_study, only: check_structure_start, touch_detail
+   use vi_branch_study, only: check_plane_start, touch_detail
    use vi_curve_point, only: curve_type
    use vi_family, only: can_be_symmetric
    use vi_kinds, only: pi, wp
@@ -153,7 +153,7 @@ contains
       study%starts_from(of_structure) = 'motion'
       study%takes_elements = .true.
       study%takes_walls = .true.
-      study%check_start => check_structure_start
+      study%check_start => check_plane_start
       study%row = 'vertices'
       study%check => check_zone
       study%memory => zone_memory
