@@ -1,5 +1,6 @@
 """Walls of gaps and stops that move with the load, against closed forms and a change of coordinates."""
 
+import itertools
 import math
 from dataclasses import replace
 
@@ -315,6 +316,74 @@ def test_zone_of_the_bounce():
         assert (abs(speeds[0] - speeds[1]) < 1e-6) == stays
 
 
+def test_atlas_of_the_bounce():
+    """The survey finds the bounce, whose zone has the borders of the closed form."""
+    atlas = vi.atlas(
+        *ball_on_table(0.02), ("frequency", (18, 23)), ("wall", (0.2, 2.4)), survey=60, lines=9
+    )
+    (zone,) = (one for one in atlas.zones if one.cycles == 1 and one.gaps.tolist() == [0])
+    rng = np.random.default_rng(46)
+    omega, factor = rng.uniform(18, 23, 300), rng.uniform(0.2, 2.4, 300)
+    borders = np.array([bounce_borders(w) for w in omega]) / 0.02
+    expected = (borders[:, 0] < factor) & (factor < borders[:, 1])
+    assert (zone.contains(omega, factor) == expected).all()
+
+
+def test_work_of_the_table():
+    """In each bounce the table gives m (1 + R) v w with its speed w, which the impact takes."""
+    motion = stable_bounce()
+    found = motion.quantities()
+    speed, wall = motion.speeds[0], 0.02 * OMEGA * math.cos(motion.phases[0])
+    assert found.impact_loss == pytest.approx(0.5 * (1 - 0.49) * speed**2, rel=1e-12)
+    assert found.work == pytest.approx((1 + 0.7) * speed * wall, rel=1e-12)
+    assert found.work == pytest.approx(found.impact_loss, rel=1e-12)
+    assert found.energy_change == pytest.approx(0, abs=1e-12)
+    # a ball that is carried: the table gives m (g + w') w, and gravity, which is part of the load, takes m g w
+    ball, load = ball_on_table(0.03, restitution=0.3)
+    found = vi.simulate(ball, load, duration=0.04, state=([0.0], [0.6])).quantities()
+    gain = 0.5 * (0.03 * OMEGA) ** 2 * (math.cos(OMEGA * 0.04) ** 2 - 1)
+    assert found.work == pytest.approx(gain, abs=1e-14)
+    assert found.energy_change == pytest.approx(gain, abs=1e-14)
+
+
+@pytest.mark.parametrize("kind", CONTACTS)
+def test_energy_with_a_moving_wall(kind):
+    """Work of loads and walls = losses + change of energy, over the period of a motion and over any window."""
+    moving, load, *_ = moving_and_shifted(kind)
+    motion = vi.exact(moving, load, vi.simulate(moving, load, cycles=300))
+    run = vi.simulate(moving, load, cycles=7)
+    for found in (
+        motion.quantities(), run.quantities(), run.quantities(window=(1.234, 9.87)),
+        run.quantities(window=tuple(run.events["time"][[2, 5]])),
+    ):  # fmt: skip
+        losses = found.damping_loss + found.impact_loss + found.friction_loss
+        assert found.work - losses == pytest.approx(found.energy_change, abs=1e-12 * found.work)
+        assert found.damping_loss > 0
+    assert abs(motion.quantities().energy_change) < 1e-12
+
+
+def test_work_of_a_stop_that_moves():
+    """The part of the wall in the work is minus the integral of the contact force times its speed."""
+    moving, load, *_ = moving_and_shifted("stop")
+    run = vi.simulate(moving, load, cycles=2)
+    edges = np.unique(np.r_[0.0, run.events["time"], run.end])
+    nodes, weights = np.polynomial.legendre.leggauss(30)
+    total = 0.0
+    for a, b in itertools.pairwise(edges):
+        t = 0.5 * (a + b) + 0.5 * (b - a) * nodes
+        q, q_dot = run.sample(t)
+        w, rate = wall_at(t)
+        h = 1.7 * np.array([1, 2])[:, None]
+        force = load.cosine.T @ np.cos(h[: len(load.cosine)] * t)
+        force = force + load.sine.T @ np.sin(h[: len(load.sine)] * t) + load.constant[:, None]
+        depth = q[0] - 0.3 - w
+        pressed = 40 * depth + 1.5 * (q_dot[0] - rate)
+        power = (force * q_dot).sum(axis=0) - np.where(depth.max() > 0, pressed, 0.0) * rate
+        total += 0.5 * (b - a) * (weights @ power)
+    # impacts on the other wall, which is at rest, have no work
+    assert run.quantities().work == pytest.approx(total, rel=1e-10)
+
+
 PARAMETERS = {
     "frequency": (1.68, 1.73), "wall": (0.9, 1.1), "wall_0": (0.9, 1.1), "load": (0.95, 1.05),
     "opening_0": (0.95, 1.05), "stiffness_0_1": (-1.03, -0.98),
@@ -453,10 +522,6 @@ def test_what_is_refused():
     motion = vi.exact(ball, load, ([1.0], [0], 1))
     with pytest.raises(vi.ParameterError, match="this factor must be above 0"):
         vi.branch(motion, "wall", bounds=(0, 2))
-    with pytest.raises(vi.ParameterError, match="does not take moving walls"):
-        vi.atlas(ball, load, ("frequency", 19, 21), ("wall", 0.5, 2))
-    with pytest.raises(vi.ParameterError, match="must not move here; only simulate"):
-        motion.quantities()
     for without in (None, vi.Load(constant=[-1.0]), vi.Record(0.1, [[0.0], [1.0]])):
         with pytest.raises(vi.ParameterError, match="must have a frequency, with which the walls"):
             vi.simulate(ball, without, duration=1.0)

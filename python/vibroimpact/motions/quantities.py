@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -14,7 +14,7 @@ from ..base import checks
 from ..base.errors import ParameterError
 from ..base.interrupt import interruptible
 from ..base.status import raise_status
-from ..systems.structure import Load
+from ..systems.structure import Load, opening_speed_at
 
 if TYPE_CHECKING:
     from ..systems.oscillator import Oscillator
@@ -103,7 +103,8 @@ class Quantities:
         ``side`` and ``jump`` (of the acceleration of the primary mass), too. Of impacts that accumulate, the last
         and smallest are not listed; energies and harmonics contain them.
     work : float
-        Energy that the load puts in, with its constant part, and the belts.
+        Energy that the load puts in, with its constant part, the belts, and the walls that move: a contact force,
+        or the impulse of an impact, times the speed of the wall.
     damping_loss, impact_loss, friction_loss : float
         Energy that the dashpots (those of stops too), the impacts and dry friction take.
     energy_change : float
@@ -202,13 +203,19 @@ def structure_quantities(
     impacts = np.empty(hits.sum(), dtype=IMPACT_TYPE)
     for name in ("time", "gap", "speed", "impulse"):
         impacts[name] = run.events[name][hits]
-    directions = np.reshape(
-        [gap.direction for gap in run.structure.gaps], (-1, run.structure.coordinates)
-    )
+    gaps = run.structure.gaps
+    directions = np.reshape([gap.direction for gap in gaps], (-1, run.structure.coordinates))
+    wall = np.zeros(len(impacts))
+    if run.structure._moves:
+        for i, gap in enumerate(gaps):
+            here = impacts["gap"] == i
+            wall[here] = opening_speed_at(gap, impacts["time"][here], run.load.frequency)
     # what the gaps close with just after the impacts is negative
-    closing = (directions[impacts["gap"]] * run.states[hits, 1]).sum(axis=1)
+    closing = (directions[impacts["gap"]] * run.states[hits, 1]).sum(axis=1) - wall
     impacts["loss"] = 0.5 * impacts["impulse"] * (impacts["speed"] + closing)
-    return integrated(arguments, segments, window, harmonics, impacts, True)
+    found = integrated(arguments, segments, window, harmonics, impacts, True)
+    # a wall that moves pushes with its speed
+    return replace(found, work=math.fsum([found.work, *(-impacts["impulse"] * wall)]))
 
 
 def oscillator_quantities(

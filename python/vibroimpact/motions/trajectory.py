@@ -338,7 +338,6 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         """
         first, end = self._times(cycles, window)
         if self.of_structure:
-            self.structure._refuse_moving()
             return structure_quantities(
                 self,
                 core_arrays(self.structure, self.load, True),

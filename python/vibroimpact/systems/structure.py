@@ -27,11 +27,6 @@ MOST_OUTPUTS = 100
 SIMULTANEOUS = (None, "newton", "sequence")
 #: Most harmonics of the motion of a wall.
 MOST_HARMONICS = 100
-#: The verbs that take walls that move.
-WITH_WALLS = (
-    "simulate, periodic, exact, find, branch, zone, chart, gradient, response, bifurcation_diagram, lyapunov "
-    "and basins"
-)
 #: The verbs that take stops and friction.
 WITH_ELEMENTS = (
     "simulate, periodic, exact, find, branch, zone, chart, atlas, response, bifurcation_diagram,"
@@ -260,6 +255,13 @@ def opening_at(part: Gap | Stop, t: Any, frequency: float) -> Any:
     """The opening at q = 0 at times, which varies where the wall moves."""
     angles = np.multiply.outer(np.asarray(t), frequency * np.arange(1, len(part.cosine) + 1))
     return part.opening + np.cos(angles) @ part.cosine + np.sin(angles) @ part.sine
+
+
+def opening_speed_at(part: Gap | Stop, t: Any, frequency: float) -> Any:
+    """The derivative of `opening_at` by time."""
+    paces = frequency * np.arange(1, len(part.cosine) + 1)
+    angles = np.multiply.outer(np.asarray(t), paces)
+    return np.cos(angles) @ (paces * part.sine) - np.sin(angles) @ (paces * part.cosine)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -690,14 +692,6 @@ class Structure(ByValue):
     def _moves(self) -> bool:
         """Whether the wall of a gap or a stop moves."""
         return any(_motion_of(part) for part in self._parts)
-
-    def _refuse_moving(self) -> None:
-        """ParameterError if a wall moves."""
-        for i, part in enumerate(self.gaps):
-            if _motion_of(part):
-                raise ParameterError(
-                    f"gaps[{i}] = {part!r}: must not move here; only {WITH_WALLS} take walls that move"
-                )
 
     @property
     def _is_rigid(self) -> bool:

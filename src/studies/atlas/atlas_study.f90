@@ -125,6 +125,7 @@ contains
       study%meaning = 'find the zones of all patterns in a window'
       study%row = 'vertices'
       study%takes_elements = .true.
+      study%takes_walls = .true.
       study%check => check_atlas
       study%memory => atlas_memory
       study%run => run_atlas

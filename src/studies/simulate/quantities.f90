@@ -1,5 +1,9 @@
 !> Response quantities over a window of time: means, mean squares, extremes, harmonics and energies,
 !! in closed form between the events (vi_moments).
+!!
+!! A wall at e(t) that is pressed with a force p pushes the structure with -p along the direction of
+!! its gap, and so puts in the work -p e' in each unit of time, and -e' times the impulse where an
+!! accumulation of impacts ends; the caller adds those of the impacts themselves.
 module vi_quantities
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
@@ -8,7 +12,8 @@ module vi_quantities
    use vi_moments, only: moments_of, numbers_in, rate_of, rates_in, vector_at
    use vi_restitution, only: pushing_law, stop_law
    use vi_status, only: stat
-   use vi_structure, only: is_absorbed, load_type, regime_type, state_of, structure_type, to_pairs
+   use vi_structure, only: is_absorbed, load_type, opening_at, regime_type, state_of, &
+      structure_type, to_pairs
    use vi_structure_record, only: forces_at, set_forces
    use vi_structure_run, only: find_regime, let_go_event, new_run, press_event, run_type, &
       stick_event
@@ -34,8 +39,8 @@ module vi_quantities
       real(wp), allocatable :: numbers(:, :)
       !> (4n, orders) Integrals of the signals times e^(-i k Omega t).
       complex(wp), allocatable :: harmonics(:, :)
-      !> Work of the load and of belts, losses of dashpots and of velocities where rests begin,
-      !! change of energy, and the loss of friction.
+      !> Work of the load, of belts and of walls that move, losses of dashpots and of velocities
+      !! where rests begin, change of energy, and the loss of friction.
       real(wp) :: energies(5) = 0
       !> Length in the shortest time scales.
       real(wp) :: units = 0
@@ -63,8 +68,8 @@ contains
       !> (4n, orders) Complex amplitudes at the multiples of the load frequency; those of q''
       !! contain the impulses.
       complex(wp), intent(out) :: harmonics(:, :)
-      !> Work of the load and of belts, losses of dashpots and of velocities where rests begin, the
-      !! change of energy, and the loss of friction.
+      !> Work of the load, of belts and of walls that move, but not in impacts, losses of dashpots
+      !! and of velocities where rests begin, the change of energy, and the loss of friction.
       real(wp), intent(out) :: energies(5)
       !> The part of the window that would not be too long; less than 1 if nothing was computed.
       real(wp), intent(out) :: share
@@ -73,9 +78,10 @@ contains
       type(run_type) :: run
       type(sums_type) :: sums
       real(wp), dimension(size(structure%mass, 1)) :: q, rate, before
+      type(load_type) :: own
       integer, allocatable :: resting(:)
-      real(wp) :: begin, end, whole
-      integer :: j, number
+      real(wp) :: begin, end, impulse, opening(0:2), whole
+      integer :: h, j, number
 
       numbers = 0
       harmonics = 0
@@ -83,7 +89,14 @@ contains
       rate = 0
       share = 1
       whole = window(2) - window(1)
-      call new_run(structure, load, run, status)
+      own = load
+      if (load%frequency > 0 .and. size(structure%motion, 1) > size(load%sine, 2)) then
+         ! the harmonics of walls count, too
+         h = size(structure%motion, 1)
+         own%cosine = reshape([load%cosine], [size(q), h], pad=[0.0_wp])
+         own%sine = reshape([load%sine], [size(q), h], pad=[0.0_wp])
+      end if
+      call new_run(structure, own, run, status)
       if (status /= stat%ok) return
       allocate (resting(0))
       if (labels(1, 1) == 0) then
@@ -109,17 +122,27 @@ contains
          rate = starts(size(q) + 2:, j)
          if (begin > window(1)) then
             call add_jump(load%frequency*begin, rate - before, sums)
-            if (labels(1, j) == stick_event) sums%energies(3) = sums%energies(3) + 0.5_wp* &
-               dot_product(before - rate, matmul(structure%mass, before + rate))
+            if (labels(1, j) == stick_event) then
+               sums%energies(3) = sums%energies(3) + 0.5_wp*dot_product(before - rate, &
+                  matmul(structure%mass, before + rate))
+               if (run%structure%moves) then
+                  associate (gap => labels(2, j))
+                     opening = opening_at(run%structure, gap, load%frequency*begin, load%frequency)
+                     impulse = run%structure%effective(gap)*dot_product(structure%directions(:, &
+                        gap), before - rate)
+                  end associate
+                  sums%energies([1, 3]) = sums%energies([1, 3]) - impulse*opening(1)
+               end if
+            end if
             ! a stop that does not touch relaxes by its dashpot
             if (labels(1, j) == let_go_event) sums%energies(2) = sums%energies(2) &
-               + energy_of_stop(structure, labels(2, j), q)
+               + energy_of_stop(run, labels(2, j), begin, q)
             if (labels(1, j) == press_event) sums%energies(2) = sums%energies(2) &
-               - energy_of_stop(structure, labels(2, j), q)
+               - energy_of_stop(run, labels(2, j), begin, q)
          else
             call pass(run, number, begin, window(1), .false., q, rate, sums)
             begin = window(1)
-            sums%energies(4) = -energy(structure, resting, q, rate)
+            sums%energies(4) = -energy(run, resting, begin, q, rate)
          end if
          if (end > begin .or. .not. whole > 0) call pass(run, number, begin, end, .true., q, rate, &
             sums)
@@ -128,7 +151,7 @@ contains
       if (share < 1) return
       call settle(run, sums)
       energies = sums%energies
-      energies(4) = energies(4) + energy(structure, resting, q, rate)
+      energies(4) = energies(4) + energy(run, resting, window(2), q, rate)
       numbers = sums%numbers
       harmonics = sums%harmonics
       if (.not. whole > 0) then
@@ -160,36 +183,38 @@ contains
    end subroutine add_jump
 
    !> The energy of masses and springs, those of stops that press too.
-   pure real(wp) function energy(structure, closed, q, rate)
-      !> The structure, and what is closed.
-      type(structure_type), intent(in) :: structure
+   pure real(wp) function energy(run, closed, time, q, rate)
+      !> The run, what is closed, and the time.
+      type(run_type), intent(in) :: run
       integer, intent(in) :: closed(:)
+      real(wp), intent(in) :: time
       !> (n) Coordinates and velocities.
       real(wp), intent(in) :: q(:), rate(:)
       integer :: i
 
-      energy = 0.5_wp*(dot_product(rate, matmul(structure%mass, rate)) + dot_product(q, &
-         matmul(structure%stiffness, q)))
+      energy = 0.5_wp*(dot_product(rate, matmul(run%structure%mass, rate)) + dot_product(q, &
+         matmul(run%structure%stiffness, q)))
       do i = 1, size(closed)
-         if (closed(i) > 0) energy = energy + energy_of_stop(structure, closed(i), q)
+         if (closed(i) > 0) energy = energy + energy_of_stop(run, closed(i), time, q)
       end do
    end function energy
 
    !> The energy of a stop that presses; 0 of other elements.
-   pure real(wp) function energy_of_stop(structure, number, q) result(energy)
-      !> The structure, and the number of the element.
-      type(structure_type), intent(in) :: structure
+   pure real(wp) function energy_of_stop(run, number, time, q) result(energy)
+      !> The run, the number of the element, and the time.
+      type(run_type), intent(in) :: run
       integer, intent(in) :: number
+      real(wp), intent(in) :: time
       !> (n) Coordinates.
       real(wp), intent(in) :: q(:)
-      real(wp) :: depth
+      real(wp) :: depth, opening(0:2)
 
       energy = 0
-      if (structure%laws(number)%kind /= stop_law .and. structure%laws(number)%kind /= &
-         pushing_law) return
-      depth = dot_product(structure%directions(:, number), q) - structure%openings(number)
-      associate (numbers => structure%laws(number)%numbers)
-         energy = depth*(numbers(3) + 0.5_wp*numbers(1)*depth)
+      associate (law => run%structure%laws(number), frequency => run%load%frequency)
+         if (law%kind /= stop_law .and. law%kind /= pushing_law) return
+         opening = opening_at(run%structure, number, frequency*time, frequency)
+         depth = dot_product(run%structure%directions(:, number), q) - opening(0)
+         energy = depth*(law%numbers(3) + 0.5_wp*law%numbers(1)*depth)
       end associate
    end function energy_of_stop
 
@@ -348,6 +373,7 @@ contains
          sum(run%structure%damping*rates)]
       if (run%structure%has_stops .or. run%structure%has_friction) call add_elements(run, &
          products, rates, sums)
+      if (run%structure%moves) call add_walls(run, sums)
       sums%squares = 0
       sums%parts = 0
    end subroutine settle
@@ -374,8 +400,9 @@ contains
             associate (numbers => structure%laws(j)%numbers, direction => structure%directions(:, &
                j), closed => any(regime%closed == j))
                if (structure%elastic(j)) then
-                  if (closed) sums%energies(2) = sums%energies(2) + numbers(2)*dot_product( &
-                     direction, matmul(rates, direction))
+                  ! what moves with its wall is added there
+                  if (closed .and. .not. any(abs(structure%motion(:, j)) > 0)) sums%energies(2) = &
+                     sums%energies(2) + numbers(2)*dot_product(direction, matmul(rates, direction))
                else if (structure%rubs(j)) then
                   k = findloc(regime%held, j, dim=1)
                   if (k > 0) then
@@ -396,6 +423,57 @@ contains
          end do
       end associate
    end subroutine add_elements
+
+   !> Adds what walls that move put in while gaps rest on them and stops are pressed, and what the
+   !! dashpots of these stops take.
+   pure subroutine add_walls(run, sums)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> In and out: the sums.
+      type(sums_type), intent(inout) :: sums
+      real(wp), dimension(size(sums%signals, 2)) :: closing, force, place, speed
+      integer :: h, harmonics, i, j, m, n, one
+
+      n = size(run%structure%mass, 1)
+      one = size(sums%signals, 2) - 1
+      associate (regime => run%regimes(sums%number), structure => run%structure)
+         m = 2*size(regime%modes%stiffness)
+         harmonics = size(regime%steady, 2)
+         do i = 1, size(regime%closed)
+            j = regime%closed(i)
+            if (j < 0) cycle
+            if (structure%rubs(j) .or. .not. any(abs(structure%motion(:, j)) > 0)) cycle
+            ! e and e' by b
+            place = 0
+            speed = 0
+            place(one) = structure%openings(j)
+            do h = 1, size(structure%motion, 1)
+               associate (motion => structure%motion(h, j), pace => h*regime%frequency)
+                  place([m + h, m + harmonics + h]) = [motion%re, -motion%im]
+                  speed([m + h, m + harmonics + h]) = -pace*[motion%im, motion%re]
+               end associate
+            end do
+            force = 0
+            if (structure%elastic(j)) then
+               associate (numbers => structure%laws(j)%numbers, direction => &
+                  structure%directions(:, j))
+                  closing = matmul(direction, sums%signals(n + 1:2*n, :)) - speed
+                  force = numbers(1)*(matmul(direction, sums%signals(:n, :)) - place) &
+                     + numbers(2)*closing
+                  force(one) = force(one) + numbers(3)
+                  sums%energies(2) = sums%energies(2) + numbers(2)*dot_product(closing, &
+                     matmul(sums%squares, closing))
+               end associate
+            else
+               associate (row => structure%channels + findloc(regime%held, j, dim=1))
+                  force(:one) = [regime%position(row, :), regime%velocity(row, :), &
+                     regime%ripple(row, :)%re, -regime%ripple(row, :)%im, regime%row_offset(row)]
+               end associate
+            end if
+            sums%energies(1) = sums%energies(1) - dot_product(force, matmul(sums%squares, speed))
+         end do
+      end associate
+   end subroutine add_walls
 
    !> The least and greatest values of the signals in a part: at nodes close together, and where
    !! cubics through values and slopes turn between them, from the closed form there.
