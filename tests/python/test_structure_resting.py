@@ -241,7 +241,14 @@ def test_zone_without_restitution():
         == {piece.type for piece in theirs.boundary}
         == kinds
     )
-    assert ours.motion(1.1, 1.0) is None
+    assert ours.motion(1.1, 1.0).phases == pytest.approx(motion.phases, abs=1e-9)
+    for place in ((1.07, 0.9), (1.13, 1.15), (1.06, 1.2)):
+        here = ours.motion(*place)
+        assert (here is not None and bool(here.stable)) == ours.contains(*place)
+        if here is not None:
+            assert here.load.frequency == pytest.approx(place[0], rel=1e-15)
+            assert here.structure.gaps[0].opening == pytest.approx(place[1], rel=1e-15)
+            assert len(here.rests) == 1
     g = np.random.default_rng(1)
     places = np.c_[g.uniform(1.045, 1.155, 400), g.uniform(1.6, 2.5, 400)]
     inside = [theirs.contains(*place) for place in places]

@@ -63,7 +63,14 @@ def test_border_of_stops():
     assert zone.contains(x, y).tolist() == [
         bool(margin(b, 0.05, f) > 0) for b, f in zip(x, y, strict=True)
     ]
-    assert zone.motion(0.8, 0.3) is None
+    for b, f in zip(x[:12].tolist(), y[:12].tolist(), strict=True):
+        found = zone.motion(b, f)
+        if margin(b, 0.05, f) > 0:
+            assert found.stable
+            assert found.load.frequency == pytest.approx(b, rel=1e-15)
+            assert np.abs(found.states[:, 0, 0]) == pytest.approx(den_hartog(b, 0.05, f), rel=1e-9)
+        else:
+            assert found is None
     pytest.importorskip("matplotlib")
     assert "stick begins" in zone.plot().get_legend_handles_labels()[1]
 
@@ -90,6 +97,9 @@ def test_zone_of_contacts(tmp_path):
     for x, y in zip(rng.uniform(0.8, 1.6, 12), rng.uniform(0.5, 2, 12), strict=True):
         found = vi.basins(s, vi.Load(x, cosine=[0.3 * y]), states=12)
         assert zone.contains(x, y) == ("2/1" in [item.name for item in found.attractors])
+    for x, y in ((0.9, 1.7), (1.3, 1.4), (1.55, 1.9)):
+        here = zone.motion(x, y)
+        assert (here is not None and bool(here.stable)) == zone.contains(x, y)
     case = tmp_path / "zone.nml"
     case.write_text(zone.to_namelist())
     zone.save(tmp_path / "saved.csv")

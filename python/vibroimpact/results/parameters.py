@@ -236,6 +236,18 @@ class Path:
         self.series, self.chebyshev = columns["series"], columns["chebyshev"].astype(bool)
         self.structure, self.load, self.bounds = structure, load, bounds
 
+    def start(self, given: list[float | None]) -> list[float]:
+        """The values of the parameters at the start; those of functions are given."""
+        places, values = entries_of(self.structure, self.load)
+        found = []
+        for axis, value in enumerate(given, 1):
+            if value is None:
+                i = int(np.flatnonzero((self.axis == axis) & (self.series[:, 1] != 0))[0])
+                here = values[(places == self.entry[i]).all(axis=1)][0]
+                value = float((here - self.series[i, 0]) / self.series[i, 1])
+            found.append(value)
+        return found
+
     def at(self, *parameters: float) -> tuple[Structure, Load]:
         """The structure and the load at values of the parameters."""
         values = np.empty(len(self.axis))

@@ -17,7 +17,7 @@ from ..base.errors import OpenBoundaryWarning, ParameterError, ParameterTypeErro
 from ..base.spacing import ends_of
 from ..motions.exact import exact_structure, newton
 from ..motions.likeness import is_symmetric, standard_motion
-from ..motions.motion import Motion
+from ..motions.motion import Motion, MotionSet
 from ..results import door
 from ..results.namelist import symmetric_word
 from ..results.noun import Noun
@@ -26,7 +26,7 @@ from ..results.tables import runs
 from ..systems.oscillator import Oscillator, Pattern, pattern_of
 from ..systems.structure import Load, Structure
 from ..systems.verbs import every_system, physical_arguments
-from .branch import Followed, run_from
+from .branch import Followed, branch_structure, run_from
 from .geometry import signed_area, winding
 
 if TYPE_CHECKING:
@@ -413,8 +413,10 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
 
         It is followed from the nearest vertex of each piece, then from others: the first one that is stable and
         admissible; otherwise, or where no closed loop of an oscillator encloses the point, the first admissible
-        one of the nearest pieces. None if none can be followed so far, and for motions with rest
-        and of structures with stops or friction.
+        one of the nearest pieces. Motions of structures with rests, stops or friction are followed from the one
+        where the search started, along branches on the straight line or along one parameter after the other. None
+        if none can be followed so far, for motions of an oscillator with rest, and for the latter in a zone of an
+        atlas.
 
         Examples
         --------
@@ -476,9 +478,9 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
 
     def _motion_of_structure(self, x: float, y: float) -> Motion | None:
         """As `motion`, of a structure."""
-        if len(self.resting) or not self.structure._is_rigid:
-            return None
         target = np.array([checks.to_float(value, "x, y", "finite numbers") for value in (x, y)])
+        if len(self.resting) or not self.structure._is_rigid:
+            return self._followed_from_start(target)
         size = np.array([np.ptp(self.x), np.ptp(self.y)])
         vertices = []
         for piece in self.boundary:
@@ -496,6 +498,48 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
                 return found
             other = other or found
         return other
+
+    def _followed_from_start(self, target: _Array) -> Motion | None:
+        """The motion with rests, stops or friction at a point, followed from the one where the search started: on
+        the straight line, or along one parameter after the other."""
+        begin, motions = self._origin
+        found: Motion | None = None
+        for corner in (target, np.array([target[0], begin[1]]), np.array([begin[0], target[1]])):
+            reached = motions
+            for start, end in ((begin, corner), (corner, target)):
+                reached = [there for one in reached for there in self._along(one, start, end)]
+            for motion in reached:
+                if motion.stable:
+                    return motion
+                found = found or motion
+        return found
+
+    def _along(self, motion: Motion, start: _Array, end: _Array) -> list[Motion]:
+        """The admissible motions at the end of a straight line on the branch of a motion at its start."""
+        if (start == end).all():
+            return [motion]
+        try:
+            line = branch_structure(
+                motion,
+                lambda share: self.at(*(start + share * (end - start)).tolist()),
+                (0.0, 1.0),
+                at=0.0,
+            )
+            places = np.flatnonzero((line.values >= 1) & (line.admissible == 1))
+            return [line[i] for i in places.tolist()]
+        except (ParameterError, SingularError):
+            return []
+
+    @cached_property
+    def _origin(self) -> tuple[_Array, list[Motion]]:
+        """Where the search of a structure started, and the motion there, if the case has it."""
+        path = Path(self._result, *self._start, [self.x, self.y])
+        begin = np.array(path.start([self.keys.get("x_at"), self.keys.get("y_at")]))
+        before, group, _ = self.case.rpartition("\n&zone\n")
+        if not group or "\n&motion\n" not in before:
+            return begin, []
+        found = door.run_text(MotionSet, before + "\n", little=True)
+        return begin, found.parts()
 
     def _followed_structure(self, start: _Array, phases: _Array, target: _Array) -> Motion | None:
         """The admissible motion at a point, followed from another point."""
