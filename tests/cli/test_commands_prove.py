@@ -95,8 +95,8 @@ WINDOW = "clearance_min = 20, clearance_max = 30, r_min = 1.0, r_max = 1.01"
 REFUSED = {
     "simulation": ("", SYSTEM + "&simulate clearance = 37, cycles = 5 /\n",
                    "case: &simulate: must be one of &motion, &branch, &zone for a proof"),
-    "structure": ("", STRUCTURE + "&branch parameter = 'load', low = 0.9, high = 1.1 /\n",
-                  "&structure: must be a &system for the proof of a &branch"),
+    "structure": ("", STRUCTURE + "&zone x = 'frequency', x_low = 0.9, x_high = 1.1, y = 'load', y_low = 0.9, "
+                  "y_high = 1.1 /\n", "&structure: must be a &system for the proof of a &zone"),
     "tolerance of a motion": ("--tolerance .1", DAMPER + MOTION,
                               "--tolerance 0.1: must be left out for case, a &motion"),
     "tolerance": ("--tolerance 2", DAMPER + MOTION + "&branch parameter = 'clearance', low = 22, high = 25 /\n",
@@ -113,6 +113,13 @@ def test_motion_of_a_structure_is_proven(tool):
     assert (done.status, done.err) == (0, b"")
     assert b"impacts on gap 0 in 1 cycle at Omega = 1.0: exists, admissible, stable" in done.out
     assert accepted(tool.cwd / "results" / "wall_proof.json")[0] == 0
+    write(
+        tool.cwd / "path.nml", STRUCTURE + "&branch parameter = 'load', low = 0.9, high = 1.1 /\n"
+    )
+    done = tool("prove", "path.nml")
+    assert (done.status, done.err) == (0, b"")
+    assert b"for load 0.9 to 1.1 in 1 box: exists, admissible, stable" in done.out
+    assert accepted(tool.cwd / "results" / "path_proof.json")[0] == 0
 
 
 @pytest.mark.parametrize("case", REFUSED)

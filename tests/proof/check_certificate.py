@@ -25,9 +25,10 @@ from check_structure import check_structure  # noqa: I001
 from flight import Flight
 from search import check_all
 from series import (
-    DEGREES, UNIT, RejectedError, Series, ball, cover, determinant, exact, flat, halves, hurwitz, monomials,
-    need, number, product, solve,
+    DEGREES, UNIT, RejectedError, Series, ball, check_link, cover, determinant, exact, flat, halves, hurwitz,
+    monomials, need, number, product, solve,
 )  # fmt: skip
+from structure_box import Varied
 
 #: Bits of the numbers in boxes and at points, and how often a box, or one of a zone, is halved.
 BITS, MOST_BITS, MOST_HALVINGS, HALVINGS = 128, 960, 6, 14
@@ -225,6 +226,11 @@ class Pair:
             for i, start, end in self.flights(states)
         ]
 
+    def check(self, states, box):
+        """Check the verdicts of a box."""
+        check_walls(self, states, box)
+        check_stability(self, states, box)
+
 
 def check_walls(pair, states, box):
     """Check the verdict on the gaps, and the bound of |x|."""
@@ -279,7 +285,10 @@ def check(data):
     """RejectedError unless all statements of a certificate are proven here too."""
     # motions of many impacts lose many bits
     with ctx.workprec(MOST_BITS if data.get("kind") in ("motion", "all") else BITS):
-        check_statements(data)
+        try:
+            check_statements(data)
+        except ZeroDivisionError as error:
+            raise RejectedError(str(error)) from None
 
 
 def check_statements(data):
@@ -297,8 +306,10 @@ def check_statements(data):
     reasons = [item["reason"] for item in data["undecided"]]
     need(all(reasons) and (reasons or None not in verdicts), "reasons of what is not decided")
     if "mass" in data["system"]:
-        check_structure(data)
-        return
+        need(kind in ("motion", "branch"), "a motion or a branch of a structure")
+        if kind == "motion" and data["symmetric"] is False:
+            check_structure(data)
+            return
     if kind == "all":
         check_all(data, Pair, check_box)
         return
@@ -315,15 +326,6 @@ def check_statements(data):
             check_link(before, two)
 
 
-def check_link(before, box):
-    """Check that the motion at the end of one interval is the one at the beginning of the next."""
-    rows = zip(flat(before), flat(box["centre"]), flat(box["radius"]), strict=True)
-    for state, texts, radius in rows:
-        end = sum(state.terms.values(), arb(0))
-        middle = sum((number(text) * (-1) ** k for k, text in enumerate(texts)), arb(0))
-        need(abs(end - middle) < number(radius), "neighbours may hold different motions")
-
-
 def check_zone(data, box, depth=0):
     """Check the statements of a box of a zone, of parts of it where that fails: verdicts on each motion in the
     window."""
@@ -335,8 +337,7 @@ def check_zone(data, box, depth=0):
             clearance = ball(pair.d) * pair.A
             need(clearance < low or clearance > high, "a clearance may lie in the window")
             return
-        check_walls(pair, states, box)
-        check_stability(pair, states, box)
+        pair.check(states, box)
     except (RejectedError, ZeroDivisionError) as error:
         if depth == HALVINGS:
             raise RejectedError(str(error)) from None
@@ -356,11 +357,10 @@ def check_box(data, box, depth=0):
         need(box["admissible"] is box["stable"] is None, "verdicts on what is not proven to exist")
         return None
     need(box["exists"] is True, "a box holds a motion")
-    pair = Pair(data, box)
-    states = pair.enclosure(box)
+    model = (Varied if "mass" in data["system"] else Pair)(data, box)
+    states = model.enclosure(box)
     try:
-        check_walls(pair, states, box)
-        check_stability(pair, states, box)
+        model.check(states, box)
     except (RejectedError, ZeroDivisionError):
         names = list(box["parameters"])
         if depth == MOST_HALVINGS or not names:

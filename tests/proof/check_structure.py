@@ -5,7 +5,7 @@ at an impact      G q = e, G q' is turned and multiplied by R, M q' changes alon
 """
 
 from flint import arb, arb_mat, arb_poly, ctx
-from series import RejectedError, flat, need, number
+from series import flat, need, number
 
 #: Bits of the numbers, and halvings of a piece of time.
 BITS, MOST_HALVINGS = 320, 60
@@ -16,7 +16,6 @@ class System:
 
     def __init__(self, data):
         system, self.cycles = data["system"], data["cycles"]
-        need(data["kind"] == "motion" and data["symmetric"] is False, "one motion in full")
         need(type(self.cycles) is int and self.cycles > 0, "a number of cycles")
         rows = lambda name: [[number(one) for one in row] for row in system[name]]  # noqa: E731
         self.M, self.C, self.K = (arb_mat(rows(name)) for name in ("mass", "damping", "stiffness"))
@@ -245,15 +244,13 @@ def check_structure(data):
 def check_statements(data):
     """The same with the digits that are set."""
     system = System(data)
+    need(data["symmetric"] is False, "one motion in full")
     need(data["sheets"] == [{}] and len(data["boxes"]) <= 1, "one box")
     need(data["boxes"] or data["undecided"], "a reason where nothing is proven")
     for box in data["boxes"]:
         need(box["exists"] is True and box["parameters"] == {} and box["sheet"] == 0, "a motion")
         need(box["attenuation_below"] is None, "no bound of the amplitude")
-        try:
-            states = system.enclosure(box)
-            need(all(one[5] > 0 for one in system.flights(states)), "impacts in time")
-            check_gaps(system, states, box["admissible"])
-            check_multipliers(system, states, box)
-        except ZeroDivisionError as error:
-            raise RejectedError(str(error)) from None
+        states = system.enclosure(box)
+        need(all(one[5] > 0 for one in system.flights(states)), "impacts in time")
+        check_gaps(system, states, box["admissible"])
+        check_multipliers(system, states, box)

@@ -1,5 +1,5 @@
 """Numbers of the program that checks certificates: exact texts, polynomials of parameters with balls as
-coefficients, linear equations of them, and boxes of parameters. It needs python-flint alone."""
+coefficients, linear equations of them, and boxes of parameters that meet. It needs python-flint alone."""
 
 import re
 from fractions import Fraction
@@ -101,7 +101,9 @@ class Series:
 
     def __rtruediv__(self, other):
         need(abs(self.range()) > 0, "a denominator may be zero")
-        found = lambda x: [(-1) ** k * factorial(k) / x ** (k + 1) for k in range(self.degree + 2)]  # noqa: E731
+        # a high power of a wide ball may hold zero, one of its inverse is no denominator
+        orders = range(self.degree + 2)
+        found = lambda x: [(-1) ** k * factorial(k) * (1 / x) ** (k + 1) for k in orders]  # noqa: E731
         return self.function(found) * other
 
     def function(self, slopes):
@@ -134,7 +136,7 @@ class Series:
         factors = list(
             accumulate(range(self.degree + 1), lambda f, k: f * (1 - 2 * k) / 2, initial=1.0)
         )
-        return self.function(lambda x: [f * x.sqrt() / x**k for k, f in enumerate(factors)])
+        return self.function(lambda x: [f * x.sqrt() * (1 / x) ** k for k, f in enumerate(factors)])
 
 
 def ball(value):
@@ -203,6 +205,15 @@ def cover(region, boxes):
                 cover(region | {name: [cut, high]}, parts[1])
                 return
     raise RejectedError("the boxes do not fill a region")
+
+
+def check_link(before, box):
+    """Check that the motion at the end of one interval is the one at the beginning of the next."""
+    rows = zip(flat(before), flat(box["centre"]), flat(box["radius"]), strict=True)
+    for state, texts, radius in rows:
+        end = sum(state.terms.values(), arb(0))
+        middle = sum((number(text) * (-1) ** k for k, text in enumerate(texts)), arb(0))
+        need(abs(end - middle) < number(radius), "neighbours may hold different motions")
 
 
 def halves(box, name):

@@ -68,7 +68,7 @@ def check(case: Case, tolerance: float | None) -> None:
     if case.study not in STUDIES:
         allowed = ", ".join(f"&{study}" for study in STUDIES)
         raise ParameterError(f"{case.name}: &{case.study}: must be one of {allowed} for a proof")
-    if case.structure is not None and case.study != "motion":
+    if case.structure is not None and case.study not in ("motion", "branch"):
         raise ParameterError(
             f"{case.name}: &structure: must be a &system for the proof of a &{case.study}"
         )

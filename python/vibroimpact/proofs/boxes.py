@@ -12,7 +12,7 @@ import copy
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,6 +49,13 @@ def sizes_of(states: _Array) -> _Array:
     largest = np.abs(states).max(axis=0)
     largest[0] = 1.0
     return np.tile(largest, len(states))
+
+
+class Motions(Protocol):
+    """The motions of a system for some parameters."""
+
+    def problem(self, box: Box, facing: int) -> Problem:
+        """Their equations in a box."""
 
 
 @dataclass(frozen=True)
@@ -111,6 +118,19 @@ class Family:
         signs = [1 if side == "R" else -1 for side in self.word]
         xi, mu, r, clearance, load = (known[name] for name in PARAMETERS)
         return System(xi, mu, r, clearance, load, walls, signs, self.cycles, self.symmetric, steady)
+
+    @property
+    def width(self) -> int:
+        """The number of unknowns of an impact."""
+        return 4
+
+    def problem(self, box: Box, facing: int) -> Problem:
+        """Its equations in a box."""
+        return Problem(self, box, facing)
+
+    def sizes(self, states: _Array) -> _Array:
+        """The size of each unknown."""
+        return sizes_of(states)
 
     def record(self) -> dict[str, Any]:
         """The system of a certificate."""
@@ -181,16 +201,16 @@ class Box:
             one.start, two.start = self.middle[:, 0] - slope, self.middle[:, 0] + slope
         return one, two
 
-    def record(self) -> dict[str, Any]:
-        """The box of a certificate."""
+    def record(self, width: int = 4) -> dict[str, Any]:
+        """The box of a certificate, with so many unknowns of an impact."""
         spans = {name: [str(low), str(high)] for name, (low, high) in self.span.items()}
         found: dict[str, Any] = {"parameters": spans}
         if self.centre is not None:
             arb = flint().arb
             rows = [[hexadecimal(arb(one)) for one in row] for row in self.centre.tolist()]
             radii = [hexadecimal(arb(one)) for one in self.radius]
-            found["centre"] = [rows[k : k + 4] for k in range(0, len(rows), 4)]
-            found["radius"] = [radii[k : k + 4] for k in range(0, len(rows), 4)]
+            found["centre"] = [rows[k : k + width] for k in range(0, len(rows), width)]
+            found["radius"] = [radii[k : k + width] for k in range(0, len(rows), width)]
         names = ("exists", "admissible", "stable", "multipliers_below", "attenuation_below")
         return found | {name: getattr(self, name) for name in names}
 
@@ -209,9 +229,8 @@ class Problem:
         }
         self.explicit = "tangent" in models
         self.box_values = {name: model.range() for name, model in models.items()}
-        self.system, self.middle = (
-            self._system(family, values, facing) for values in (models, middles)
-        )
+        self.system: Any = self._system(family, models, facing)
+        self.middle: Any = self._system(family, middles, facing)
 
     @staticmethod
     def _system(family: Family, values: dict[str, Any], facing: int) -> System:
@@ -283,6 +302,25 @@ class Problem:
             flint().arb_mat([[one[k] for one in row] for row in rows])
             for k in range(len(self.space.monomials))
         ]
+
+    def judge(self, box: Box, bounds: bool) -> None:
+        """The verdicts on the motions in a box."""
+        assert box.centre is not None
+        system, states = self.states(self.system, self.models(box.centre, box.error))
+        found = flights(system, states)
+        if not all(span(flight.tau) > 0 for flight in found):
+            box.exists, box.centre, box.reason = None, None, "the order of the impacts in time"
+            return
+        box.admissible, largest, box.reason = between_walls(system, found)
+        if box.admissible and bounds:
+            steady = span(system.sine * system.sine + system.cosine * system.cosine).sqrt()
+            box.attenuation_below = decimal_text(upward(largest / steady, 4))
+        polynomial = characteristic(period_map(system, found), determinant(system))
+        box.stable = inside_all(polynomial)
+        if box.stable is None:
+            box.reason = "; ".join(filter(None, [box.reason, NEAR_CIRCLE]))
+        elif box.stable and bounds:
+            box.multipliers_below = bound_in_box(polynomial, system.mirrored)
 
 
 def bound_of(layers: Sequence[Any]) -> Any:
@@ -359,7 +397,7 @@ def enclose(problem: Problem, box: Box, sizes: _Array) -> bool:
 
 
 def cover(
-    family: Family,
+    family: Motions,
     box: Box,
     sizes: _Array,
     halvings: int,
@@ -393,38 +431,18 @@ def cover(
 
 
 def prove_over(
-    family: Family, box: Box, sizes: _Array, bounds: bool = True, facing: int = 1
+    family: Motions, box: Box, sizes: _Array, bounds: bool = True, facing: int = 1
 ) -> None:
     """Fill in what can be proven of a box."""
     try:
         # near resonance the amplitude over a wide box may have no bound
-        problem = Problem(family, box, facing)
+        problem = family.problem(box, facing)
         if not enclose(problem, box, sizes):
             box.reason = NO_MOTION
             return
-        judge(problem, box, bounds)
+        problem.judge(box, bounds)
     except ZeroDivisionError:
         box.reason = box.reason or (NO_SPEED if box.exists else NO_MOTION)
-
-
-def judge(problem: Problem, box: Box, bounds: bool) -> None:
-    """The verdicts on the motions in a box."""
-    assert box.centre is not None
-    system, states = problem.states(problem.system, problem.models(box.centre, box.error))
-    found = flights(system, states)
-    if not all(span(flight.tau) > 0 for flight in found):
-        box.exists, box.centre, box.reason = None, None, "the order of the impacts in time"
-        return
-    box.admissible, largest, box.reason = between_walls(system, found)
-    if box.admissible and bounds:
-        steady = span(system.sine * system.sine + system.cosine * system.cosine).sqrt()
-        box.attenuation_below = decimal_text(upward(largest / steady, 4))
-    polynomial = characteristic(period_map(system, found), determinant(system))
-    box.stable = inside_all(polynomial)
-    if box.stable is None:
-        box.reason = "; ".join(filter(None, [box.reason, NEAR_CIRCLE]))
-    elif box.stable and bounds:
-        box.multipliers_below = bound_in_box(polynomial, system.mirrored)
 
 
 def bound_in_box(polynomial: Sequence[Any], mirrored: bool) -> str | None:

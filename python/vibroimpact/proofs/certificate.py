@@ -160,6 +160,15 @@ class Certificate:
         """A number that max|x|/A does not exceed, of an admissible motion."""
         return self._bound("attenuation_below")
 
+    def _places(self) -> str:
+        """The intervals of the parameters that vary, and the number of boxes; empty if none varies."""
+        places = dict.fromkeys(
+            f"{name} {float(exact(low)):.10g} to {float(exact(high)):.10g}"
+            for sheet in self.sheets for name, (low, high) in sheet.items()
+        )  # fmt: skip
+        number = f"{len(self.boxes)} box{'es' * (len(self.boxes) != 1)}"
+        return f"for {', '.join(places)} in {number}" if places else ""
+
     def __repr__(self) -> str:
         words = []
         for name, word in zip(VERDICTS, ("exists", "admissible", "stable"), strict=True):
@@ -173,7 +182,7 @@ class Certificate:
         if "mass" in self.system:
             gaps = f"gap{'s' * (' ' in self.sides)} {self.sides}"
             cycles = f"{self.cycles} cycle{'s' * (self.cycles != 1)}"
-            place = f"at Omega = {self.system['frequency']}"
+            place = self._places() or f"at Omega = {self.system['frequency']}"
             return f"<Certificate of impacts on {gaps} in {cycles} {place}: {', '.join(words)}>"
         place = f"at r = {self.system['r']}, d K/F0 = {self.system['clearance']}"
         if self.kind == "all":
@@ -191,13 +200,7 @@ class Certificate:
             (low, high), (small, large) = self.system["r"], self.system["clearance"]
             place = f"r {low} to {high}, d K/F0 {small} to {large}"
             return f"<Certificate of the zone of {self.sides}/{self.cycles}, {place}: {shares}>"
-        if self.kind != "motion":
-            places = dict.fromkeys(
-                f"{name} {float(exact(low)):.10g} to {float(exact(high)):.10g}"
-                for sheet in self.sheets for name, (low, high) in sheet.items()
-            )  # fmt: skip
-            if places:
-                place = f"for {', '.join(places)} in {len(self.boxes)} boxes"
+        place = self._places() or place
         return f"<Certificate of {self.sides}/{self.cycles} {place}: {', '.join(words)}>"
 
     def _repr_html_(self) -> str:

@@ -26,7 +26,8 @@ from .balls import decimal, decimal_text, flint, hexadecimal, upward
 from .boxes import NEAR_CIRCLE, NO_MOTION, NO_SPEED, WITH_REST, Box, Family, cover, sizes_of
 from .certificate import Certificate
 from .equations import System, characteristic, determinant, flights, period_map
-from .structures import prove_structure
+from .structure_boxes import StructureFamily
+from .structures import check_structure, prove_structure
 from .verdicts import between_walls, inside, krawczyk, multiplier_bound
 
 __all__ = ["prove_box", "prove_branch", "prove_motion"]
@@ -154,6 +155,22 @@ def link(boxes: Sequence[Box]) -> None:
             two.admissible = two.stable = None
 
 
+def family_of(branch: Branch) -> tuple[Family | StructureFamily, _Array]:
+    """The motions of a branch, and the unknowns at its points, (unknowns, points)."""
+    if branch.of_structure:
+        check_structure(branch, branch.structure, len(branch.resting))
+        motions = branch[:]
+        family = StructureFamily.of(motions[len(motions) // 2], branch.parameter, branch._start)
+        return family, family.states(motions).reshape(-1, len(motions))
+    if branch.parameter not in BRANCHED:
+        names = ", ".join(BRANCHED)
+        raise ParameterError(f"branch = {branch!r}: must be along one of {names}")
+    of_pair = Family.of(branch[len(branch) // 2])
+    phases = branch.phases + (np.unwrap(branch.phases[0]) - branch.phases[0])
+    states = np.stack([phases, branch.X, branch.X_dot_after, branch.Z_dot_after], axis=1)
+    return of_pair, states[: len(of_pair.word)].reshape(-1, len(branch))
+
+
 @with_progress
 def prove_branch(
     branch: Branch, tolerance: float = 1e-4, *, progress: Callable[[float, str], None] | None = None
@@ -161,17 +178,11 @@ def prove_branch(
     """As `Branch.prove`."""
     begin = time.perf_counter()
     checks.progress(progress)
-    if branch.of_structure or branch.parameter not in BRANCHED:
-        names = ", ".join(BRANCHED)
-        raise ParameterError(f"branch = {branch!r}: must be of an Oscillator, along one of {names}")
     tolerance = checks.to_float(tolerance, "tolerance", "from 1e-13 to 1")
     if not 1e-13 <= tolerance <= 1:
         raise ParameterError(f"tolerance = {tolerance!r}: must be from 1e-13 to 1")
-    family = Family.of(branch[len(branch) // 2])
     name, values = branch.parameter, branch.values
-    phases = branch.phases + (np.unwrap(branch.phases[0]) - branch.phases[0])
-    states = np.stack([phases, branch.X, branch.X_dot_after, branch.Z_dot_after], axis=1)
-    states = states[: len(family.word)].reshape(-1, len(values))
+    family, states = family_of(branch)
     turns = np.flatnonzero(np.diff(np.sign(np.diff(values)))) + 1
     sheets, records, undecided = [], [], []
     for first, last in pairwise([0, *turns.tolist(), len(values) - 1]):
@@ -191,13 +202,13 @@ def prove_branch(
             if progress is not None:
                 progress((first + share * (last - first)) / (len(values) - 1), "")
 
-        sizes = sizes_of(np.abs(known).max(axis=1).reshape(-1, 4))
+        sizes = family.sizes(np.abs(known).max(axis=1).reshape(-1, family.width))
         halvings = math.ceil(math.log2(1 / tolerance))
         with flint().ctx.workprec(64):
             boxes = cover(family, Box({name: ends}), sizes, halvings, MOST_BOXES, start, told)
             link(boxes)
         sheets.append({name: [str(end) for end in ends]})
-        records += [{"sheet": len(sheets) - 1, **box.record()} for box in boxes]
+        records += [{"sheet": len(sheets) - 1, **box.record(family.width)} for box in boxes]
         undecided += summary(boxes)
     return Certificate(
         "branch", family.sides, family.cycles, family.symmetric, family.record(), sheets, records, undecided,

@@ -40,15 +40,13 @@ def texts(values: Any) -> Any:
     return [texts(one) for one in values] if np.ndim(values) else decimal(values)
 
 
-def record_of(motion: Motion) -> dict[str, Any]:
-    """The system of a certificate; ParameterError if the equations of the motion are others."""
-    structure, load = motion.structure, motion.load
+def check_structure(of: Any, structure: Any, rests: int) -> None:
+    """ParameterError if the equations of a motion or branch are others."""
     for name, refused in (
         ("stops", not all(isinstance(gap, Gap) for gap in structure.gaps)),
         ("friction", bool(structure.friction)),
         ("walls that move", bool(structure._moves)),
-        ("rests", bool(len(motion.rests))),
-        ("a free period", bool(motion.self_excited)),
+        ("rests", bool(rests)),
         (f"more than {MOST_COORDINATES} coordinates", structure.coordinates > MOST_COORDINATES),
         (
             "R(v)",
@@ -56,9 +54,20 @@ def record_of(motion: Motion) -> dict[str, Any]:
         ),
     ):  # fmt: skip
         if refused:
+            what = type(of).__name__.lower()
             raise ParameterError(
-                f"motion = {motion!r}: must be without {name}, which proofs do not support"
+                f"{what} = {of!r}: must be without {name}, which proofs do not support"
             )
+
+
+def record_of(motion: Motion) -> dict[str, Any]:
+    """The system of a certificate; ParameterError if the equations of the motion are others."""
+    structure, load = motion.structure, motion.load
+    check_structure(motion, structure, len(motion.rests))
+    if motion.self_excited:
+        raise ParameterError(
+            f"motion = {motion!r}: must be without a free period, which proofs do not support"
+        )
     gaps = []
     for gap in structure.gaps:
         values: dict[str, Any] = {

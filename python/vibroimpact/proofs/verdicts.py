@@ -83,20 +83,45 @@ def inside(coefficients: Sequence[Any], radius: Any = 1) -> bool | None:
 
 
 def inside_all(coefficients: Sequence[Any]) -> bool | None:
-    """Whether all zeros of a polynomial of degree 4 lie inside the unit circle for all parameters of its models.
+    """Whether all zeros of a polynomial of even degree lie inside the unit circle for all of its parameters.
 
     False: one lies outside for each. The number inside changes only where p(1), p(-1) or the product of
     1 - x_i x_j over all pairs of zeros vanishes, so one place decides where
-    these do not. If one of them is negative, not all zeros are inside.
+    these do not. If one of them is negative, not all zeros are inside. Above the degree 4 that product has too
+    many terms, and the recursion of `inside` is proven for all parameters instead.
     """
+    if len(coefficients) > 5:
+        return inside_recursively(coefficients)
     conditions = [span(value) for value in conditions_of(coefficients)]
     if all(value > 0 for value in conditions):
         return inside([at_middle(value) for value in coefficients])
     return False if any(value < 0 for value in conditions) else None
 
 
+def inside_recursively(coefficients: Sequence[Any]) -> bool | None:
+    """As `inside_all`, by the recursion of Schur and Cohn."""
+    even, odd = (sum(coefficients[k + 2 :: 2], coefficients[k]) for k in (0, 1))
+    if span(even + odd) < 0 or span(even - odd) < 0:
+        return False
+    rest = list(coefficients)
+    while len(rest) > 1:
+        n = len(rest) - 1
+        first, last = rest[0], rest[n]
+        # |first| < |last|, as last is 1 or the difference of squares before it
+        bounds = [span(last - first), span(last + first)]
+        if any(bound < 0 for bound in bounds):
+            return False
+        if not all(bound > 0 for bound in bounds):
+            return None
+        rest = [last * rest[k + 1] - first * rest[n - 1 - k] for k in range(n)]
+    return True
+
+
 def conditions_of(coefficients: Sequence[Any]) -> list[Any]:
-    """p(1), p(-1) and the product of 1 - x_i x_j over all pairs of zeros of a polynomial of degree 4."""
+    """p(1), p(-1) and the product of 1 - x_i x_j over all pairs of zeros of a polynomial of degree 2 or 4."""
+    if len(coefficients) == 3:
+        last, one, _ = coefficients
+        return [1 + last + one, 1 + last - one, 1 - last]
     last, three, two, one, _ = coefficients
     even, odd = 1 + two + last, one + three
     pairs = (1 - two) * (1 - last) + three * (one - three)

@@ -430,7 +430,9 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
         Raises
         ------
         ParameterError
-            If it is a branch of a structure, along a parameter that is none of an oscillator, or with rest.
+            If it is a branch with rest, along a parameter that is none of an oscillator; or of a structure that
+            `Motion.prove` refuses, along another parameter than "frequency", "load", "constant", "opening",
+            "restitution", "opening_J" and "restitution_J".
         MissingExtraError
             If python-flint is not installed.
 

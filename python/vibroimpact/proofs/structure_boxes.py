@@ -1,0 +1,513 @@
+"""Proofs for all values of one parameter of a structure: the equations of `structures` for Taylor models.
+
+What a motion differs from the steady vibration by, and a constant, follow u' = A u with the same A for all values,
+so exp(A t) is Taylor's polynomial of the duration t alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base.errors import ParameterError
+from ..motions.likeness import is_symmetric
+from ..motions.motion import Motion
+from .balls import ball, decimal, flint
+from .boxes import DEGREES, NEAR_CIRCLE, Box, Problem, bound_in_box
+from .equations import characteristic
+from .models import Model, at_middle, space, span
+from .structures import MOST_HALVINGS, System, record_of
+from .verdicts import above, inside_all
+
+_Array = NDArray[np.float64]
+#: What may vary beside the opening and the restitution of single gaps.
+VARIED = ("frequency", "load", "constant", "opening", "restitution")
+
+
+def dot(one: Sequence[Any], two: Sequence[Any]) -> Any:
+    """The sum of products of which one factor may be a model."""
+    return sum((a * b for a, b in zip(one, two, strict=True)), flint().arb(0))
+
+
+def product(one: Sequence[Sequence[Any]], two: Sequence[Sequence[Any]]) -> list[list[Any]]:
+    """The product of two matrices of models or balls."""
+    columns = list(zip(*two, strict=True))
+    return [[dot(row, column) for column in columns] for row in one]
+
+
+def solved(matrix: Sequence[Sequence[Any]], right: Sequence[Any]) -> list[Any]:
+    """The solution of linear equations by elimination; ZeroDivisionError where it may not exist."""
+    rows = [[*row, one] for row, one in zip(matrix, right, strict=True)]
+    n = len(rows)
+    for k in range(n):
+        sizes = [abs(float(flint().arb(at_middle(row[k])).mid())) for row in rows[k:]]
+        best = k + int(np.argmax(sizes))
+        rows[k], rows[best] = rows[best], rows[k]
+        inverse = 1 / rows[k][k]
+        rows[k] = [one * inverse for one in rows[k]]
+        for i in range(n):
+            if i != k:
+                factor = rows[i][k]
+                rows[i] = [a - factor * b for a, b in zip(rows[i], rows[k], strict=True)]
+    return [row[n] for row in rows]
+
+
+def mirrored_gaps(system: Mapping[str, Any], cycles: int) -> list[int] | None:
+    """The gap that -q closes where q closes each one; None if -q half a period later is not a motion."""
+    even = [*system["sine"][1::2], *system["cosine"][1::2], system["constant"]]
+    if cycles % 2 == 0 or any(float(one) for row in even for one in row):
+        return None
+    gaps = [
+        (tuple(map(float, gap["direction"])), float(gap["opening"]), float(gap["restitution"]))
+        for gap in system["gaps"]
+    ]
+    turned = [(tuple(-one for one in direction), e, R) for direction, e, R in gaps]
+    if len(set(gaps)) < len(gaps) or not all(gap in gaps for gap in turned):
+        return None
+    return [gaps.index(gap) for gap in turned]
+
+
+@dataclass(frozen=True)
+class StructureFamily:
+    """The motions of a structure on a branch; as `boxes.Family`.
+
+    Attributes
+    ----------
+    system : dict
+        That of a certificate, where factors of the load are 1.
+    cycles, symmetric
+        As of a certificate.
+    mirror : list of int, or None
+        The gaps that -q closes.
+    """
+
+    system: Mapping[str, Any]
+    cycles: int
+    symmetric: bool
+    mirror: list[int] | None
+
+    @classmethod
+    def of(cls, motion: Motion, parameter: str, start: tuple[Any, Any]) -> StructureFamily:
+        """That of a motion of a branch, whose structure and load at its start are given."""
+        record = record_of(motion)
+        gaps = len(record["gaps"])
+        single = [f"{name}_{gap}" for name in VARIED[3:] for gap in range(gaps)]
+        if parameter not in (*VARIED, *single):
+            names = ", ".join((*VARIED, *single))
+            raise ParameterError(
+                f"parameter = {parameter!r}: must be one of {names} for the proof of a branch of a structure"
+            )
+        structure, load = start
+        for name in ("sine", "cosine"):
+            record[name] = [list(map(decimal, row)) for row in getattr(load, name)]
+        record["constant"] = list(map(decimal, load.constant))
+        record["frequency"] = decimal(load.frequency)
+        for gap, own in zip(record["gaps"], structure.gaps, strict=True):
+            gap["opening"], gap["restitution"] = decimal(own.opening), decimal(own.restitution)
+        mirror = None if parameter in single else mirrored_gaps(record, motion.cycles)
+        impacts = record["impacts"]
+        half = len(impacts) // 2
+        symmetric = (
+            mirror is not None
+            and [mirror[gap] for gap in impacts[:half]] == impacts[half:]
+            and is_symmetric(motion)
+        )
+        return cls(record, motion.cycles, symmetric, mirror)
+
+    @property
+    def sides(self) -> str:
+        """As of a certificate."""
+        return " ".join(map(str, self.system["impacts"]))
+
+    @property
+    def word(self) -> list[int]:
+        """The gaps of the impacts whose states are unknown."""
+        impacts: list[int] = self.system["impacts"]
+        return impacts[: len(impacts) // 2] if self.symmetric else impacts
+
+    @property
+    def width(self) -> int:
+        """The number of unknowns of an impact."""
+        return 2 * len(self.system["mass"]) + 1
+
+    def record(self) -> dict[str, Any]:
+        """The system of a certificate."""
+        return dict(self.system)
+
+    def states(self, motions: Sequence[Motion]) -> _Array:
+        """The unknowns t, q, q' of motions, (impacts, unknowns of an impact, motions)."""
+        n, found = len(self.word), []
+        phases = np.array([motion.phases for motion in motions])
+        phases = phases + (np.unwrap(phases[:, 0]) - phases[:, 0])[:, None]
+        for motion, own in zip(motions, phases, strict=True):
+            times = own / motion.load.frequency
+            found.append(np.column_stack([times, motion.states.reshape(len(times), -1)])[:n])
+        return np.moveaxis(np.array(found), 0, -1)
+
+    def sizes(self, states: _Array) -> _Array:
+        """The size of each unknown."""
+        n = self.width // 2
+        largest = [1 / float(self.system["frequency"])]
+        largest += [np.abs(states[:, 1 : n + 1]).max()] * n + [np.abs(states[:, n + 1 :]).max()] * n
+        return np.tile([one or 1.0 for one in largest], len(states))
+
+    def problem(self, box: Box, facing: int) -> StructureProblem:
+        """Its equations in a box."""
+        return StructureProblem(self, box)
+
+
+class VariedSystem:
+    """The equations of a structure at a value, or models of values, of the parameters."""
+
+    def __init__(self, family: StructureFamily, values: Mapping[str, Any]) -> None:
+        module, system = flint(), family.system
+        base = System(dict(system), family.cycles)
+        self.n = n = base.n
+        self.rows, self.harmonics = base.rows, base.harmonics
+        self.frequency = values.get("frequency", base.frequency)
+        self.constant = values.get("constant", module.arb(1))
+        every = [
+            [values.get(name, values.get(f"{name}_{k}", own)) for k, own in enumerate(known)]
+            for name, known in (("opening", base.openings), ("restitution", base.restitution))
+        ]
+        self.openings, self.restitution = every
+        self.impacts, self.turn, last = family.word, 1, family.word[0]
+        if family.symmetric:
+            assert family.mirror is not None
+            self.turn, last = -1, family.mirror[last]
+        self.ends = [*self.impacts[1:], last]
+        turns = family.cycles * (1 if family.symmetric else 2)
+        self.length = turns * module.arb.pi() / self.frequency
+        self.loss = base.damping.trace()
+        self.flow = module.arb_mat(
+            [[base.flow[i, j] for j in range(2 * n + 1)] for i in range(2 * n + 1)]
+        )
+        self.square = self.flow * self.flow
+        self.jumps = []
+        for row, R in zip(self.rows, self.restitution, strict=True):
+            push = (base.inverse * module.arb_mat([[one] for one in row])).entries()
+            share = base.dot(row, push)
+            self.jumps.append(
+                [
+                    [int(i == j) - (1 + R) * (push[i] * row[j] / share) for j in range(n)]
+                    for i in range(n)
+                ]
+            )
+        load = values.get("load", module.arb(1))
+        self.steady_parts = [self._steady(system, h, load) for h in range(1, self.harmonics + 1)]
+
+    def _steady(
+        self, system: Mapping[str, Any], h: int, load: Any
+    ) -> tuple[Any, list[Any], list[Any]]:
+        """w, a and b of the steady vibration a cos(w t) + b sin(w t) under a harmonic."""
+        n, w = self.n, self.frequency * h
+        mass, damping, stiffness = (
+            [[ball(one) for one in row] for row in system[name]] for name in ("mass", "damping", "stiffness")
+        )  # fmt: skip
+        own = [[stiffness[i][j] - w * w * mass[i][j] for j in range(n)] for i in range(n)]
+        turned = [[w * damping[i][j] for j in range(n)] for i in range(n)]
+        matrix = [[*own[i], *turned[i]] for i in range(n)]
+        matrix += [[*(-one for one in turned[i]), *own[i]] for i in range(n)]
+        right = [ball(one) * load for one in (*system["cosine"][h - 1], *system["sine"][h - 1])]
+        found = solved(matrix, right)
+        return w, found[:n], found[n:]
+
+    def steady(self, t: Any) -> tuple[list[Any], list[Any], list[Any]]:
+        """Position, velocity and acceleration of the steady vibration."""
+        zero = flint().arb(0)
+        found: tuple[list[Any], ...] = ([zero] * self.n, [zero] * self.n, [zero] * self.n)
+        for w, a, b in self.steady_parts:
+            sine, cosine = (w * t).sin_cos()
+            for k in range(self.n):
+                q, v = a[k] * cosine + b[k] * sine, (b[k] * cosine - a[k] * sine) * w
+                for part, value in zip(found, (q, v, -(w * w) * q), strict=True):
+                    part[k] = part[k] + value
+        return found[0], found[1], found[2]
+
+    def exponential(self, t: Any) -> list[list[Any]]:
+        """exp(A t), without its last row."""
+        module, flow, size = flint(), self.flow, 2 * self.n + 1
+        if not isinstance(t, Model):
+            return [list(row) for row in (flow * t).exp().tolist()[:-1]]
+        of = t.space
+        middle = t.c[0].mid()
+        step = Model(of, [t.c[0] - middle, *t.c[1:]])
+        reach = step.range().union(module.arb(0))
+        matrix = (flow * middle).exp()
+        layers = [matrix] + [module.arb_mat(size, size)] * (len(of.monomials) - 1)
+        power: Any = None
+        for k in range(1, of.degree + 1):
+            power = step if power is None else power * step
+            matrix = matrix * flow / k
+            layers = [old + matrix * c for old, c in zip(layers, power.c, strict=True)]
+        # Lagrange's form of what is left out, entry by entry
+        tail = matrix * flow * (flow * reach).exp() / (of.degree + 1)
+        for _ in range(of.degree + 1):
+            tail = tail * reach
+        layers[0] = layers[0] + tail
+        return [
+            [Model(of, [layer[i, j] for layer in layers]) for j in range(size)]
+            for i in range(size - 1)
+        ]
+
+    def flights(self, states: Sequence[Sequence[Any]]) -> list[VariedFlight]:
+        """The flight after each impact."""
+        n, found = self.n, []
+        for i, state in enumerate(states):
+            last = i + 1 == len(states)
+            end = states[0][0] + self.length if last else states[i + 1][0]
+            q, v, bend = self.steady(state[0])
+            free = [a - b for a, b in zip(state[1:], [*q, *v], strict=True)] + [self.constant]
+            matrix = self.exponential(end - state[0])
+            q_end, v_end, bend_end = self.steady(end)
+            landed = [dot(row, free) for row in matrix]
+            landing = [a + b for a, b in zip(landed, [*q_end, *v_end], strict=True)]
+            leaving = [*state[n + 1 :], *self.bent(free, bend)]
+            arriving = [*landing[n:], *self.bent([*landed, self.constant], bend_end)]
+            gap = self.ends[i]
+            found.append(
+                VariedFlight(
+                    self.impacts[i], gap, state[0], end - state[0], free, matrix, landing, leaving, arriving,
+                    dot(self.rows[gap], landing[n:]),
+                )
+            )  # fmt: skip
+        return found
+
+    def bent(self, free: Sequence[Any], steady: Sequence[Any]) -> list[Any]:
+        """The accelerations."""
+        size = 2 * self.n + 1
+        return [
+            dot([self.flow[i, k] for k in range(size)], free) + one
+            for i, one in enumerate(steady, self.n)
+        ]
+
+    def hit(self, gap: int, velocity: Sequence[Any]) -> list[Any]:
+        """A velocity after an impact."""
+        return [dot(row, velocity) for row in self.jumps[gap]]
+
+    def residuals(
+        self, states: Sequence[Sequence[Any]], found: Sequence[VariedFlight]
+    ) -> list[Any]:
+        """As `System.residuals`."""
+        n, left = self.n, []
+        for i, flight in enumerate(found):
+            last = i + 1 == len(found)
+            following, turn = (states[0], self.turn) if last else (states[i + 1], 1)
+            after = [*flight.landing[:n], *self.hit(flight.after, flight.landing[n:])]
+            left += [one - two * turn for one, two in zip(after, following[1:], strict=True)]
+            left.append(
+                dot(self.rows[flight.after], flight.landing[:n]) - self.openings[flight.after]
+            )
+        return left
+
+    def jacobian(self, found: Sequence[VariedFlight]) -> list[list[Any]]:
+        """The derivative of `residuals` by the unknowns."""
+        n = self.n
+        size, count = 2 * n + 1, len(found)
+        zero = flint().arb(0)
+        matrix = [[zero] * (size * count) for _ in range(size * count)]
+        for i, flight in enumerate(found):
+            j, turn = (0, self.turn) if i + 1 == count else (i + 1, 1)
+            columns = [[-dot(row[: 2 * n], flight.leaving) for row in flight.matrix]]
+            columns += [[row[k] for row in flight.matrix] for k in range(2 * n)]
+            columns.append(flight.arriving)
+            places = [*range(size * i, size * i + size), size * j]
+            for place, column in zip(places, columns, strict=True):
+                values = [*column[:n], *self.hit(flight.after, column[n:])]
+                values.append(dot(self.rows[flight.after], column[:n]))
+                for k, value in enumerate(values):
+                    matrix[size * i + k][place] = matrix[size * i + k][place] + value
+            for k in range(2 * n):
+                row = matrix[size * i + k]
+                row[size * j + 1 + k] = row[size * j + 1 + k] - turn
+        return matrix
+
+    def period_map(self, found: Sequence[VariedFlight]) -> list[list[Any]]:
+        """As `System.period_map`; of a symmetric motion that of half a period and the mirror."""
+        n = self.n
+        zero, total = flint().arb(0), None
+        for i, flight in enumerate(found):
+            last = i + 1 == len(found)
+            following, turn = (found[0], self.turn) if last else (found[i + 1], 1)
+            turned = self.hit(flight.after, flight.arriving[n:])
+            after = [one * turn for one in following.leaving[n:]]
+            corner = [(one - two) / flight.speed for one, two in zip(after, turned, strict=True)]
+            jump, row = self.jumps[flight.after], self.rows[flight.after]
+            salt = [[*own, *[zero] * n] for own in jump]
+            salt += [
+                [*(one * part for part in row), *own] for one, own in zip(corner, jump, strict=True)
+            ]
+            part = product(salt, [own[: 2 * n] for own in flight.matrix])
+            total = part if total is None else product(part, total)
+        assert total is not None
+        return [[one * self.turn for one in row] for row in total]
+
+    def determinant(self) -> Any:
+        """As `System.determinant`, in the time of the map."""
+        value = (self.length * -self.loss).exp()
+        for gap in self.ends:
+            value = value * self.restitution[gap] * self.restitution[gap]
+        return value
+
+
+@dataclass
+class VariedFlight:
+    """A flight between impacts on the gaps `before` and `after`.
+
+    Attributes
+    ----------
+    begin, duration
+        Its time and length.
+    free : list
+        The difference from the steady vibration at its beginning, and the factor of the constant forces.
+    matrix, landing
+        exp(A t) over it, and q, q' at its end.
+    leaving, arriving
+        q', q'' at both ends.
+    speed
+        The approach speed at its end.
+    """
+
+    before: int
+    after: int
+    begin: Any
+    duration: Any
+    free: list[Any]
+    matrix: list[list[Any]]
+    landing: list[Any]
+    leaving: list[Any]
+    arriving: list[Any]
+    speed: Any
+
+
+class StructureProblem(Problem):
+    """The equations of a structure in a box."""
+
+    def __init__(self, family: StructureFamily, box: Box) -> None:
+        self.space = space(len(box.span), DEGREES[len(box.span)])
+        middles = {name: ball((low + high) / 2) for name, (low, high) in box.span.items()}
+        models = {
+            name: self.space.parameter(k, middles[name], ball((high - low) / 2))
+            for k, (name, (low, high)) in enumerate(box.span.items())
+        }
+        self.width, self.symmetric = family.width, family.symmetric
+        self.system: Any = VariedSystem(family, models)
+        self.middle: Any = VariedSystem(family, middles)
+
+    def rows(self, unknowns: Sequence[Any]) -> list[list[Any]]:
+        """The unknowns by impacts."""
+        return [list(unknowns[k : k + self.width]) for k in range(0, len(unknowns), self.width)]
+
+    def left(self, system: Any, unknowns: Sequence[Any]) -> list[Any]:
+        """What is left of the equations."""
+        states = self.rows(unknowns)
+        found: list[Any] = system.residuals(states, system.flights(states))
+        return found
+
+    def slopes(self, system: Any, unknowns: Sequence[Any]) -> list[list[Any]]:
+        """Their derivatives."""
+        found: list[list[Any]] = system.jacobian(system.flights(self.rows(unknowns)))
+        return found
+
+    def judge(self, box: Box, bounds: bool) -> None:
+        """The verdicts on the motions in a box."""
+        assert box.centre is not None
+        system = self.system
+        found = system.flights(self.rows(self.models(box.centre, box.error)))
+        if not all(span(flight.duration) > 0 for flight in found):
+            box.exists, box.centre, box.reason = None, None, "the order of the impacts in time"
+            return
+        box.admissible, box.reason = gaps_stay_open(system, found)
+        polynomial = polynomial_of(system.period_map(found), system.determinant())
+        box.stable = inside_all(polynomial)
+        if box.stable is None:
+            box.reason = "; ".join(filter(None, [box.reason, NEAR_CIRCLE]))
+        elif box.stable and bounds:
+            box.multipliers_below = bound_in_box(polynomial, self.symmetric)
+
+
+def polynomial_of(matrix: list[list[Any]], last: Any) -> list[Any]:
+    """Coefficients c_0, c_1, ... of the characteristic polynomial of a matrix with the determinant `last`."""
+    m = len(matrix)
+    if m == 4:
+        return characteristic(matrix, last)
+    found, power = [flint().arb(1)], matrix
+    for k in range(1, m):
+        # Faddeev and Le Verrier: c is the trace of P (P M + c) divided by -k
+        c = sum((power[i][i] for i in range(m)), flint().arb(0)) / -k
+        found.append(c)
+        if k + 1 < m:
+            shifted = [
+                [one + c * int(i == j) for j, one in enumerate(row)] for i, row in enumerate(power)
+            ]
+            power = product(matrix, shifted)
+    return [last, *found[::-1]]
+
+
+def gaps_stay_open(system: VariedSystem, found: Sequence[VariedFlight]) -> tuple[bool | None, str]:
+    """As `structures.gaps_stay_open`, for all parameters."""
+    for i, flight in enumerate(found):
+        speed = span(flight.speed)
+        if speed < 0:
+            return False, f"impact {(i + 1) % len(found)} has no approach speed"
+        if not speed > 0 or not span(system.restitution[flight.after]) > 0:
+            return None, f"the speeds at the ends of flight {i} are not separated from zero"
+    for i, flight in enumerate(found):
+        clear = flight_is_open(system, flight)
+        if clear is not True:
+            what = "closes a gap" if clear is False else "comes too near to a wall"
+            return clear, f"flight {i} {what}"
+    return True, ""
+
+
+def flight_is_open(system: VariedSystem, flight: VariedFlight) -> bool | None:
+    """The same of one flight, as `structures.flight_is_open`."""
+    module, n = flint(), system.n
+    duration = span(flight.duration)
+    whole, shortest = above(float(duration.upper())), -above(-float(duration.lower()))
+    begin = span(flight.begin)
+    parts = [
+        (span(w), [span(one) for one in a], [span(one) for one in b])
+        for w, a, b in system.steady_parts
+    ]
+    pieces = [(0.0, whole, 0, list(range(len(system.rows))))]
+    while pieces:
+        low, high, depth, gaps = pieces.pop()
+        middle = (low + high) / 2
+        t, width = module.arb(middle), above(max(high - middle, middle - low))
+        h = module.arb(0, width)
+        matrix = (system.flow * t).exp().tolist()
+        free = [dot(row, flight.free) for row in matrix]
+        steady = system.steady(flight.begin + t)
+        q = [one + two for one, two in zip(free[:n], steady[0], strict=True)]
+        v = [one + two for one, two in zip(free[n : 2 * n], steady[1], strict=True)]
+        wide = (system.flow * h).exp() * module.arb_mat([[span(one)] for one in free])
+        bends = (system.square * wide).entries()[:n]
+        for w, a, b in parts:
+            sine, cosine = (w * (begin + t + h)).sin_cos()
+            bends = [one - w * w * (a[k] * cosine + b[k] * sine) for k, one in enumerate(bends)]
+        left = []
+        for gap in gaps:
+            row = system.rows[gap]
+            distance = span(system.openings[gap] - dot(row, q))
+            rate, bend = -span(dot(row, v)), -dot(row, bends)
+            if middle < shortest and distance < 0:
+                return False
+            speed = rate + h * bend
+            half = module.arb(width) ** 2 / 2
+            opens = (
+                distance + h * rate + (half * bend).union(module.arb(0)) > 0
+                or (low == 0 and gap == flight.before and speed > 0)
+                or (high >= shortest and gap == flight.after and speed < 0)
+            )
+            if not opens:
+                left.append(gap)
+        if left:
+            if depth == MOST_HALVINGS:
+                return None
+            pieces += [(middle, high, depth + 1, left), (low, middle, depth + 1, left)]
+    return True
