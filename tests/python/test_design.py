@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from shared_design import GOOD, OSC, QUICK
+from vibroimpact.designs.order import asked_by
 from vibroimpact.designs.problem import OscillatorHost, Problem
-from vibroimpact.designs.search import Archive, _judge, _try, grid, judged
+from vibroimpact.designs.search import Archive, _judge, _try, grid, grids, judged
 from vibroimpact.results.performance import perform
 from vibroimpact.systems.distribution import uncertain
 
@@ -42,6 +43,53 @@ def test_the_search_is_as_good_as_brute_force():
     # few initial states may miss an attractor, so that its own level is only a lower bound
     assert found.level <= 1.01 * brute
     assert level(found.values["clearance"]) <= 1.05 * brute
+
+
+RIG = vi.Oscillator.from_dimensional(M=2.7, K=42e3, C=7.6, m=0.11, restitution=0.7, F0=6.0)
+ONE, FEW = {"specimens": 1}, {"specimens": 4, "nodes": 3}
+JOBS = {
+    "band above resonance": (OSC, {"r": (1.0, 1.02), "free": {"clearance": (20, 45)}, **FEW}),
+    "wide band": (OSC, {"r": (1.0, 1.03), "free": {"clearance": (12, 40)}, **ONE, "nodes": 7}),
+    "resonance": (OSC, {"r": 1.0, "free": {"clearance": (5, 78)}, **ONE}),
+    "below resonance": (OSC, {"r": (0.965, 0.975), "free": {"clearance": (10, 60)}, **FEW}),
+    "displacement": (
+        OSC, {"r": (1.0, 1.02), "free": {"clearance": (12, 45)}, "target": "displacement", **FEW, "specimens": 2}
+    ),
+    "clearance and mass": (
+        OSC,
+        {
+            "r": (0.98, 1.03), "free": {"clearance": (5, 60), "mu": (0.01, 0.1)}, "target": "displacement", **FEW
+        },
+    ),
+    "tolerances": (
+        OSC,
+        {
+            "r": (1.0, 1.02), "free": {"clearance": (20, 40)},
+            "tolerance": {"restitution": (0.7, 0.8), "clearance": (-1, 1)}, **FEW,
+        },
+    ),
+    "rig": (RIG, {"r": (1.0, 1.02), "free": {"clearance": (20, 40), "mu": (0.03, 0.05)}, "target": "rms", **FEW}),
+    "load": (OSC, {"r": (1.0, 1.02), "free": {"clearance": (15, 50)}, "load": (0.8, 1.2), **FEW}),
+    "two walls": (OSC, {"r": 1.0, "free": {"R1": (0.6, 0.75), "R2": (0.6, 0.75)}, "clearance": 60.0, **ONE}),
+}  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("job", JOBS)
+def test_ten_designs_are_as_good_as_brute_force(job):
+    """No point of a fine grid of the free parameters is better by more than 2 %, or the design says that its
+    searches have not converged."""
+    osc, options = JOBS[job]
+    found = vi.design(osc, **{"settling": 120, "keep": 16, "samples": 0, **options})
+    problem, order = asked_by(osc, found.keys)
+    fine, _ = grids(problem, order)
+    each = 400 if len(problem.free) == 1 else 32
+    axes = [np.linspace(*map(float, ends), each) for ends in problem.free.values()]
+    points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(axes))
+    brute = min(judged(problem, fine, some)[1].min() for some in np.array_split(points, 20))
+    assert found.level <= 1.02 * brute or found.converged is False
+    if job not in ("clearance and mass",):
+        assert found.converged
 
 
 def test_the_best_motion_at_resonance_is_equispaced():

@@ -1,6 +1,7 @@
 """Certificates: verdicts that the package shares, and an independent program that accepts them and no others."""
 
 import copy
+import functools
 import json
 import math
 import subprocess
@@ -368,10 +369,16 @@ def test_beside_a_pitchfork(r):
     checker.check(json.loads(proof.to_json()))
 
 
+@functools.cache
+def wide_zone():
+    """A zone across a wide window, and its certificate."""
+    zone = vi.zone(OSC, "RL", r=(1.2, 1.22), clearance=(1, 200), symmetric=True)
+    return zone, zone.prove(tolerance=1e-3)
+
+
 def test_zone_across_its_window():
     """Nearly all of a wide window is decided, as the boundary of the zone says, in few boxes."""
-    zone = vi.zone(OSC, "RL", r=(1.2, 1.22), clearance=(1, 200), symmetric=True)
-    proof = zone.prove(tolerance=1e-3)
+    zone, proof = wide_zone()
     assert len(proof.boxes) < 400
     shares = proof.shares()
     assert shares["undecided"] < 3e-3
@@ -387,6 +394,50 @@ def test_zone_across_its_window():
     data = json.loads(proof.to_json())
     for box in data["boxes"][::25]:
         checker.check_box(data, box)
+
+
+def test_zone_against_simulations():
+    """Simulations, which do not know the equations of motions, reach a symmetric motion at points proven inside,
+    from near it and from other states, and at no point proven outside."""
+    _, proof = wide_zone()
+    random = np.random.default_rng(7)
+    points, states, near, inside = [], [], [], []
+    for _ in range(120):
+        r, clearance = random.uniform(1.2, 1.22), math.exp(random.uniform(0, math.log(200)))
+        decided = proof.decide(r, clearance)
+        if decided is None:
+            continue
+        amplitude = 1 / math.hypot(1 - r * r, 2 * OSC.xi * r)
+        starts = []
+        if decided:
+            (motion,) = [m for m in vi.equispaced(OSC, r, clearance) if m.stable and m.admissible]
+            x_dot, z_dot = motion.X_dot_after[0], motion.Z_dot_after[0] * (1 + 1e-5)
+            starts.append((motion.load_phase / r, motion.X[0], x_dot, motion.Z[0], z_dot))
+        for _ in range(4):
+            x = random.uniform(-1.2, 1.2) * amplitude
+            starts.append((
+                random.uniform(0, 2 * math.pi), x, random.uniform(-1.2, 1.2) * amplitude,
+                x + random.uniform(-0.5, 0.5) * clearance, random.uniform(-1, 1) * clearance,
+            ))  # fmt: skip
+        for number, start in enumerate(starts):
+            points.append((r, clearance))
+            states.append(start)
+            near.append(decided and number == 0)
+            inside.append(decided)
+    points, inside = np.transpose(points), np.array(inside)
+    # not a whole number of cycles, so that a period does not end at an impact
+    run = vi.simulate_bundle(OSC, *points, 4000.137, np.transpose(states))
+    assert (run.status == 0).all()
+    reached = np.array([run.t, run.x, run.x_dot, run.z, run.z_dot])
+    half = vi.simulate_bundle(OSC, *points, 0.5, reached)
+    apart = np.abs([half.x + run.x, half.x_dot + run.x_dot, half.z + run.z, half.z_dot + run.z_dot])
+    symmetric = apart.max(axis=0) < 1e-6 * np.abs(reached[1:]).max(axis=0)
+    symmetric &= (half.impacts == 1) & (half.rests == 0)
+    assert symmetric[near].all()
+    assert sum(near) > 20
+    assert (symmetric & inside & ~np.array(near)).any()
+    assert not symmetric[~inside].any()
+    assert (~inside).sum() > 100
 
 
 @pytest.mark.slow

@@ -356,9 +356,10 @@ class Design(Noun, study="design", example=EXAMPLE):
         return designed(*asked_by(case.osc, case.keys), case.text, progress)
 
     def plot(self, ax: Any = None, units: Units | str | None = None) -> Any:
-        """Draw the candidates, the share of good samples along the band, and the sensitivities (extra `plot`).
+        """Draw the candidates, the share of good samples along the band, the sensitivities, and the history of the
+        searches (extra `plot`).
 
-        Returns the four Axes; with `ax` only the share of good samples is drawn, and its Axes is returned.
+        Returns the five Axes; with `ax` only the share of good samples is drawn, and its Axes is returned.
 
         For the argument `units`, see `Trajectory.plot`.
         """

@@ -1,7 +1,9 @@
-"""A design: its candidates, the share of good samples along the band, and its sensitivities."""
+"""A design: its candidates, the share of good samples along the band, its sensitivities, and the history of its
+searches."""
 
 from __future__ import annotations
 
+import math
 import textwrap
 from typing import TYPE_CHECKING, Any
 
@@ -29,24 +31,31 @@ LEFT, RIGHT, LOWEST = 0.1, 0.95, 0.5
 
 
 def draw_design(design: Design, ax: Any = None, units: Units | None = None) -> Any:
-    """Draw four panels into a new figure, or the share of good samples into `ax`."""
+    """Draw five panels into a new figure, or the share of good samples into `ax`."""
     plt, scales = style.pyplot(), style.Scales(units)
     with plt.rc_context(style.SETTINGS):
         if ax is not None:
             _draw_shares(ax, design, scales)
             return ax
-        figure, panels = plt.subplots(2, 2, figsize=(style.TWO_COLUMNS, 4.8), layout="constrained")
-        _draw_panels(panels.ravel(), design, scales)
+        figure = plt.figure(figsize=(style.TWO_COLUMNS, 6.6), layout="constrained")
+        panels = _panels(figure.add_gridspec(3, 2, height_ratios=(1, 1, 0.7)))
+        _draw_panels(panels, design, scales)
         texts = [
             *(f"{SYMBOLS.get(name, name)} = {value:.6g}" for name, value in design.values.items()),
             *_dimensions(design, units),
         ]
         figure.suptitle("design: " + ", ".join(texts), fontsize=7)
-        return panels.ravel()
+        return panels
+
+
+def _panels(grid: Any) -> Any:
+    """Two panels in each of the first two rows of a grid, and one in the last."""
+    figure, places = grid.figure, [grid[row, column] for row in (0, 1) for column in (0, 1)]
+    return np.array([figure.add_subplot(place) for place in (*places, grid[2, :])])
 
 
 def report(design: Design, path: Any) -> None:
-    """One page with the answer, what was asked and chosen, and the four panels."""
+    """One page with the answer, what was asked and chosen, and the five panels."""
     place = place_for(path, FORMATS)
     with style.pyplot().rc_context(style.SETTINGS):
         style.save(_page(design), place)
@@ -67,9 +76,10 @@ def _page(design: Design) -> Any:
             break
         text.set_fontsize(0.95 * text.get_fontsize())
     grid = figure.add_gridspec(
-        2, 2, left=LEFT, right=RIGHT, top=low - 0.05, bottom=0.06, hspace=0.45, wspace=0.35
-    )
-    panels = np.ravel(grid.subplots())
+        3, 2, left=LEFT, right=RIGHT, top=low - 0.05, bottom=0.06, hspace=0.6, wspace=0.35,
+        height_ratios=(1, 1, 0.7),
+    )  # fmt: skip
+    panels = _panels(grid)
     _draw_panels(panels, design, style.Scales(_units(design)))
     return panels
 
@@ -139,10 +149,9 @@ def _dimensions(design: Design, units: Units | None) -> list[str]:
 
 
 def _draw_panels(panels: Any, design: Design, scales: style.Scales) -> None:
-    """The four panels."""
-    for panel, draw in zip(
-        panels, (_draw_levels, _draw_front, _draw_shares, _draw_slopes), strict=True
-    ):
+    """The five panels."""
+    drawings = (_draw_levels, _draw_front, _draw_shares, _draw_slopes, _draw_history)
+    for panel, draw in zip(panels, drawings, strict=True):
         draw(panel, design, scales)
 
 
@@ -242,3 +251,38 @@ def _draw_slopes(ax: Any, design: Design, scales: style.Scales) -> None:
     ax.set_yticks(range(len(names)), [SYMBOLS.get(name, name) for name in names])
     ax.axvline(0, color="0.4", lw=0.6)
     ax.set_xlabel(f"change of {label} for 1 % more")
+
+
+def _draw_history(ax: Any, design: Design, scales: style.Scales) -> None:
+    """The best level of each search so far, over the number of candidates judged by all units."""
+    unit, label = _of_target(design, scales)
+    levels = scales(design.candidates["level"], unit)
+    best = np.maximum if design.target == "damping" else np.minimum
+    searches, first = list(design.searches["candidates"]), 0
+    again = sum(searches) != levels.size
+    for number, many in enumerate([levels.size] if again else searches):
+        counts = np.arange(first, first + many) + 1
+        ax.plot(
+            counts, best.accumulate(levels[first : first + many]), marker="o", ms=2, lw=1,
+            drawstyle="steps-post", color=style.PRIMARY, label=None if number else "best of a search so far",
+        )  # fmt: skip
+        if number:
+            ax.axvline(first + 0.5, color="0.7", lw=0.6)
+        first += many
+    chosen = scales(design.level, unit)
+    ax.axhline(chosen, color=style.FREE, lw=0.8, label="chosen")
+    shown = levels[abs(levels) <= 4 * abs(chosen)]
+    limit = math.nan if design.limit is None else scales(design.limit, unit)
+    if abs(limit) <= 4 * abs(chosen):
+        ax.axhline(limit, color=style.LOAD, lw=0.8, ls="--", label="limit")
+        shown = np.append(shown, limit)
+    if shown.size and np.ptp(shown) > 0:
+        ax.set_ylim(shown.min() - 0.05 * np.ptp(shown), shown.max() + 0.05 * np.ptp(shown))
+    ax.set_xlabel(
+        "candidates, judged again by more units"
+        if again
+        else "candidates judged by all units; vertical lines separate independent searches"
+    )
+    ax.xaxis.get_major_locator().set_params(integer=True)
+    ax.set_ylabel(f"quantile of\n{label}")
+    style.add_legend(ax, **style.ABOVE)
