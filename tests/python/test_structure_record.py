@@ -200,6 +200,49 @@ def test_motion_of_the_base(tmp_path, direction):
         assert np.ptp(relative) > 0.4
 
 
+@pytest.mark.parametrize("direction", [None, [1.0, 0.25]])
+def test_harmonics_of_the_base(tmp_path, direction):
+    """Harmonics of a base motion are those of `base_motion`; gaps are the same in both kinds of coordinates."""
+    s, omega = structure(), 0.8
+    cosine, sine = np.array([0.1, 0.0, -0.02]), np.array([0.3, 0.05, 0.0])
+    factors = -((omega * np.arange(1, 4)) ** 2)
+    end = "" if direction is None else f", base_direction = {direction[0]}, {direction[1]}"
+    runs = {}
+    for base, factor in (("acceleration", factors), ("motion", np.ones(3))):
+        texts = [", ".join(f"{x:.17g}" for x in factor * part) for part in (cosine, sine)]
+        case, run = computed(
+            tmp_path,
+            f"frequency = {omega}, cosine = {texts[0]}, sine = {texts[1]}, base = '{base}'{end}",
+        )
+        load = vi.base_motion(
+            s, omega, sine, cosine, direction=direction, relative=base == "acceleration"
+        )
+        for name in ("sine", "cosine"):
+            np.testing.assert_allclose(getattr(case.load, name), getattr(load, name), atol=1e-15)
+        (again,) = vi.read_namelist(written(tmp_path, run))
+        assert again.load == case.load
+        runs[base] = run
+    if direction is None:
+        # in absolute coordinates the structure starts with the motion of the base at time 0
+        start = np.full(2, cosine.sum()), np.full(2, omega * (np.arange(1, 4) * sine).sum())
+        case = vi.base_motion(s, omega, sine, cosine)
+        absolute = vi.simulate(s, case, duration=30, state=start)
+        times = np.linspace(0, 30, 401)
+        moved = [s.gaps[0].direction @ run.sample(times)[0] for run in (absolute, runs["acceleration"])]
+        assert moved[0] == pytest.approx(moved[1], abs=1e-6)
+        assert np.ptp(moved[0]) > 0.1
+
+
+@pytest.mark.parametrize(("load", "message"), [
+    ("frequency = 1, base = 'motion', constant = 0, 0", "base = 'motion': .*; it goes with record"),
+    ("frequency = 1, sine = 1, base = 'motion', base_direction = 1", "2 coordinates"),
+    ("frequency = 1, sine = 1", "1 number"),
+])  # fmt: skip
+def test_wrong_harmonics_of_the_base(tmp_path, load, message):
+    with pytest.raises(vi.ParameterError, match=message):
+        computed(tmp_path, load)
+
+
 @pytest.mark.parametrize("ending", ["json", "nc", "mat"])
 @pytest.mark.parametrize("kind", ["dense", "one", "base"])
 def test_saved_results_keep_the_record(tmp_path, ending, kind):

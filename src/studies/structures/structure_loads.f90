@@ -49,8 +49,8 @@ module vi_structure_loads
       meaning='forces on the coordinates for 1 in each column'), &
       key_type('base', a_word, may_miss=.true., words='acceleration motion', &
       takes='''acceleration'' (one column) or ''motion'' (two columns)', &
-      meaning='the columns are the acceleration of the base, and coordinates relative to it, or &
-      &its displacement and velocity, and coordinates absolute'), &
+      meaning='the record, or one amplitude for each harmonic, is of the acceleration of the base &
+      &(coordinates relative to it), or of its motion (coordinates absolute)'), &
       key_type('base_direction', most=most_coordinates, may_miss=.true., only='base', &
       takes='one number for each coordinate', meaning='displacements of the coordinates when the &
       &base moves by 1 and nothing deforms; 1 if it is left out')]
@@ -64,7 +64,7 @@ contains
       !> Number of coordinates.
       integer, intent(in) :: coordinates
       character(8), parameter :: names(3) = [character(8) :: 'cosine', 'sine', 'constant'], &
-         of_record(4) = [character(8) :: 'step', 'acts_on', 'weights', 'base']
+         of_record(3) = [character(8) :: 'step', 'acts_on', 'weights']
       logical :: good
       integer :: i, length
 
@@ -73,10 +73,13 @@ contains
          length = size(load%numbers(trim(names(i))))
          good = modulo(length, coordinates) == 0
          if (i == 3) good = length == coordinates
+         if (i < 3 .and. load%has('base')) good = .true.
          if (.not. good) call load%refuse(trim(names(i)), 'it has '//whole(length)// &
             ' numbers for '//whole(coordinates)//' coordinates')
       end do
       if (load%has('record') .or. load%has('record_file')) return
+      if (load%has('base') .and. .not. any([(load%has(trim(names(i))), i=1, 2)])) call &
+         load%refuse('base', 'it goes with record, record_file, cosine or sine')
       if (.not. any([(load%has(trim(names(i))), i=1, 3)])) call load%refuse('constant', &
          'or give cosine or sine')
       do i = 1, size(of_record)
@@ -99,7 +102,10 @@ contains
       integer :: columns, in_file
 
       if (len(load%fault) > 0) return
-      if (.not. (load%has('record') .or. load%has('record_file'))) return
+      if (.not. (load%has('record') .or. load%has('record_file'))) then
+         if (load%has('base')) call set_base_harmonics(structure, n, load)
+         return
+      end if
       call count_columns(load, n, columns, of_columns)
       in_file = 0
       given = 'record'
@@ -196,8 +202,7 @@ contains
       end if
    end subroutine read_record_file
 
-   !> Replaces the motion of a base by the forces for 1 in each column: -M d for its acceleration,
-   !! K d and C d for its displacement and velocity.
+   !> Replaces the record of the motion of a base by the forces for 1 in each column.
    subroutine set_base(structure, n, load)
       !> &structure, complete.
       type(values_type), intent(in) :: structure
@@ -205,9 +210,69 @@ contains
       integer, intent(in) :: n
       !> In and out: &load.
       type(values_type), intent(inout) :: load
-      real(wp) :: matrices(n, n, 3), weights(n, 2)
+      real(wp) :: weights(n, 2)
+
+      call base_forces(structure, n, load, weights)
+      call load%set('weights', [weights(:, :merge(1, 2, load%is('base', 'acceleration')))])
+      call load%drop('base')
+      call load%drop('base_direction')
+   end subroutine set_base
+
+   !> Replaces the harmonics of the motion of a base, or of its acceleration, by those of the
+   !! forces: of y = c cos(h Omega t) + s sin(h Omega t) the velocity has the amplitudes
+   !! h Omega s and -h Omega c.
+   subroutine set_base_harmonics(structure, n, load)
+      !> &structure, complete.
+      type(values_type), intent(in) :: structure
+      !> Number of coordinates.
+      integer, intent(in) :: n
+      !> In and out: &load.
+      type(values_type), intent(inout) :: load
+      real(wp), allocatable :: cosine(:), sine(:), forces(:, :, :)
+      real(wp) :: weights(n, 2), omega
+      integer :: h, harmonics
+
+      if (load%has('base_direction')) call complete_coordinates(load, 'base_direction', n)
+      if (len(load%fault) > 0) return
+      harmonics = 0
+      if (load%has('cosine')) harmonics = size(load%numbers('cosine'))
+      if (load%has('sine')) harmonics = max(harmonics, size(load%numbers('sine')))
+      if (harmonics > most_amplitudes/n) then
+         call load%refuse(trim(merge('cosine', 'sine  ', load%has('cosine'))), &
+            'at most '//whole(most_amplitudes/n)//' harmonics')
+         return
+      end if
+      allocate (cosine(harmonics), sine(harmonics), source=0.0_wp)
+      if (load%has('cosine')) cosine(:size(load%numbers('cosine'))) = load%numbers('cosine')
+      if (load%has('sine')) sine(:size(load%numbers('sine'))) = load%numbers('sine')
+      call base_forces(structure, n, load, weights)
+      if (len(load%fault) > 0) return
+      allocate (forces(n, harmonics, 2))
+      do h = 1, harmonics
+         omega = h*load%number('frequency')
+         forces(:, h, 1) = cosine(h)*weights(:, 1) + omega*sine(h)*weights(:, 2)
+         forces(:, h, 2) = sine(h)*weights(:, 1) - omega*cosine(h)*weights(:, 2)
+      end do
+      call load%set('cosine', [forces(:, :, 1)])
+      call load%set('sine', [forces(:, :, 2)])
+      call load%drop('base')
+      call load%drop('base_direction')
+   end subroutine set_base_harmonics
+
+   !> The forces for 1 in each quantity of a base: -M d for its acceleration, K d and C d for its
+   !! displacement and velocity.
+   subroutine base_forces(structure, n, load, weights)
+      !> &structure, complete.
+      type(values_type), intent(in) :: structure
+      !> Number of coordinates.
+      integer, intent(in) :: n
+      !> In and out: &load, whose direction is 1 by default.
+      type(values_type), intent(inout) :: load
+      !> (coordinates, 2) The forces; 0 in the second column for an acceleration.
+      real(wp), intent(out) :: weights(n, 2)
+      real(wp) :: matrices(n, n, 3)
       real(wp), allocatable :: d(:)
-      integer :: columns, i
+      integer :: i
 
       if (.not. load%has('base_direction')) then
          if (structure%has('frequencies')) call load%refuse('base_direction', &
@@ -216,21 +281,17 @@ contains
       end if
       allocate (d, source=load%numbers('base_direction'))
       call matrices_of(structure, n, matrices)
-      columns = merge(1, 2, load%is('base', 'acceleration'))
       weights = 0
       ! coordinate by coordinate, so that the digits do not depend on a library
       do i = 1, n
-         if (columns == 1) then
+         if (load%is('base', 'acceleration')) then
             weights(:, 1) = weights(:, 1) - d(i)*matrices(:, i, 1)
          else
             weights(:, 1) = weights(:, 1) + d(i)*matrices(:, i, 3)
             weights(:, 2) = weights(:, 2) + d(i)*matrices(:, i, 2)
          end if
       end do
-      call load%set('weights', [weights(:, :columns)])
-      call load%drop('base')
-      call load%drop('base_direction')
-   end subroutine set_base
+   end subroutine base_forces
 
    !> Checks the length of a list of numbers, one for each coordinate; zeros if there is none.
    subroutine complete_coordinates(study, name, coordinates)
