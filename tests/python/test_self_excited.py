@@ -1,6 +1,7 @@
 """Self-excited motions: no load, the period is unknown, and one multiplier is 1."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,8 +16,8 @@ def bow(damping=0.0, mass=1.0, **belt):
     return vi.Structure([mass], [damping], [1.0], friction=[vi.Friction([1], **(BELT | belt))])
 
 
-def self_excited(structure, duration=100.0, load=None):
-    return vi.exact(structure, load, vi.simulate(structure, load, duration=duration))
+def self_excited(structure, duration=100.0, load=None, state=None):
+    return vi.exact(structure, load, vi.simulate(structure, load, duration=duration, state=state))
 
 
 #: Two coupled masses on a belt.
@@ -240,6 +241,61 @@ def test_folds_and_neimark_sacker_points():
         )
         if branch.stable[i] >= 0 and point.stable is not None:
             assert point.stable == bool(branch.stable[i])
+
+
+def from_same_event(motion, first):
+    """The quantities of a motion from the event that comes first in another one near it, and the sum of its
+    multipliers."""
+    m = len(first.phases)
+    states = [np.abs(np.roll(motion.states, -i, axis=0) - first.states).max() for i in range(m)]
+    i = int(np.argmin(states))
+    phases = np.roll(motion.phases, -i) - motion.phases[i]
+    q, q_dot = np.roll(motion.states, -i, axis=0).transpose(1, 0, 2)
+    return {
+        "period": motion.period, "phases": np.mod(phases, 2 * math.pi),
+        "speeds": np.roll(motion.speeds, -i), "impulses": np.roll(motion.impulses, -i),
+        "q": q, "q_dot": q_dot, "multipliers": motion.multipliers.sum().real,
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("structure", [
+    bow(0.02), PAIR, FLIPPING,
+    vi.Structure([1], [0.02], [1], [vi.Stop([-1], -0.4, 5, 0.1)], [vi.Friction([1], 0.6, 1.0, 0.2)]),
+    vi.Structure([1], [0.02], [1], [vi.Gap([-1], -0.4, 0.6)], [vi.Friction([1], 0.6, 1.0, 0.2)]),
+], ids=["bow", "pair", "one belt", "stop", "gap"])  # fmt: skip
+def test_derivatives(structure):
+    """The period, its events and multipliers change as differences of exact motions do."""
+    first, h = len(structure.gaps), 1e-6
+    motion = self_excited(structure, 400, state=([0.5], [0.2]) if structure.gaps else None)
+
+    def changed(word, step):
+        own = structure.friction[0]
+        slip = own.slip + step * (word == "slip")
+        values = {"slip": slip, "stick": own.stick * slip / own.slip + step * (word == "stick")}
+        belt = replace(own, **values, speed=own.speed + step * (word == "speed"))
+        found = vi.Structure(
+            structure.mass, structure.damping * (1 + step * (word == "damping")), structure.stiffness,
+            structure.gaps, [belt, *structure.friction[1:]],
+        )  # fmt: skip
+        return from_same_event(vi.exact(found, None, motion), motion)
+
+    words = ["speed", "slip", "stick", "damping"]
+    gradient = motion.gradient([word if word == "damping" else f"{word}_{first}" for word in words])
+    assert gradient["phases"][0].tolist() == [0.0] * 4
+    for word, name in zip(words, gradient.parameters, strict=True):
+        up, down = changed(word, h), changed(word, -h)
+        for quantity, value in up.items():
+            slope = (value - down[quantity]) / (2 * h)
+            own = gradient[quantity, name]
+            if quantity == "multipliers":
+                own = np.nansum(own).real
+            assert own == pytest.approx(slope, rel=1e-6, abs=1e-6), (name, quantity)
+    # the period does not depend on a constant force, by which the motion is shifted
+    if structure == bow(0.02):
+        pushed = ("push", lambda f: (bow(0.02), vi.Load(constant=[f])), 0.0)
+        found = motion.gradient([pushed])
+        assert abs(found["period", "push"]) < 1e-12
+        assert found["q", "push"] == pytest.approx(np.ones((2, 1)), abs=1e-12)
 
 
 def test_branches_by_functions_and_files(tmp_path):

@@ -29,6 +29,7 @@ from ..results.parameters import (
     WALLS,
     Wanted,
     entries_of,
+    of_constant_load,
     series_of,
 )
 from ..systems.record import Record
@@ -53,7 +54,7 @@ NOT_EXACT, COINCIDENT = 27, 28
 #: The kinds of entries by the words of names.
 WORDS = {name: kind for kind, name in MATRICES.items()} | {
     "opening": OPENING, "restitution": RESTITUTION, "frequency": FREQUENCY, "constant": CONSTANT, "load": COSINE,
-    "contact": LAW, "slip": LAW, "wall": min(WALLS),
+    "contact": LAW, "slip": LAW, "stick": LAW, "speed": LAW, "wall": min(WALLS),
 }  # fmt: skip
 
 
@@ -68,19 +69,32 @@ def plain_load(structure: Structure, load: Load | Record | None) -> Load:
 class Along:
     """A trajectory along which the core carries changes of its start and of parameters."""
 
-    def __init__(self, run: Trajectory, parameters: Sequence[Wanted], first: int = -1) -> None:
-        """`first`: the gap of the impact just before a period, the clock of which shows the load phase."""
-        self.run, count, plain = run, len(parameters) + 1, plain_load(run.structure, run.load)
+    def __init__(
+        self, run: Trajectory, parameters: Sequence[Wanted], first: int = -1, free: bool = False
+    ) -> None:
+        """`first`: the gap of the impact just before a period, the clock of which shows the load phase.
+
+        `free`: of a self-excited motion, whose frequency is a last parameter.
+        """
+        plain = plain_load(run.structure, run.load)
+        frequency = plain.frequency
+        if free:
+            plain = Load(constant=plain.constant)
+        self.run, count = run, len(parameters) + 1 + free
         places = entries_of(run.structure, plain)[0]
         rates, of_record = np.zeros((len(places), count)), np.zeros(count)
         for i, parameter in enumerate(parameters, 1):
             of_record[i] = parameter == "load" and isinstance(run.load, Record)
             if not of_record[i]:
                 rates[:, i] = rates_of(run.structure, plain, parameter)
+        if free:
+            rates[places[:, 0] == FREQUENCY, -1] = 1.0
         self.by_frequency = rates[places[:, 0] == FREQUENCY][0]
         touched, sizes = touch_of(run)
         self.sizes = np.repeat(sizes, run.structure.coordinates)
         self.before = [*core_arrays(run.structure, run.load, True), places.T, rates, of_record]
+        if free:
+            self.before[3] = frequency
         self.after = [
             *run._segments(), np.append(0, run.events["speed"]), run.end, first + 1, touched + 1, self.sizes
         ]  # fmt: skip
@@ -134,34 +148,64 @@ def motion_gradient(motion: Motion, parameters: Sequence[Wanted] | None) -> Grad
     structure, load, n, count = (
         motion.structure, motion.load, motion.structure.coordinates, len(motion.gaps),
     )  # fmt: skip
-    wanted = checked(structure, load, parameters)
+    free = motion.self_excited
+    wanted = checked(structure, motion._given_load, parameters)
     if not wanted:
         raise ParameterError(f"parameters = {parameters!r}: must name at least one")
+    if free and "frequency" in wanted:
+        raise ParameterError(
+            "parameters: 'frequency' must be left out, since it is a result of the motion"
+        )
     motion._refuse_meetings()
-    names = names_of(wanted)
     run, hits = period_of(motion)
-    along = Along(run, wanted, int(motion.gaps[0]))
-    still = np.zeros((2 * n, 1 + len(names)))
+    if free:
+        wanted = [
+            one if isinstance(one, str) or not callable(one[1])
+            else (one[0], of_constant_load(one[1]), *one[2:])
+            for one in wanted
+        ]  # fmt: skip
+    along = Along(run, wanted, int(motion.gaps[0]), free)
+    names = names_of(wanted)
+    still = np.zeros((2 * n, 1 + len(names) + free))
     _, finals, products, *_ = along.carried(still)
     raise_status(along.code)
     scale = along.sizes
     matrix = products[..., 0] * scale / scale[:, None]
-    inverse = inverse_of(structure, motion, matrix, scale)
-    values, _, products, *_ = along.carried(scale[:, None] * (inverse @ (finals / scale[:, None])))
+    changes = np.zeros_like(still)
+    pace = np.zeros(len(names))
+    if free:
+        changes[:, 1:-1], pace = free_changes(matrix, finals[:, 1:] / scale[:, None])
+    else:
+        inverse = inverse_of(structure, motion, matrix, scale)
+        changes = inverse @ (finals / scale[:, None])
+    values, _, products, *_ = along.carried(scale[:, None] * changes)
+    if free:
+        # the frequency changes, too, and phases are those from the first event
+        values, products = (
+            np.append(part[..., :1], part[..., 1:-1] + part[..., -1:] * pace, axis=-1)
+            for part in (values, products)
+        )
+        values[0] -= values[0, hits[0]].copy()
     by_matrix = (products * (scale / scale[:, None])[..., None])[..., 1:].transpose(2, 0, 1)
     tables = values[:, hits, 1:].transpose(1, 0, 2)
     found: dict[str, _Array] = {
         "phases": motion.phases, "speeds": motion.speeds, "impulses": motion.impulses,
         "q": motion.states[:, 0], "q_dot": motion.states[:, 1], "multipliers": motion.multipliers,
-        "stability_margin": np.asarray(1 - np.abs(motion.multipliers).max(initial=0.0)),
+        "stability_margin": np.asarray(1 - np.abs(motion._nontrivial).max(initial=0.0)),
     }  # fmt: skip
     slopes = by_name(tables, n, ("phases", "speeds", "impulses", "q", "q_dot"))
     slopes["multipliers"], status = multiplier_slopes(matrix, by_matrix, motion.multipliers)
-    slopes["stability_margin"] = margin_slopes(motion.multipliers, slopes["multipliers"], status)
+    others = np.arange(len(motion.multipliers)) != motion.trivial
+    slopes["stability_margin"] = margin_slopes(
+        motion.multipliers[others], slopes["multipliers"][others], status
+    )
+    if free:
+        found["period"] = np.asarray(motion.period)
+        slopes["period"] = -motion.period / load.frequency * pace
     dimensions: dict[str, tuple[str, ...]] = {
         "phases": ("impact",), "speeds": ("impact",), "impulses": ("impact",), "q": ("impact", "coordinate"),
         "q_dot": ("impact", "coordinate"), "multipliers": ("multiplier",), "stability_margin": (),
-    }  # fmt: skip
+    } | ({"period": ()} if free else {})  # fmt: skip
     word = "impact" if structure._is_rigid else "event"
     of = f"a motion of a structure with {count} {word}{'s' if count != 1 else ''} in {motion.cycles} cycles"
     return Gradient(
@@ -179,10 +223,6 @@ def period_of(motion: Motion) -> tuple[Trajectory, NDArray[np.int64]]:
         run = motion._run()
         # the impact at the end of the period is the first one
         return run, np.roll(np.flatnonzero(run.events["kind"] == "impact"), 1)
-    if motion.self_excited:
-        raise ParameterError(
-            f"{motion!r}: must have a load with a frequency to have derivatives, not be self-excited"
-        )
     if len(motion.rests):
         raise ParameterError(
             f"{motion!r}: must have no rests to have derivatives, since it has stops or friction"
@@ -379,6 +419,26 @@ def inverse_of(structure: Structure, motion: Motion, matrix: _Array, scale: _Arr
     return inverse
 
 
+def free_changes(matrix: _Array, finals: _Array) -> tuple[_Array, _Array]:
+    """The changes of the start (2n, parameters) and of the frequency (parameters) of a self-excited motion.
+
+    In (1 - P) ds - dF/dOmega dOmega = dF/dp the start moves at right angles to the flow, which P keeps; the last
+    of the derivatives of the end F at fixed phases is that by Omega.
+    """
+    m = len(matrix)
+    _, _, right = np.linalg.svd(np.eye(m) - matrix)
+    bordered = np.zeros((m + 1, m + 1))
+    bordered[:m, :m] = np.eye(m) - matrix
+    pace = np.abs(finals[:, -1]).max() or 1.0
+    bordered[:m, m] = -finals[:, -1] / pace
+    bordered[m, :m] = right[-1]
+    sizes = np.linalg.svd(bordered, compute_uv=False)
+    if not sizes[-1] > sizes[0] / SINGULAR:
+        raise_status(FOLD)
+    found = np.linalg.solve(bordered, np.vstack([finals[:, :-1], np.zeros(finals.shape[1] - 1)]))
+    return found[:m], found[m] / pace
+
+
 def multiplier_slopes(
     matrix: _Array, by_matrix: _Array, multipliers: _Array
 ) -> tuple[_Array, dict[str, str]]:
@@ -451,9 +511,9 @@ def named_rates(structure: Structure, name: str, places: _Array, values: _Array)
     if kind is None or len(numbers) not in allowed.get(kind, (0,)):
         raise ParameterError(
             f"parameters: {name!r} must be 'frequency', 'load', 'constant', 'mass', 'damping', 'stiffness' "
-            "(factors), 'opening', 'restitution' (of all gaps), 'contact' (stiffness of all stops), 'slip' (of "
-            "all friction), 'wall' (factor of the motions of walls), 'opening_J', 'restitution_J', 'contact_J', "
-            "'slip_J', 'wall_J', 'mass_I_J', 'damping_I_J' or "
+            "(factors), 'opening', 'restitution' (of all gaps), 'contact' (stiffness of all stops), 'slip', "
+            "'stick', 'speed' (of all friction), 'wall' (factor of the motions of walls), 'opening_J', "
+            "'restitution_J', 'contact_J', 'slip_J', 'stick_J', 'speed_J', 'wall_J', 'mass_I_J', 'damping_I_J' or "
             "'stiffness_I_J', all from 0, or (name, function, value)"
         )
     here = places[:, 0] == kind
@@ -468,7 +528,7 @@ def named_rates(structure: Structure, name: str, places: _Array, values: _Array)
     factor = kind in (CONSTANT, COSINE, *WALLS) or (kind in MATRICES and not numbers)
     rates = np.where(here, values if factor else 1.0, 0.0)
     if kind == LAW:
-        rates = rates_of_law(structure, Stop if word == "contact" else Friction, places, rates)
+        rates = rates_of_law(structure, word, places, rates)
     if not rates.any():
         raise ParameterError(f"parameters: {name!r}: it changes nothing")
     if kind == RESTITUTION:
@@ -481,13 +541,15 @@ def named_rates(structure: Structure, name: str, places: _Array, values: _Array)
 
 
 def rates_of_law(
-    structure: Structure, kind: type, places: NDArray[np.int64], rates: _Array
+    structure: Structure, word: str, places: NDArray[np.int64], rates: _Array
 ) -> _Array:
-    """The derivatives of numbers of stops by a stiffness, or of friction by a slip level, with its stick level."""
+    """The derivatives of numbers of stops by a stiffness, or of friction by a slip level, with its stick level, by
+    a stick level or by the speed of a belt."""
     found = np.zeros(len(rates))
     for i, (_, j, number) in enumerate(places.tolist()):
         part = structure._parts[j] if rates[i] else None
-        if isinstance(part, kind):
+        if isinstance(part, Stop if word == "contact" else Friction):
             stick = part.stick / part.slip if isinstance(part, Friction) and part.slip else 0.0
-            found[i] = (1.0, stick, 0.0)[number]
+            numbers = {"stick": (0.0, 1.0, 0.0), "speed": (0.0, 0.0, 1.0)}
+            found[i] = numbers.get(word, (1.0, stick, 0.0))[number]
     return found

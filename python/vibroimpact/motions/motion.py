@@ -598,7 +598,8 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         nowhere); and `stability_margin`, which is 1 - max|lambda|.
 
         Of a structure the quantities are phases, speeds, impulses, ``q`` and ``q_dot``, the states just after the
-        impacts, multipliers and `stability_margin`. With rest, the accumulations are summed to their limit.
+        impacts, multipliers and `stability_margin`. With rest, the accumulations are summed to their limit. Of a
+        self-excited motion also `period`, and phases are counted from the first event.
 
         Parameters
         ----------
@@ -609,7 +610,8 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
             mirror image). Of a `PowerLaw` the restitution is R0. Or tuples (name, function, value) of a smooth
             function that gives (Structure, Load), and the value of its argument at the motion; the function is
             called within 5 % of it (within 0.05 of 0). 'contact' or 'contact_J' is the stiffness of stops, 'slip'
-            or 'slip_J' the slip level of friction, with the stick level in proportion; 'wall' or 'wall_J' is a
+            or 'slip_J' the slip level of friction, with the stick level in proportion, 'stick' or 'stick_J' the
+            stick level alone, and 'speed' or 'speed_J' that of a belt; 'wall' or 'wall_J' is a
             factor of the motions of walls. By default frequency, load, and all openings, motions of walls,
             coefficients of restitution, stiffnesses of stops and slip levels.
 
@@ -623,7 +625,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         Raises
         ------
         ParameterError, ParameterTypeError
-            If the motion has no load, or a parameter does not exist.
+            If a parameter does not exist, or the load of an oscillator is 0.
         SingularError
             If the motion is at a fold, a pitchfork or a graze, or if its phases are not exact (`exact` finds the
             exact motion nearby).

@@ -177,6 +177,18 @@ def checked_pair(pair: Any, p: float) -> tuple[Structure, Load]:
     return pair
 
 
+def of_constant_load(
+    function: Callable[[float], tuple[Structure, Load]],
+) -> Callable[[float], tuple[Structure, Load]]:
+    """A function of a parameter whose loads without a frequency have a constant force, at least 0."""
+
+    def at(value: float) -> tuple[Structure, Load]:
+        structure, load = checked_pair(function(value), value)
+        return structure, load + Load(constant=np.zeros(structure.coordinates))
+
+    return at
+
+
 def series_of(
     structure: Structure, load: Load, function: Callable[[float], Any], low: float, high: float, at: float
 ) -> tuple[NDArray[np.int64], _Array]:  # fmt: skip

@@ -19,7 +19,7 @@ from ..motions.periodic import impact_restitution, motion_from_phases
 from ..motions.trajectory import simulate_structure
 from ..results import door, namelist
 from ..results.noun import Noun, column
-from ..results.parameters import Parameter, Path, checked_pair, keys_of_parameter
+from ..results.parameters import Parameter, Path, keys_of_parameter, of_constant_load
 from ..results.systems import structure_of
 from ..results.tables import Result
 from ..systems.oscillator import Pattern
@@ -574,18 +574,6 @@ def branch_structure(
     ) | {"longest_step": longest_step, "max_points": max_points}  # fmt: skip
     names = {"low": "bounds[0]", "high": "bounds[1]"}
     return only_branch(lambda: run_from(motion, Branches, keys, names, progress))
-
-
-def of_constant_load(
-    function: Callable[[float], tuple[Structure, Load]],
-) -> Callable[[float], tuple[Structure, Load]]:
-    """A function of a parameter whose loads without a frequency have a constant force, at least 0."""
-
-    def at(value: float) -> tuple[Structure, Load]:
-        structure, load = checked_pair(function(value), value)
-        return structure, load + Load(constant=np.zeros(structure.coordinates))
-
-    return at
 
 
 def run_from(
