@@ -51,8 +51,7 @@ class Piece:
         fold, pitchfork, flip, neimark_sacker, grazing, zero_approach, or window (the edge of the window); with
         rests also rest_vanishes and rest_splits (beyond it the rest is two); of a structure also branch_point
         (a pitchfork or transcritical point where impacts at one instant part), simultaneous (two events at one
-        instant), and stick_begins, stick_vanishes, contact_vanishes and event_vanishes, as of `branch`; or joint,
-        a straight piece
+        instant), and stick_begins, stick_vanishes and contact_vanishes, as of `branch`; or joint, a straight piece
         of at most 1e-4 of the window between two loose ends of the boundary, where it could not be followed; or
         cut, the straight edge of a strip of the window that is set apart with rests, stops or friction, since the
         boundary could not be closed in it.

@@ -173,7 +173,9 @@ contains
       do i = 1, n
          found(3 + i) = condition_type(zero_approach, i)
          if (family%rests%kinds(i) == switch) found(3 + i)%kind = stick_begins
-         if (halts_or_slips(family, i)) found(3 + i)%kind = event_vanishes
+         ! not of a zone, which would follow what rounding makes of multipliers beside such a point
+         if (family%every_crossing .and. halts_or_slips(family, i)) found(3 + i) = &
+            condition_type(event_vanishes, i)
          found(3 + n + i) = condition_type(grazing, i)
          found(3 + 2*n + i) = condition_type(end_of(family, i), i)
       end do
@@ -239,7 +241,10 @@ contains
          case (zero_approach)
             value = 1
             if (s%kinds(symbol) < release) value = course%speeds(symbol)/s%speed
-         case (stick_begins, event_vanishes)
+         case (stick_begins)
+            value = 1
+            if (.not. halts_or_slips(family, symbol)) value = course%excess(symbol)
+         case (event_vanishes)
             value = course%excess(symbol)
          case (stick_vanishes, contact_vanishes, events_meet)
             i = findloc(course%segments(:course%parts)%symbol, symbol, dim=1)
