@@ -305,6 +305,9 @@ def check_statements(data):
     need(all(one in (True, False, None) for one in verdicts), "verdicts are true, false or null")
     reasons = [item["reason"] for item in data["undecided"]]
     need(all(reasons) and (reasons or None not in verdicts), "reasons of what is not decided")
+    if kind == "motion" and not data["boxes"]:
+        need(reasons, "a reason where nothing is proven")
+        return
     if "mass" in data["system"]:
         need(kind in ("motion", "branch"), "a motion or a branch of a structure")
         if kind == "motion" and data["symmetric"] is False:
@@ -318,8 +321,7 @@ def check_statements(data):
         cover(
             spans(sheet), [spans(box["parameters"]) for box in data["boxes"] if box["sheet"] == k]
         )
-    numbers = {box["sheet"] for box in data["boxes"]}
-    need(numbers == set(range(len(sheets))), "boxes of all sheets")
+    need({box["sheet"] for box in data["boxes"]} == set(range(len(sheets))), "boxes of all sheets")
     states = [check_box(data, box) for box in data["boxes"]]
     for (one, two), (before, after) in zip(pairwise(data["boxes"]), pairwise(states), strict=True):
         if len(one["parameters"]) == 1 and one["sheet"] == two["sheet"] and before and after:
@@ -349,7 +351,7 @@ def check_zone(data, box, depth=0):
 
 
 def check_box(data, box, depth=0):
-    """Check the statements of a box, its verdicts in parts of it if need be; the states of its motions."""
+    """Check the statements of a box, in parts of it if need be; the states of its motions, of the last part."""
     if data["kind"] == "zone" and box["exists"] is not None:
         check_zone(data, box)
         return None
@@ -358,15 +360,15 @@ def check_box(data, box, depth=0):
         return None
     need(box["exists"] is True, "a box holds a motion")
     model = (Varied if "mass" in data["system"] else Pair)(data, box)
-    states = model.enclosure(box)
     try:
+        states = model.enclosure(box)
         model.check(states, box)
     except (RejectedError, ZeroDivisionError):
         names = list(box["parameters"])
         if depth == MOST_HALVINGS or not names:
             raise
         for part in halves(box, names[depth % len(names)]):
-            check_box(data, part, depth + 1)
+            states = check_box(data, part, depth + 1)
     return states
 
 

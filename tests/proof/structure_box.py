@@ -42,7 +42,10 @@ class Varied:
         self.zero, n, known = monomials(len(names), 0)[0], self.n, {}
         for name, ends in box["parameters"].items():
             low, high = map(exact, ends)
-            need(low < high, "low < high")
+            need(
+                low < high and (0 < low < high <= 1 or name[:3] != "res"),
+                "low < high, and 0 < R <= 1",
+            )
             known[name] = series([(low + high) / 2, (high - low) / 2], 1)
         self.W, self.unit = known.get("frequency", fixed.W), known.get("constant", arb(1))
         self.e, self.R = (
@@ -50,7 +53,6 @@ class Varied:
             for name, place in (("opening", 1), ("restitution", 2))
         )
         need(ball(self.W) > 0, "a frequency above 0")
-        need(all(ball(one) > 0 and ball(one) <= 1 for one in self.R), "0 < R <= 1")
         self.A = arb_mat([[fixed.A[i, j] for j in range(2 * n + 1)] for i in range(2 * n + 1)])
         self.impacts, self.turn, half = fixed.impacts, 1, len(fixed.impacts) // 2
         self.last, cycles = self.impacts[0], 2 * fixed.cycles

@@ -845,7 +845,7 @@ def test_pair_as_structure():
     """The verdicts and the bound are those of the oscillator's proof."""
     for motion, of_oscillator in zip(structures()[1:], MOTIONS, strict=False):
         proof, other = motion.prove(), of_oscillator.prove()
-        for name in ("exists", "admissible", "stable"):
+        for name in ("symmetric", "exists", "admissible", "stable"):
             assert getattr(proof, name) is getattr(other, name)
         if other.stable:
             assert proof.multiplier_bound == pytest.approx(other.multiplier_bound, rel=1e-9)
@@ -878,7 +878,7 @@ def wrong_structures(data):
     yield changed("impacts", "system", "impacts", value=lambda gaps: [*gaps, gaps[0]])
     yield changed("sides", "sides", value=lambda sides: sides + " 0")
     yield changed("box dropped", "boxes", value=lambda _: [])
-    yield changed("symmetric", "symmetric", value=lambda _: True)
+    yield changed("symmetric", "symmetric", value=lambda symmetric: not symmetric)
     yield changed("cycles", "cycles", value=lambda k: k + 1)
     box = data["boxes"][0]
     for i, row in enumerate(box["centre"]):
@@ -1060,6 +1060,18 @@ def test_false_branches_of_structures_are_rejected(number):
             continue
         accepted.append(what)
     assert accepted == []
+
+
+def test_symmetric_structure_beside_a_pitchfork():
+    """By half a period the symmetric motion exists where its twins part, unstable before and stable after that."""
+    branch = vi.branch(structures()[1], "opening", bounds=(10.4, 12.5))
+    point = next(one for one in branch.special_points if one.type == "pitchfork")
+    for share, stable in ((-1e-8, False), (1e-8, True)):
+        structure, load = branch.at(point.value * (1 + share))
+        near = branch[point.index]
+        proof = vi.exact(structure, load, (near.phases, near.gaps.tolist(), 1)).prove()
+        assert (proof.symmetric, proof.exists, proof.stable) == (True, True, stable)
+        checker.check(json.loads(proof.to_json()))
 
 
 def test_branches_of_structures_that_are_refused():

@@ -14,13 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.errors import ParameterError
-from ..motions.likeness import is_symmetric
 from ..motions.motion import Motion
 from .balls import ball, decimal, flint
 from .boxes import DEGREES, NEAR_CIRCLE, Box, Problem, bound_in_box
 from .equations import characteristic
 from .models import Model, at_middle, space, span
-from .structures import MOST_HALVINGS, System, record_of
+from .structures import MOST_HALVINGS, System, mirror_of, record_of
 from .verdicts import above, inside_all
 
 _Array = NDArray[np.float64]
@@ -56,21 +55,6 @@ def solved(matrix: Sequence[Sequence[Any]], right: Sequence[Any]) -> list[Any]:
     return [row[n] for row in rows]
 
 
-def mirrored_gaps(system: Mapping[str, Any], cycles: int) -> list[int] | None:
-    """The gap that -q closes where q closes each one; None if -q half a period later is not a motion."""
-    even = [*system["sine"][1::2], *system["cosine"][1::2], system["constant"]]
-    if cycles % 2 == 0 or any(float(one) for row in even for one in row):
-        return None
-    gaps = [
-        (tuple(map(float, gap["direction"])), float(gap["opening"]), float(gap["restitution"]))
-        for gap in system["gaps"]
-    ]
-    turned = [(tuple(-one for one in direction), e, R) for direction, e, R in gaps]
-    if len(set(gaps)) < len(gaps) or not all(gap in gaps for gap in turned):
-        return None
-    return [gaps.index(gap) for gap in turned]
-
-
 @dataclass(frozen=True)
 class StructureFamily:
     """The motions of a structure on a branch; as `boxes.Family`.
@@ -79,15 +63,14 @@ class StructureFamily:
     ----------
     system : dict
         That of a certificate, where factors of the load are 1.
-    cycles, symmetric
+    cycles : int
         As of a certificate.
     mirror : list of int, or None
-        The gaps that -q closes.
+        Of symmetric motions the gaps that -q closes.
     """
 
     system: Mapping[str, Any]
     cycles: int
-    symmetric: bool
     mirror: list[int] | None
 
     @classmethod
@@ -108,15 +91,13 @@ class StructureFamily:
         record["frequency"] = decimal(load.frequency)
         for gap, own in zip(record["gaps"], structure.gaps, strict=True):
             gap["opening"], gap["restitution"] = decimal(own.opening), decimal(own.restitution)
-        mirror = None if parameter in single else mirrored_gaps(record, motion.cycles)
-        impacts = record["impacts"]
-        half = len(impacts) // 2
-        symmetric = (
-            mirror is not None
-            and [mirror[gap] for gap in impacts[:half]] == impacts[half:]
-            and is_symmetric(motion)
-        )
-        return cls(record, motion.cycles, symmetric, mirror)
+        mirror = None if parameter in single else mirror_of(motion, record)
+        return cls(record, motion.cycles, mirror)
+
+    @property
+    def symmetric(self) -> bool:
+        """As of a certificate."""
+        return self.mirror is not None
 
     @property
     def sides(self) -> str:
@@ -165,7 +146,7 @@ class VariedSystem:
 
     def __init__(self, family: StructureFamily, values: Mapping[str, Any]) -> None:
         module, system = flint(), family.system
-        base = System(dict(system), family.cycles)
+        base = System(dict(system), family.cycles, family.mirror)
         self.n = n = base.n
         self.rows, self.harmonics = base.rows, base.harmonics
         self.frequency = values.get("frequency", base.frequency)
@@ -175,13 +156,8 @@ class VariedSystem:
             for name, known in (("opening", base.openings), ("restitution", base.restitution))
         ]
         self.openings, self.restitution = every
-        self.impacts, self.turn, last = family.word, 1, family.word[0]
-        if family.symmetric:
-            assert family.mirror is not None
-            self.turn, last = -1, family.mirror[last]
-        self.ends = [*self.impacts[1:], last]
-        turns = family.cycles * (1 if family.symmetric else 2)
-        self.length = turns * module.arb.pi() / self.frequency
+        self.impacts, self.ends, self.turn = base.impacts, base.ends, base.turn
+        self.length = base.angle / self.frequency
         self.loss = base.damping.trace()
         self.flow = module.arb_mat(
             [[base.flow[i, j] for j in range(2 * n + 1)] for i in range(2 * n + 1)]

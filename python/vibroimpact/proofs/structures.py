@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..base.errors import ParameterError
+from ..motions.likeness import is_symmetric
 from ..motions.motion import Motion
 from ..systems.structure import Gap
 from .balls import ball, decimal, decimal_text, flint, hexadecimal
@@ -82,10 +83,30 @@ def record_of(motion: Motion) -> dict[str, Any]:
     }  # fmt: skip
 
 
-class System:
-    """The balls of the system of a certificate."""
+def mirror_of(motion: Motion, system: dict[str, Any]) -> list[int] | None:
+    """The gap that -q closes where q closes each one, of a motion that is -q half a period later; else None."""
+    even = [*system["sine"][1::2], *system["cosine"][1::2], system["constant"]]
+    if motion.cycles % 2 == 0 or any(float(one) for row in even for one in row):
+        return None
+    gaps = [
+        (tuple(map(float, gap["direction"])), float(gap["opening"]), float(gap["restitution"]))
+        for gap in system["gaps"]
+    ]
+    turned = [(tuple(-one for one in direction), e, R) for direction, e, R in gaps]
+    if len(set(gaps)) < len(gaps) or not all(gap in gaps for gap in turned):
+        return None
+    mirror = [gaps.index(gap) for gap in turned]
+    impacts, half = system["impacts"], len(system["impacts"]) // 2
+    same = [mirror[gap] for gap in impacts[:half]] == impacts[half:] and is_symmetric(motion)
+    return mirror if same else None
 
-    def __init__(self, system: dict[str, Any], cycles: int) -> None:
+
+class System:
+    """The balls of the system of a certificate; with the `mirror` of its gaps for half a period."""
+
+    def __init__(
+        self, system: dict[str, Any], cycles: int, mirror: Sequence[int] | None = None
+    ) -> None:
         module = flint()
 
         def matrix(rows: Any) -> Any:
@@ -98,9 +119,15 @@ class System:
         self.rows = [[ball(one) for one in gap["direction"]] for gap in system["gaps"]]
         self.openings = [ball(gap["opening"]) for gap in system["gaps"]]
         self.restitution = [ball(gap["restitution"]) for gap in system["gaps"]]
-        self.impacts = system["impacts"]
+        self.impacts, self.turn = system["impacts"], 1 if mirror is None else -1
+        last = self.impacts[0] if mirror is None else mirror[self.impacts[0]]
+        if mirror is not None:
+            self.impacts = self.impacts[: len(self.impacts) // 2]
+        # the gap at the end of each flight
+        self.ends = [*self.impacts[1:], last]
         self.frequency = ball(system["frequency"])
-        self.period = 2 * module.arb.pi() * cycles / self.frequency
+        self.angle = module.arb.pi() * cycles * (2 if mirror is None else 1)
+        self.period = self.angle / self.frequency
         self.harmonics = len(system["sine"])
         size = 2 * n + 1 + 2 * self.harmonics
         flow = module.arb_mat(size, size)
@@ -155,7 +182,7 @@ class System:
             start, duration = self.extended(state), end - state[0]
             matrix = (self.flow * duration).exp()
             landing = matrix * start
-            gap = self.impacts[j]
+            gap = self.ends[i]
             speed = self.dot(self.rows[gap], landing.entries()[self.n : 2 * self.n])
             found.append(Flight(self.impacts[i], gap, duration, start, matrix, landing, speed))
         return found
@@ -164,10 +191,11 @@ class System:
         """What is left of the equations: q and q' after each impact, and the contact."""
         n, left = self.n, []
         for i, flight in enumerate(found):
-            following = states[(i + 1) % len(states)]
+            last = i + 1 == len(found)
+            following, turn = (states[0], self.turn) if last else (states[i + 1], 1)
             z = flight.landing.entries()
             after = [*z[:n], *self.turned(flight.after, z[n : 2 * n])]
-            left += [one - two for one, two in zip(after, following[1:], strict=True)]
+            left += [one - turn * two for one, two in zip(after, following[1:], strict=True)]
             left.append(self.dot(self.rows[flight.after], z[:n]) - self.openings[flight.after])
         return left
 
@@ -198,11 +226,11 @@ class System:
                 for row, value in enumerate(values):
                     matrix[size * i + row, place] += value
             for k in range(2 * n):
-                matrix[size * i + k, size * j + 1 + k] -= 1
+                matrix[size * i + k, size * j + 1 + k] -= self.turn if j == 0 else 1
         return matrix
 
     def period_map(self, found: Sequence[Flight]) -> Any:
-        """[P] by flights and saltation matrices."""
+        """[P] by flights and saltation matrices, or that of half a period and the mirror."""
         module, n = flint(), self.n
         product = module.arb_mat(
             2 * n, 2 * n, [int(i == j) for i in range(2 * n) for j in range(2 * n)]
@@ -210,7 +238,9 @@ class System:
         for i, flight in enumerate(found):
             part = [[flight.matrix[row, k] for k in range(2 * n)] for row in range(2 * n)]
             before = (self.flow * flight.landing).entries()[n : 2 * n]
-            after = (self.flow * found[(i + 1) % len(found)].start).entries()[n : 2 * n]
+            last = i + 1 == len(found)
+            after = (self.flow * found[0 if last else i + 1].start).entries()[n : 2 * n]
+            after = [-one for one in after] if last and self.turn < 0 else after
             corner = [
                 (one - two) / flight.speed
                 for one, two in zip(after, self.turned(flight.after, before), strict=True)
@@ -222,12 +252,12 @@ class System:
                 [corner[k] * one for one in row] + [jump[k, m] for m in range(n)] for k in range(n)
             ]
             product = module.arb_mat(salt) * (module.arb_mat(part) * product)
-        return product
+        return product * self.turn
 
     def determinant(self) -> Any:
         """det[P] by its law: exp(-tr(M^-1 C) T) times the product of all R^2."""
         value = (-self.damping.trace() * self.period).exp()
-        for gap in self.impacts:
+        for gap in self.ends:
             value = value * self.restitution[gap] * self.restitution[gap]
         return value
 
@@ -378,7 +408,7 @@ def attempt(system: System, states: Any, size: float) -> tuple[dict[str, Any], s
     box["stable"] = stable = is_inside(coefficients)
     if stable is None:
         return box, "; ".join(filter(None, [reason, NEAR_CIRCLE]))
-    bound = multiplier_bound(coefficients, stable)
+    bound = multiplier_bound(coefficients, stable, 2 if system.turn < 0 else 1)
     if bound is not None:
         box["multipliers_below" if stable else "multipliers_above"] = decimal_text(bound)
     return box, reason
@@ -388,19 +418,22 @@ def prove_structure(motion: Motion) -> Certificate:
     """As `Motion.prove`, of a structure."""
     begin = time.perf_counter()
     record = record_of(motion)
+    mirror = mirror_of(motion, record)
     times = motion.phases / motion.load.frequency
     states = np.column_stack([times, motion.states.reshape(len(times), -1)])
+    if mirror is not None:
+        states = states[: len(states) // 2]
     box: dict[str, Any] = {}
     reason = NO_MOTION
     for bits, size in ATTEMPTS:
         with flint().ctx.workprec(bits):
-            found, why = attempt(System(record, motion.cycles), states, size)
+            found, why = attempt(System(record, motion.cycles, mirror), states, size)
         if found or not box:
             box, reason = found, why
         if box and None not in (box["admissible"], box["stable"]):
             break
     return Certificate(
-        "motion", " ".join(map(str, record["impacts"])), motion.cycles, False, record, [{}],
+        "motion", " ".join(map(str, record["impacts"])), motion.cycles, mirror is not None, record, [{}],
         [box] if box else [], [{"reason": reason}] if reason else [],
         time.perf_counter() - begin,
     )  # fmt: skip
