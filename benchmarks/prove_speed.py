@@ -43,6 +43,38 @@ def motion_row(motion):
     )  # fmt: skip
 
 
+def structure_rows(pair):
+    """Those of structures: one mass before a wall, the pair of a motion, and a branch of the first."""
+    wall = vi.Structure([[1]], [[0.1]], [[1]], [vi.Gap([1], 1.0, 0.8)])
+    first = vi.exact(wall, vi.Load(1.0, cosine=[1.0]), ([0.076], [0], 1))
+    point = pair.osc.at(pair.r, pair.clearance)
+    guess = pair.phases, pair.gaps.tolist(), pair.cycles
+    found = []
+    for name, motion in (
+        ("one mass before a wall", first), ("the pair", vi.exact(point.structure, point.load, guess)),
+    ):  # fmt: skip
+        given = motion.phases, motion.gaps.tolist(), motion.cycles
+        call = lambda motion=motion, given=given: vi.exact(motion.structure, motion.load, given)  # noqa: E731
+        (ours, peer), (proof, _) = spent(motion.prove, call)
+        work = f"proof of a structure's motion, {name}"
+        found.append(
+            row(
+                work,
+                "ms",
+                ours * 1e3,
+                None,
+                peer * 1e3,
+                "exact, without proof",
+                encloses(proof, motion),
+            )
+        )
+    call = lambda: vi.branch(first, "frequency", bounds=(0.9, 1.1))  # noqa: E731
+    (ours, peer), (proof, _) = spent(call().prove, call, rounds=3)
+    work = "proof of a structure's branch, frequency from 0.9 to 1.1"
+    found.append(row(work, "s", ours, None, peer, "branch, without proof", proof.proven))
+    return found
+
+
 def rows():
     """All rows."""
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
@@ -60,6 +92,7 @@ def rows():
             proof.exists is True and gaps <= {"stability"},
         )
     )  # fmt: skip
+    found += structure_rows(motion)
     (ours, peer), (proof, motions) = spent(
         lambda: vi.prove_all(osc, 1.04, 25.0),
         lambda: vi.find(osc, 1.04, 25.0, max_impacts=3, max_cycles=1),
