@@ -305,7 +305,7 @@ def check_statements(data):
     need(all(one in (True, False, None) for one in verdicts), "verdicts are true, false or null")
     reasons = [item["reason"] for item in data["undecided"]]
     need(all(reasons) and (reasons or None not in verdicts), "reasons of what is not decided")
-    if kind == "motion" and not data["boxes"]:
+    if kind in ("motion", "box") and not data["boxes"]:
         need(reasons, "a reason where nothing is proven")
         return
     if "mass" in data["system"]:

@@ -274,6 +274,11 @@ def test_box_is_not_proven():
     assert none.boxes == []
     assert not none.proven
     assert "was found at the middle" in none.undecided[0]["reason"]
+    # it states nothing but the reason
+    data = json.loads(none.to_json())
+    checker.check(data)
+    with pytest.raises(checker.RejectedError, match="a reason where nothing is proven"):
+        checker.check({**data, "undecided": []})
     with pytest.raises(
         vi.ParameterError, match=r"clearance = \(26, 24\): must be \(lowest, highest\)"
     ):
