@@ -69,7 +69,7 @@ def test_threads_of_an_atlas(threads):
     ("basins --r 1.04 --clearance 9", "--plane: must be given, or a namelist file instead of the options"),
     ("basins --r 1.04 --clearance 9 --states 9 --plane x 0 1 2 y 0 1 2",
      "--plane x 0 1 2 y 0 1 2: must be left out if --states is given: it is for a plane"),
-    ("basins --r 1.04 --clearance 9 --states 9 --plot", "--plot png: must go with --plane"),
+    ("basins --r 1.04 --clearance 9 --states 9 --plot", "--plot png: must be used with --plane"),
     ("lyapunov --r 1 1.05 3 --clearance 9 12 5", "--r, --clearance: one of them must be a number"),
     ("response --r 1.05 1 3 --clearance 9",
      "--r 1.05 1 3: must be a number with 1e-6 <= HIGH <= 1e6, and LOW below HIGH; LOW is 1.05"),
@@ -81,9 +81,10 @@ def test_threads_of_an_atlas(threads):
      "high"),
     ("bifurcation --r 1 --parameter clearance --values 9 9 3",
      "--values 9 9 3: must be a number in the range of the parameter"),
-    ("branch --r .9 --clearance 9 --sides RRL --parameter r --bounds .8 1", "--sides RRL: must go with --phases"),
+    ("branch --r .9 --clearance 9 --sides RRL --parameter r --bounds .8 1",
+     "--sides RRL: must be used with --phases"),
     ("branch --restitution .7 .6 --r .9 --clearance 9 --parameter r --bounds .8 1",
-     "--restitution 0.7 0.6: must be the same for both walls, or go with --sides and --phases-over-pi"),
+     "--restitution 0.7 0.6: must be the same for both walls, or be used with --sides and --phases-over-pi"),
 ])  # fmt: skip
 def test_options_that_do_not_go_together(words, output, tmp_path, monkeypatch, capsys):
     """Incompatible options are refused by name, before anything is computed."""

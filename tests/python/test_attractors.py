@@ -13,7 +13,7 @@ from shared_systems import FIGURE6, TABLE
     [
         (lambda: vi.lyapunov(FIGURE6, 1.04, 10.0, cycles=10), "cycles"),
         (lambda: vi.lyapunov(FIGURE6, 1.04, -1.0), "clearance"),
-        (lambda: vi.lyapunov(FIGURE6, [1.0, 1.1], [1.0, 2.0, 3.0]), "one shape"),
+        (lambda: vi.lyapunov(FIGURE6, [1.0, 1.1], [1.0, 2.0, 3.0]), "the same shape"),
         (lambda: vi.lyapunov(FIGURE6, 1.04, 10.0, state={"y": 0}), "state"),
         (lambda: vi.bifurcation_diagram(FIGURE6, "D", [1, 2], r=1.0), "parameter"),
         (lambda: vi.bifurcation_diagram(FIGURE6, "r", [1, 1.1]), "clearance"),
@@ -25,7 +25,7 @@ from shared_systems import FIGURE6, TABLE
         (lambda: vi.spaced(2, 1, 5), "low below high"),
         (lambda: vi.spaced(0, 1, 5, "geometric"), "positive"),
         (lambda: vi.spaced(0, 1, 1), "n = 1"),
-        (lambda: vi.basins(FIGURE6, 1.04, 10.0), "must be one of them, the other left out"),
+        (lambda: vi.basins(FIGURE6, 1.04, 10.0), "exactly one must be given"),
         (lambda: vi.basins(FIGURE6, 1.04, 10.0, (("z", 0, 1, 5), ("x", 0, 1, 5))), "two of 'x'"),
         (
             lambda: vi.basins(FIGURE6, 1.04, 10.0, (("x", 1, 0, 5), ("y", 0, 1, 5))),
@@ -40,7 +40,7 @@ from shared_systems import FIGURE6, TABLE
         (lambda: vi.basins(FIGURE6, 1.04, 10.0, states=9, rng=2**31), "rng"),
         (
             lambda: vi.basins(FIGURE6, 1.04, 10.0, states=9, fixed={"x": 1}),
-            "fixed .* goes with plane",
+            "fixed .* used only with plane",
         ),
         (
             lambda: vi.basins(

@@ -304,7 +304,7 @@ def test_walls_that_give_have_no_restitution():
         1.04, 25, stops=((10.0, 0.0), (10.0, 0.0))
     )
     with pytest.raises(
-        vi.ParameterError, match="parameter = 'R1': must not be that of compliant walls"
+        vi.ParameterError, match="parameter = 'R1': must not be a parameter of compliant walls"
     ):
         vi.bifurcation_diagram(point, "R1", [0.7, 0.8])
     found = vi.response(point, r=[1.02, 1.04], settling=50, sweep="up")

@@ -300,7 +300,7 @@ def test_a_list_of_states_has_a_namelist_too(plane, tmp_path):
     np.testing.assert_array_equal(result.labels, plane.labels.ravel())
     assert result.axes is None
     for name in ("uncertain", "uncertainty_exponent"):
-        with pytest.raises(vi.errors.ParameterError, match=f"must be one for {name}"):
+        with pytest.raises(vi.errors.ParameterError, match=f"must be given for {name}"):
             getattr(result, name)
 
 

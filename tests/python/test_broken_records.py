@@ -137,12 +137,12 @@ def change_owner(value):
 @pytest.mark.parametrize(("change", "output"), [
     (change_owner(5), "pieces.owners: must be rows of families, in order, from 0"),
     (change_owner(-1), "pieces.owners: must be rows of families, in order, from 0"),
-    (lambda tables: tables["pieces"].update(parent="pieces"), "must be one of the tables, and none that"),
-    (lambda tables: tables["pieces"].update(parent="nowhere"), "must be one of the tables, and none that"),
+    (lambda tables: tables["pieces"].update(parent="pieces"), "must be another table, and not one that"),
+    (lambda tables: tables["pieces"].update(parent="nowhere"), "must be another table, and not one that"),
     (lambda tables: tables["open_seeds"].update(columns={}), "open_seeds.columns: must have at least one"),
-    (lambda tables: tables.pop("vertices"), "tables.vertices: must be there; it is missing"),
+    (lambda tables: tables.pop("vertices"), "tables.vertices: must be present; it is missing"),
     (lambda tables: tables["vertices"]["dims"].update(vertex=1e9), "must be a whole number with 0 <="),
-    (lambda tables: tables["vertices"]["columns"].pop("r"), "vertices.r: must be there; it is missing"),
+    (lambda tables: tables["vertices"]["columns"].pop("r"), "vertices.r: must be present; it is missing"),
 ])  # fmt: skip
 def test_tables_that_do_not_fit(change, output, results, tmp_path):
     data = json.loads(results[3].to_json())

@@ -269,7 +269,7 @@ def test_another_campaign_is_refused(tmp_path):
         vi.campaign(other, tmp_path / "store")
     plan = tmp_path / "store" / "campaign.json"
     plan.write_text(json.dumps(json.loads(plan.read_text()) | {"core": "another"}))
-    with pytest.raises(vi.ParameterError, match="another build of vibroimpact"):
+    with pytest.raises(vi.ParameterError, match="a different build of vibroimpact"):
         vi.campaign(small_sweep(), tmp_path / "store")
     plan.write_text("{")
     with pytest.raises(vi.ParameterError, match="is damaged"):

@@ -67,7 +67,7 @@ def test_samples_beyond_the_range_of_a_sensor_are_named():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (clip, r"acceleration is clipped at -?40: \d+ samples"),
+        (clip, r"acceleration is clipped at -?40 in \d+ samples"),
         (lose, r"acceleration\[700\] = nan: .*3 of 30720 samples are missing"),
         (swap, "wrong order"),
         (in_g, r"must agree; .* factor of 9\.[78].*is it g for m/s\^2\?"),
@@ -220,7 +220,7 @@ def test_other_records_have_a_status(clearance, contact, status):
     ("call", "message"),
     [
         ({"known": {"Q": 1.0}}, "known: name = 'Q': must be"),
-        ({"known": {"m": 0.11}}, "known m = 0.11: must come with M"),
+        ({"known": {"m": 0.11}}, "known m = 0.11: must be given with M"),
         ({"known": {"M": -1.0}}, "known M = -1.0: must be"),
         ({"known": {"M": 2.7, "K": 42e3, "omega": 3.0}}, "known M, K, omega: must satisfy"),
         ({"frequency": 0.0}, "frequency = 0.0: must be"),

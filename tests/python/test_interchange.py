@@ -99,7 +99,7 @@ BROKEN = [
     ("zone", ["tables", "vertices", "columns", "r"], "north", "vertices.r = north: must be numbers"),
     ("zone", ["tables", "rings", "owners"], None, "rings.owners = None: must be numbers of shape"),
     ("zone", ["tables", "pieces", "columns", "nothing"], [1], "pieces.nothing: must be one of loop, piece"),
-    ("zone", ["tables", "pieces", "parent"], "nothing", "pieces.parent = 'nothing': must be one of the tables"),
+    ("zone", ["tables", "pieces", "parent"], "nothing", "pieces.parent = 'nothing': must be another table"),
     ("zone", ["tables"], [], r"tables = '\[\]': must be an object"),
     ("zone", ["case"], 3, "case = 3: must be of type str"),
     ("atlas", ["tables", "families", "columns", "lines"], [[1]], "families.lines = .*: must be numbers"),
@@ -157,7 +157,7 @@ def test_missing_columns_are_named(name, results):
                 assert {key, f"{table}.{key}"} & spare
                 assert same(type(results[name]).from_dict(less), results[name])
             else:
-                assert re.match(rf"{table}\.({key}: must be there|columns: must have)", error)
+                assert re.match(rf"{table}\.({key}: must be present|columns: must have)", error)
 
 
 def refusal(kind, data):

@@ -450,9 +450,9 @@ def test_guesses_of_an_oscillator_with_a_law():
 
 
 @pytest.mark.parametrize(("call", "message"), [
-    (lambda point: vi.exact(OSC, 0.94, 37.0, of_wall()), "guess = .*: must be that of an oscillator"),
-    (lambda point: vi.exact(WALL, vi.Load(1, cosine=[1]), vi.exact(point, GUESS)), "must be that of a structure"),
-    (lambda point: vi.standard_motion(of_wall()), "motion = .*: must be one of an oscillator"),
+    (lambda point: vi.exact(OSC, 0.94, 37.0, of_wall()), "guess = .*: must be for an oscillator"),
+    (lambda point: vi.exact(WALL, vi.Load(1, cosine=[1]), vi.exact(point, GUESS)), "must be for a structure"),
+    (lambda point: vi.standard_motion(of_wall()), "motion = .*: must be a motion of an oscillator"),
     (lambda point: vi.simulate(point, 3).gradient(["r"]), "parameters = .*: must be left out for an oscillator"),
     (lambda point: vi.exact(point, GUESS).plot(window=(0, 1)), "window = .*: must be left out"),
 ])  # fmt: skip

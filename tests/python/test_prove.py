@@ -1108,7 +1108,7 @@ def test_structures_that_are_refused():
         (vi.Structure([[1]], [[0.1]], [[1]], [vi.Gap([1], 1.0, law)]), r"R\(v\)"),
     ):
         motion = vi.exact(structure, load, vi.simulate(structure, load, cycles=400))
-        with pytest.raises(vi.ParameterError, match=f"must be without {name}, which proofs"):
+        with pytest.raises(vi.ParameterError, match=f"must not have {name}, which proofs"):
             motion.prove()
 
 

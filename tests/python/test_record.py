@@ -273,7 +273,7 @@ def test_base_motion_of_one_mass_in_closed_form():
     (lambda: vi.simulate(frame(), vi.Record(0.1, [[1] * 4] * 2), cycles=2), "give duration without"),
     (lambda: vi.base_record(base(), 0.1), "given: []"),
     (lambda: vi.base_record(base(), 0.1, [1, 2], velocity=[1, 2]), "must be acceleration alone, or"),
-    (lambda: vi.base_record(base(), 0.1, displacement=[1, 2, 3], velocity=[1, 2]), "must be as many"),
+    (lambda: vi.base_record(base(), 0.1, displacement=[1, 2, 3], velocity=[1, 2]), "must have the same number"),
     (lambda: vi.base_motion(base(), 1.0, sine=math.inf), "sine: must be amplitudes of y"),
     (lambda: vi.base_motion(base(), -1.0, sine=1), "frequency = -1.0"),
     (lambda: vi.base_motion(base(), 1.0, sine=1, direction=[1]), "direction of shape (1,): must be 3 numbers"),

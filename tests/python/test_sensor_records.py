@@ -164,7 +164,7 @@ def rows_of(times):
     ("text", "options", "message"),
     [
         ("load,force\n" + "1,2\n" * 20, {},
-         "channel 'force': is a second load; there must be one, or give `channels`"),
+         "channel 'force': is a second load; must be the only one, or give `channels`"),
         ("load,a\n" + "1,2\n" * 20, {"scale": [1.0]},
          "scale = [1.0]: must be 2 numbers, one for each channel"),
         ("load,a\n" + "1,2\n" * 20, {"units": ["N"]},
@@ -191,9 +191,9 @@ def test_faults_of_tables_are_named(text, options, message, tmp_path):
         ([3], "path: signal 0 must be a SEP005 dict with name, data, unit_str, and fs or time"),
         ({"fs": 1000}, "channels 'acceleration' and 'load': rates are 500 and 1000 Hz; must be the same of all "
          "channels"),
-        ({"time": [0, 1]}, "channel 'load' of 20 samples: must have as many as times, 2"),
-        ({"time": np.arange(20) / 500}, "channels 'acceleration' and 'load': must both have times, or a rate, or "
-         "none of them"),
+        ({"time": [0, 1]}, "channel 'load' of 20 samples: must have as many samples as times, 2"),
+        ({"time": np.arange(20) / 500}, "channels 'acceleration' and 'load': must both have times, "
+         "both have a rate, or have neither"),
         ({"fs": 500, "time": np.arange(20) / 501}, "channel 'load': its rate is 500 Hz and that of its times 501 "
          "Hz; must be the same"),
         ({"fs": 500, "start_timestamp": "yesterday"}, "start_timestamp of 'load' = 'yesterday': must be a date "
@@ -329,13 +329,16 @@ def test_a_rate_does_not_override_times(tmp_path):
     path.write_text(rows_of(np.arange(40) / 1000))
     assert vi.read_record(path, rate=1000).rate == pytest.approx(1000)
     with pytest.raises(
-        vi.ParameterError, match=r"rate = 500: must be left out, or be that of the record, 1000 Hz"
+        vi.ParameterError,
+        match=r"rate = 500: must be left out, or equal the rate of the record, 1000 Hz",
     ):
         vi.read_record(path, rate=500)
     with pytest.raises(vi.ParameterError, match=r"rate = 500: must be left out, or .* 1000 Hz"):
         vi.read_record({"name": "load", "data": RECORD.load, "fs": 1000}, rate=500)
     path.write_text("time,load,t\n" + "".join(f"{i},1,{2 * i}\n" for i in range(40)))
-    with pytest.raises(vi.ParameterError, match="channel 't': is a second time; there must be one"):
+    with pytest.raises(
+        vi.ParameterError, match="channel 't': is a second time; must be the only one"
+    ):
         vi.read_record(path)
     assert vi.read_record(path, channels=["time", "load", "none"]).rate == 1
 
@@ -347,7 +350,8 @@ def test_times_of_a_matlab_file_count(tmp_path):
     path = tmp_path / "a.mat"
     savemat(path, {"t": np.arange(100) / 50, "load": RECORD.load})
     with pytest.raises(
-        vi.ParameterError, match="channel 'load' of 200 samples: must have as many as times, 100"
+        vi.ParameterError,
+        match="channel 'load' of 200 samples: must have as many samples as times, 100",
     ):
         vi.read_record(path)
     savemat(path, {"t": np.arange(200) / 50, "load": RECORD.load, "fs": 51.0})
@@ -373,7 +377,7 @@ def test_what_is_known_of_sensors_is_by_channel():
         ({"bandwidth": {"load": -1}}, "bandwidth of load = -1: must be"),
         ({"bandwidth": {"velocity": 10}}, "bandwidth: channel = 'velocity': must be"),
         ({"delay": np.nan}, "delay = nan: must be a finite number of seconds"),
-        ({"noise": [1, 2, 3]}, r"noise = \[1, 2, 3\]: must be one number, or 2, one a channel"),
+        ({"noise": [1, 2, 3]}, r"noise = \[1, 2, 3\]: must be one number, or 2, one per channel"),
     ],
 )
 def test_faults_of_sensors_are_named(options, message):
@@ -395,7 +399,9 @@ def test_what_is_not_read_is_named(tmp_path):
     """A channel of no known quantity is left out with a warning, and without one where it is given as none."""
     path = tmp_path / "bench.csv"
     path.write_text("load,acc,tacho\n" + "1,2,3\n" * 20)
-    with pytest.warns(UserWarning, match=r"bench\.csv: not read: 'tacho'; neither name nor unit"):
+    with pytest.warns(
+        UserWarning, match=r"bench\.csv: not read: 'tacho'; neither the name nor the unit"
+    ):
         assert list(vi.read_record(path, rate=100).channels) == ["load", "acceleration"]
     found = vi.read_record(path, rate=100, channels=["load", "acceleration", "none"])
     assert list(found.channels) == ["load", "acceleration"]

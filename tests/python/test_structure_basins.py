@@ -177,7 +177,7 @@ def test_picture(found):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"plane": None}, "plane = None, states = None: must be one of them"),
+        ({"plane": None}, "plane = None, states = None: exactly one must be given"),
         ({"states": 3}, "plane = "),
         ({"plane": (("q_2", 0, 1, 3), ("q_0", 0, 1, 3))}, "plane: name = 'q_2', 'q_0': must be two of"),
         ({"plane": (("q_0", 0, 1, 3), ("q_0", 0, 1, 3))}, "plane: name = "),

@@ -607,7 +607,7 @@ def test_a_mean_force_that_nothing_balances(full):
 
 
 def test_impacts_at_once_on_one_gap_are_refused():
-    with pytest.raises(ParameterError, match=r"phases.*0 and 1 are at once on gap 1"):
+    with pytest.raises(ParameterError, match=r"phases.*0 and 1 are simultaneous on gap 1"):
         vi.periodic(damper(), vi.Load(0.94, sine=[1, 0]), [1.6, 1.6], [1, 1])
 
 

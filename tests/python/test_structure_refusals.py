@@ -96,7 +96,7 @@ def test_help_describes_both_systems(name):
 
 
 @pytest.mark.parametrize(("words", "message"), [
-    ({}, "cycles = None, duration = None: must be one of them"),
+    ({}, "cycles = None, duration = None: exactly one must be given"),
     ({"duration": -1}, "duration = -1.0: must be a number with 0 <= duration"),
     ({"duration": math.nan}, "duration = nan"),
     ({"cycles": 3}, "give duration without"),

@@ -809,7 +809,7 @@ def test_what_has_no_units_takes_numbers():
     with pytest.raises(ParameterError, match=r"^M = None: must be the primary mass for units"):
         vi.simulate(plain, "19.5 Hz", 28.0, cycles=1)
     with pytest.raises(
-        ParameterError, match=r"^frequency = 19\.5: must have a unit, as '19\.5 Hz'"
+        ParameterError, match=r"^frequency = 19\.5: must have a unit, such as '19\.5 Hz'"
     ):
         TEXTS.units().frequency_ratio(19.5)
     # a frequency does not need the load
@@ -817,5 +817,5 @@ def test_what_has_no_units_takes_numbers():
     assert unloaded.at("19.5 Hz", 28.0).r == pytest.approx(AT[0], rel=1e-14)
     with pytest.raises(ParameterError, match=r"^F0 = None: must be the load amplitude for units"):
         unloaded.at("19.5 Hz", "4 mm")
-    with pytest.raises(ParameterError, match=r"^C = 1\.0, xi = 0\.1: must be one of them"):
+    with pytest.raises(ParameterError, match=r"^C = 1\.0, xi = 0\.1: exactly one must be given"):
         vi.Oscillator.from_dimensional(M=1.0, K=1.0, C=1.0, xi=0.1, m=0.1, restitution=0.5)

@@ -75,7 +75,7 @@ def read_variables(path: Path) -> dict[str, Any]:
             try:
                 begin = zlib.decompressobj().decompress(body, 8)
                 if len(begin) < 8:
-                    raise ParameterError("a compressed part is damaged: it is cut")
+                    raise ParameterError("a compressed part is damaged: it is truncated")
                 declared = 8 + struct.unpack(f"{order}II", begin)[1]
                 inflated += declared
                 check_size(inflated, TEXT, "what it holds, by the sizes of its compressed parts,")
@@ -97,7 +97,7 @@ def inflate(packed: memoryview, size: int) -> bytearray:
                 f"a compressed part is damaged: it declares {size} bytes and has more"
             )
     if not stream.eof:
-        raise ParameterError("a compressed part is damaged: it is cut")
+        raise ParameterError("a compressed part is damaged: it is truncated")
     return found
 
 
@@ -161,7 +161,7 @@ def matrix_of(kind: int, body: memoryview, order: str, depth: int = 0) -> tuple[
         if int(flags[0]) & COMPLEX:
             imaginary = numbers_of(*part("imaginary part", *NUMBERS_OF), order)
             if real.shape != imaginary.shape:
-                raise ParameterError("a part is damaged: an imaginary part has another size")
+                raise ParameterError("a part is damaged: an imaginary part has a different size")
             values = real + 1j * imaginary.astype(np.float64)
         if values.size != count:
             raise ParameterError(f"a matrix declares {count} entries and has {values.size}")

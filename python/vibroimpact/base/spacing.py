@@ -94,7 +94,7 @@ def range_values(values: Any, name: str, points: Any, label: str = "points") -> 
     array = checks.real_array(values, name, wanted)
     if array.shape != (2,) or not np.isfinite(array).all() or array[0] == array[1]:
         shown = f"= {values!r}" if array.size < 5 else f"of shape {array.shape}"
-        raise ParameterError(f"{name} {shown}: must be {wanted}; an array goes without {label}")
+        raise ParameterError(f"{name} {shown}: must be {wanted}; an array is given without {label}")
     first, last = array.tolist()
     return spaced(first, last, n) if first < last else spaced(last, first, n)[::-1]
 

@@ -97,7 +97,7 @@ def compute(
     counters = new_counters() if counters is None else counters
     if digest and core_digest() != digest:
         raise ParameterError(
-            "a worker has another build of the core than this process; install the same vibroimpact on both"
+            "a worker has a different build of the core from this process; install the same vibroimpact on both"
         )
 
     def found() -> Iterator[Result | str]:

@@ -277,8 +277,8 @@ def _trouble() -> Iterator[None]:
         yield
     except (CancelledError, CommClosedError, OSError, RuntimeError) as error:
         raise ClusterError(
-            f"the scheduler of the cluster is gone ({type(error).__name__}); the finished chunks are kept: run "
-            "the campaign again"
+            f"the connection to the scheduler of the cluster was lost ({type(error).__name__}); "
+            "the finished chunks are kept: run the campaign again"
         ) from error
 
 
@@ -334,7 +334,8 @@ class Cluster:
                 raise error
         except Exception as error:
             raise ClusterError(
-                f"a worker failed: {type(error).__name__}: {error}; its vibroimpact must be that of this process"
+                f"a worker failed: {type(error).__name__}: {error}; it must have the same build of "
+                "vibroimpact as this process"
             ) from error
         return chunk
 

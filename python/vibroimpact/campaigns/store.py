@@ -118,7 +118,7 @@ class Store:
         for key, value in plan.items():
             if key in ("core", "vibroimpact") and held.get(key) != value:
                 raise ParameterError(
-                    f"store = {str(self.folder)!r}: was computed by another build of vibroimpact "
+                    f"store = {str(self.folder)!r}: was computed by a different build of vibroimpact "
                     f"({held.get('vibroimpact')}); must be another folder: results of two builds are not mixed"
                 )
             if held.get(key) != value:

@@ -201,7 +201,7 @@ def name_file(options: argparse.Namespace) -> None:
     if form is not None:
         if asked not in (None, form):
             raise ParameterError(
-                f"-o {path}: is the name of a {form} file; must go with --format {form}, or without it"
+                f"-o {path}: is the name of a {form} file; must be used with --format {form}, or without --format"
             )
         options.folder, options.format, options.stem = str(path.parent), form, path.stem
     elif folder == "-" or re.fullmatch(r"\.[A-Za-z][A-Za-z0-9]{0,4}", path.suffix):

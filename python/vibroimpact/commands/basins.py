@@ -36,6 +36,6 @@ def run(options: argparse.Namespace) -> int:
     """Find, print, write and draw them."""
     if options.plot and options.states is not None:
         raise ParameterError(
-            f"--plot {options.plot}: must go with --plane; random states have no picture"
+            f"--plot {options.plot}: must be used with --plane; random states have no picture"
         )
     return run_cases(options)

@@ -39,14 +39,14 @@ def request(options: argparse.Namespace) -> Request:
     guessed = options.phases_over_pi is not None or options.phases is not None
     if options.sides is not None and not guessed:
         raise ParameterError(
-            f"--sides {options.sides}: must go with --phases-over-pi, the approximate phases of its impacts; "
-            "without both the equispaced motions RL are followed"
+            f"--sides {options.sides}: must be used with --phases-over-pi, the approximate phases of its "
+            "impacts; without both, the equispaced motions RL are followed"
         )
     walls: list[float] = options.restitution or []
     if not (guessed or options.files) and len(walls) == 2 and walls[0] != walls[1]:
         raise ParameterError(
-            f"--restitution {walls[0]:g} {walls[1]:g}: must be the same for both walls, or go with --sides and "
-            "--phases-over-pi; without them the equispaced motions are followed"
+            f"--restitution {walls[0]:g} {walls[1]:g}: must be the same for both walls, or be used with "
+            "--sides and --phases-over-pi; without them, the equispaced motions are followed"
         )
     start = {"kind": "exact" if guessed else "equispaced"}
     return request_of(options, "branch", known(), motion=start)

@@ -200,7 +200,7 @@ class Design(Noun, study="design", example=EXAMPLE):
         problem, order = self._asked or asked_by(self.osc, self.keys)
         if not isinstance(problem.host, OscillatorHost):
             raise ParameterError(
-                f"target = {order.target!r} of the design: must be one of an Oscillator under a load"
+                f"target = {order.target!r} of the design: must be a target for an Oscillator under a load"
             )
         values = {name: np.full(3, value) for name, value in self.values.items()}
         for name, item in problem.tolerance.items():

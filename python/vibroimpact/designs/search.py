@@ -141,8 +141,8 @@ def levels_of(problem: Problem, target: _Array, excess: _Array) -> tuple[_Array,
 def search(problem: Problem, order: Order, progress: door.Progress | None) -> Archive:
     """The candidates that were judged by all units; the best is the one of the least level.
 
-    Independent global searches follow each other until the best levels of three of them agree: searches that have
-    missed the best region hardly end at one level.
+    Independent global searches are run one after another until the best levels of three of them agree: searches
+    that have missed the best region hardly end at one level.
 
     Parameters
     ----------

@@ -42,7 +42,8 @@ def state_of(start: Any) -> State:
     if isinstance(result, Oscillator):
         if not all(isinstance(value, float) for value in result.restitution):
             raise ParameterError(
-                f"restitution = {result.restitution!r}: must be numbers; the explorer has no laws of restitution"
+                f"restitution = {result.restitution!r}: must be numbers; the explorer does not support "
+                "laws of restitution"
             )
         return of_system(result, units)
     if isinstance(result, Design):
@@ -58,7 +59,8 @@ def state_of(start: Any) -> State:
                 "restitution"
             )
         raise ParameterError(
-            "load of the identification: must be a sine, not with harmonics; the explorer has no such loads"
+            "load of the identification: must be a sine without harmonics; the explorer does not support "
+            "other loads"
         )
     motion = result.motion if isinstance(result, Identification) else result
     if not isinstance(motion, Motion) or motion.of_structure:
@@ -116,13 +118,13 @@ def of_design(design: Design, units: Units | None) -> State:
     """
     if design.target == "damping":
         raise ParameterError(
-            "target = 'damping' of the design: must be one over a band of r; free vibration has none"
+            "target = 'damping' of the design: must be a target over a band of r; free vibration has no band"
         )
     spread = design.spread
     (r0, r1), (low, _, high) = design.ends, spread["clearance"]
     if not 0 < low:
         raise ParameterError(
-            f"tolerance of the clearance: must leave d K/F0 > 0, it reaches {low:.6g}"
+            f"tolerance of the clearance: must keep d K/F0 > 0; it reaches {low:.6g}"
         )
     sizes = (0.5 * (r0 + r1), 0.5 * (low + high), 0.5 * (r1 - r0), 0.5 * (high - low))
     box = Box(*(float(f"{size:.10g}") for size in sizes))

@@ -53,7 +53,7 @@ def interface(address: str) -> str:
         number = None
     if number is None or number.is_unspecified or number.is_multicast:
         raise ParameterError(
-            f"--address {address!r}: must be localhost or one address of this machine, as 127.0.0.1, ::1 or "
+            f"--address {address!r}: must be localhost or one address of this machine, such as 127.0.0.1, ::1 or "
             "192.168.1.5; requests under other names are rejected, so it cannot be all addresses"
         )
     return str(number)

@@ -321,7 +321,7 @@ def _value(name: str, text: str) -> Any:
         words = text.split(",")
         if len(words) != len(names):
             raise ParameterError(
-                f"{name} = {shown(text)}: must be {len(names)} numbers with commas between"
+                f"{name} = {shown(text)}: must be {len(names)} numbers separated by commas"
             )
         if kind:
             return kind.read(dict(zip(names, words, strict=True)))
@@ -340,7 +340,7 @@ def _units(text: str) -> Units | None:
     if len(words) not in (3, 4, 6):
         raise ParameterError(
             f"units = {shown(text)}: must be M, K and F0 and their units of length, force and time, "
-            "as 2.7 42000 6 m N s"
+            "such as 2.7 42000 6 m N s"
         )
     M, K, F0 = (_finite(word, name) for word, name in zip(words, ("M", "K", "F0"), strict=False))
     return Units(M, K, F0, " ".join(words[3:]) or "SI")
@@ -349,7 +349,9 @@ def _units(text: str) -> Units | None:
 def _pattern(word: str) -> Pattern:
     sides, slash, cycles = word.partition("/")
     if slash and not (cycles.isdecimal() and len(cycles) <= MOST_DIGITS):
-        raise ParameterError(f"patterns = {shown(word)}: must be SIDES or SIDES/CYCLES, as RL/2")
+        raise ParameterError(
+            f"patterns = {shown(word)}: must be SIDES or SIDES/CYCLES, such as RL/2"
+        )
     if len(sides) > 2 * MOST_SYMBOLS:
         raise ParameterError(f"patterns = {shown(word)}: must have at most {MOST_SYMBOLS} symbols")
     return Pattern(sides, int(cycles) if slash else 1)

@@ -125,7 +125,7 @@ def from_dict(kind: Any, data: Any) -> Any:
     check_parents(tables)
     if not all(isinstance(note, list) and len(note) == 2 for note in data["notes"]):
         raise ParameterError(
-            f"notes = {data['notes']!r}: must be pairs of a truth value, True for a fault, and a text"
+            f"notes = {data['notes']!r}: must be pairs of a boolean, True for a fault, and a text"
         )
     notes = tuple((bool(note[0]), str(note[1])) for note in data["notes"])
     result = Result(
@@ -142,7 +142,8 @@ def from_dict(kind: Any, data: Any) -> Any:
         raise
     except Exception as error:
         raise ParameterError(
-            f"tables: must be those of a {kind.__name__}, and fit together; {type(error).__name__}: {error}"
+            f"tables: must be those of a {kind.__name__} and be consistent with each other; "
+            f"{type(error).__name__}: {error}"
         ) from None
     return noun
 
@@ -192,7 +193,7 @@ def check_parents(tables: dict[str, Table]) -> None:
                 above = tables[above].parent
         if table.parent not in tables or above:
             raise ParameterError(
-                f"{name}.parent = {table.parent!r}: must be one of the tables, and none that belongs to it"
+                f"{name}.parent = {table.parent!r}: must be another table, and not one that belongs to this table"
             )
         owners = np.zeros(0) if table.owners is None else table.owners
         rows = math.prod(tables[table.parent].dims.values())
@@ -205,7 +206,7 @@ def check_parents(tables: dict[str, Table]) -> None:
 def check_rows(result: Result, columns: Iterable[dict[str, Any]]) -> None:
     """An error unless every cell of the rows of the CSV has a value."""
     if result.row not in result.tables:
-        raise ParameterError(f"tables.{result.row}: must be there; it is missing")
+        raise ParameterError(f"tables.{result.row}: must be present; it is missing")
     places = places_of(result, result.row)
     for item in columns:
         name = item["table"]

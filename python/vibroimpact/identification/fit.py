@@ -207,7 +207,7 @@ def fit(
         except SingularError as error:
             raise SingularError(f"{nothing}: {error}; {HINT}") from None
         if abs(guesses[i].angles - data.angles).max() > 2 * math.pi * NEAR:
-            raise SingularError(f"{nothing}: Newton's method converges to another one; {HINT}")
+            raise SingularError(f"{nothing}: Newton's method converges to a different one; {HINT}")
     x, f, J, converged = levenberg(residuals, x, scales, WEAK, accept, low, high)
     if not converged and not rough:
         raise SingularError(

@@ -680,7 +680,8 @@ class Flights:
                 break
             if i == 0 and best.misfit > HOPELESS and other():
                 raise SingularError(
-                    f"flights that repeat leave {best.misfit:.3g} times the scatter from period to period"
+                    f"repeating flights leave residuals of {best.misfit:.3g} times the scatter from period to "
+                    "period"
                 )
         assert best is not None
         return self.curved(best)

@@ -63,11 +63,11 @@ def known_values(known: Mapping[str, float]) -> tuple[dict[str, float], dict[str
             continue
         if not set(needs) <= values.keys():
             raise ParameterError(
-                f"known {name} = {values[name]!r}: must come with {' and '.join(needs)}"
+                f"known {name} = {values[name]!r}: must be given with {' and '.join(needs)}"
             )
         if ratio in values:
             raise ParameterError(
-                f"known {name} and {ratio}: must be one of them, which gives the other"
+                f"known {name} and {ratio}: must not both be given, since one determines the other"
             )
         values[ratio] = (
             values["m"] / values["M"]

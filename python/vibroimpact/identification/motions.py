@@ -138,7 +138,9 @@ class System:
             if small < SETTLED:
                 largest = max(abs(jumps).max() / max(p[2], 1e-3), 1e-300)
                 if not speeds.min() > TOUCHING * largest:
-                    raise SingularError("the walls are not approached at the impacts of the motion")
+                    raise SingularError(
+                        "the free mass does not approach the walls at the impacts of the motion"
+                    )
                 slopes = np.asarray(change[:, 1:].reshape(2, N, p.size), dtype=np.float64)
                 return Impacting(angles, jumps, speeds, R, slopes)
         raise SingularError("Newton's method found no motion with these impacts")

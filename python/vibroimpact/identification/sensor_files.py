@@ -192,7 +192,7 @@ def assembled(
             own = seconds(channel.values, unit)
             if times is not None and not np.array_equal(own, times):
                 raise ParameterError(
-                    f"channel {channel.name!r}: is a second time; there must be one, or give `channels`"
+                    f"channel {channel.name!r}: is a second time; must be the only one, or give `channels`"
                 )
             times = own
         if label is None:
@@ -201,7 +201,7 @@ def assembled(
             continue
         if label in arrays:
             raise ParameterError(
-                f"channel {channel.name!r}: is a second {label}; there must be one, or give `channels`"
+                f"channel {channel.name!r}: is a second {label}; must be the only one, or give `channels`"
             )
         assert label is not None
         factor = 1.0 if factors is None else factors[i]
@@ -216,8 +216,8 @@ def assembled(
         )
     if left:
         warnings.warn(
-            f"{name and name + ': '}not read: {', '.join(map(repr, left))}; neither name nor unit is that of "
-            "a load or a motion: give `channels`, or 'none'",
+            f"{name and name + ': '}not read: {', '.join(map(repr, left))}; neither the name nor the unit "
+            "indicates a load or a motion: give `channels`, with 'none' for channels to be ignored",
             stacklevel=3,
         )
     clocks = [clock_of(channel, times, content.rate) for channel in arrays.values()]
@@ -226,7 +226,7 @@ def assembled(
         rate = own_rate
     elif own_rate is not None and not abs(positive(rate, "rate") - own_rate) <= REGULAR * own_rate:
         raise ParameterError(
-            f"rate = {rate!r}: must be left out, or be that of the record, {own_rate:g} Hz"
+            f"rate = {rate!r}: must be left out, or equal the rate of the record, {own_rate:g} Hz"
         )
     else:
         rate = rate if own_rate is None else own_rate
@@ -253,7 +253,7 @@ def of_channels(value: Any, name: str, count: int, places: Mapping[str, int]) ->
     if each.shape == (1,):
         return float(each[0])
     if each.shape != (count,):
-        raise ParameterError(f"{name} = {value!r}: must be one number, or {count}, one a channel")
+        raise ParameterError(f"{name} = {value!r}: must be one number, or {count}, one per channel")
     return {label: float(each[i]) for label, i in places.items() if each[i] != 0}
 
 
@@ -265,7 +265,8 @@ def clock_of(channel: Channel, times: _Array | None, rate: float | None) -> Cloc
         return Clock(None, rate)
     if times.size != channel.values.size:
         raise ParameterError(
-            f"channel {channel.name!r} of {channel.values.size} samples: must have as many as times, {times.size}"
+            f"channel {channel.name!r} of {channel.values.size} samples: must have as many samples as "
+            f"times, {times.size}"
         )
     own, start = rate_of(times)
     if rate is not None and not abs(rate - own) <= REGULAR * own:
@@ -293,7 +294,7 @@ def joined(
         if (other.rate is None) != (clock.rate is None) or (other.start is None) != (
             clock.start is None
         ):
-            raise ParameterError(f"{pair}: must both have times, or a rate, or none of them")
+            raise ParameterError(f"{pair}: must both have times, both have a rate, or have neither")
         if clock.rate is None or other.rate is None:
             continue
         if not abs(other.rate / clock.rate - 1) * longest <= SHIFT:

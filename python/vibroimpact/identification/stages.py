@@ -266,7 +266,7 @@ def identified_by(
                     if step.data.k > step.most_cycles:
                         raise SingularError("too few periods")
                     if hopeless(step):
-                        raise SingularError("flights of half this period explain nothing")
+                        raise SingularError("flights of half this period do not explain the record")
                 if attempt == "exactly" and not (
                     step.data.calibration and step.data.F0 is not None
                 ):

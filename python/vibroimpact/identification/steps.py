@@ -168,7 +168,7 @@ def of_record(
         )
     if Omega / (2 * math.pi) > rate / 20:
         raise ParameterError(
-            f"{where}rate = {rate:g}: must be at least 20 samples a load cycle of {Omega / (2 * math.pi):.6g} Hz"
+            f"{where}rate = {rate:g}: must be at least 20 samples per load cycle of {Omega / (2 * math.pi):.6g} Hz"
         )
     if force is not None:
         step.load = tones(force, rate, Omega, LOAD_TONES)
@@ -326,8 +326,8 @@ def flown(
     if free.misfit > HOPELESS:
         raise SingularError(
             f"flights between {free.data.angles.size} impacts in {data.k} load cycles, after which up to "
-            f"{MOST_MODES} modes ring, leave {free.misfit:.3g} times the scatter from period to period: they do "
-            f"not explain the record; the bandwidth or the sampling rate may be too small; {HINT}"
+            f"{MOST_MODES} modes ring, leave residuals of {free.misfit:.3g} times the scatter from period to "
+            f"period: they do not explain the record; the bandwidth or the sampling rate may be too small; {HINT}"
         )
     if not free.data.angles.size:
         step.rhythm, step.data = no_rhythm("no impacts"), None
@@ -459,7 +459,7 @@ def usable(values: _Array, name: str, most: float | None = None) -> None:
         long = [run.size for run in runs if run.size >= 3]
         if len(long) >= 3 or (long and max(long) >= 8):
             raise ParameterError(
-                f"{name} is clipped at {end:.6g}: {int(sum(long))} samples stay there; must be within the "
+                f"{name} is clipped at {end:.6g} in {int(sum(long))} samples; must be within the "
                 "range of "
                 "its sensor"
             )

@@ -225,8 +225,8 @@ class VirtualRig:
         r, clearance = self.r, self.clearance
         if abs(motion.r / r - 1) > 1e-9 or abs(motion.clearance / clearance - 1) > 1e-9:
             raise ParameterError(
-                f"motion at r = {motion.r!r}, d K/F0 = {motion.clearance!r}: must be one of this rig, r = {r!r}, "
-                f"d K/F0 = {clearance!r}"
+                f"motion at r = {motion.r!r}, d K/F0 = {motion.clearance!r}: must be a motion of this rig, "
+                f"r = {r!r}, d K/F0 = {clearance!r}"
             )
         length = self.F0 / self.K
         q = np.array([motion.X[0], motion.Z[0]]) * length

@@ -115,7 +115,9 @@ def simulate_bundle(
         (m,) = np.broadcast_shapes(*(a.shape for a in columns.values()), start.shape[1:], (1,))
     except ValueError:
         shapes = ", ".join(f"{name} {array.shape}" for name, array in columns.items())
-        raise ParameterError(f"{shapes}, states {start.shape}: must have one length M") from None
+        raise ParameterError(
+            f"{shapes}, states {start.shape}: must have the same length M"
+        ) from None
     if not m:
         raise ParameterError("r, clearance, load, states: must have at least one of each, not 0")
     for name, array in columns.items():

@@ -58,7 +58,7 @@ def exact_structure(
     """As `exact`, of a structure."""
     if isinstance(guess, (Motion, Trajectory)) and not guess.of_structure:
         raise ParameterError(
-            f"guess = {guess!r}: must be that of a structure, since the system is one"
+            f"guess = {guess!r}: must be for a structure, since the system is a structure"
         )
     if isinstance(guess, (Motion, Trajectory)) and (
         load is None or (isinstance(load, Load) and not load.frequency)
@@ -281,7 +281,7 @@ def exact(
     each = given = None
     if isinstance(guess, (Motion, Trajectory)) and guess.of_structure:
         raise ParameterTypeError(
-            f"guess = {guess!r}: must be that of an oscillator, since the system is one"
+            f"guess = {guess!r}: must be for an oscillator, since the system is an oscillator"
         )
     if isinstance(guess, Motion):
         pattern = guess.pattern

@@ -70,7 +70,7 @@ def _check(motion: Any) -> None:
     """Checks that a value is a motion of an oscillator."""
     checks.instance(motion, "motion", Motion)
     if motion.of_structure:
-        raise ParameterTypeError(f"motion = {motion!r}: must be one of an oscillator")
+        raise ParameterTypeError(f"motion = {motion!r}: must be a motion of an oscillator")
 
 
 def _images(motion: Motion) -> Iterator[Motion]:

@@ -124,7 +124,7 @@ def gap_pattern(
     if same.size:
         raise ParameterError(
             f"phases = {phases.tolist()!r}: must differ for impacts on the same gap, but {same[0]} and "
-            f"{same[0] + 1} are at once on gap {numbers[same[0]]}"
+            f"{same[0] + 1} are simultaneous on gap {numbers[same[0]]}"
         )
     if np.abs(phases).max() > MOST_PHASE:
         raise ParameterError(f"phases = {phases.tolist()!r}: must be at most 1e6 in magnitude")

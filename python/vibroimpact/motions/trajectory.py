@@ -844,7 +844,7 @@ def simulate_structure(
         duration = max(0.0, load.duration - sum(begin))
     if (cycles is None) == (duration is None):
         raise ParameterError(
-            f"cycles = {cycles!r}, duration = {duration!r}: must be one of them, not both"
+            f"cycles = {cycles!r}, duration = {duration!r}: exactly one must be given"
         )
     wanted = "a number >= 0"
     discard = checks.to_float(discard, "discard", wanted)

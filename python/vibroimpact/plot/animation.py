@@ -78,7 +78,7 @@ def animate(
         times = h.first + (h.last - h.first) * np.arange(n) / n if n else np.empty(0)
         height = 3.6
     if not 2 <= n <= MOST:
-        raise ParameterError(f"{named} {n} pictures at {RATE} a second; must be 2 to {MOST}")
+        raise ParameterError(f"{named} {n} pictures at {RATE} per second; must be 2 to {MOST}")
 
     def scene(axes: Any) -> Any:
         """The artists on two axes."""

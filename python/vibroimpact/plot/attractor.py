@@ -165,7 +165,7 @@ def draw_basins(basins: Basins, ax: Any = None, units: Units | None = None) -> A
 
     if basins.axes is None:
         raise ParameterError(
-            "plane = None: must be one for a picture; these states are random or a list"
+            "plane = None: must be given for a picture; these states are random or a list"
         )
     scales, size = style.Scales(units), (style.ONE_COLUMN + 1.2, 3.4)
     if basins.of_structure:

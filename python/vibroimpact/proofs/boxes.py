@@ -89,7 +89,7 @@ class Family:
         """
         if motion.of_structure:
             raise ParameterError(
-                f"motion = {motion!r}: must be one of an Oscillator; a Structure is not supported"
+                f"motion = {motion!r}: must be a motion of an Oscillator; a Structure is not supported"
             )
         sides = motion.pattern.sides
         if motion.pattern.has_rest:

@@ -57,7 +57,7 @@ def check_structure(of: Any, structure: Any, rests: int) -> None:
         if refused:
             what = type(of).__name__.lower()
             raise ParameterError(
-                f"{what} = {of!r}: must be without {name}, which proofs do not support"
+                f"{what} = {of!r}: must not have {name}, which proofs do not support"
             )
 
 

@@ -86,8 +86,8 @@ def family_of(zone: Zone) -> Family:
         or zone.symmetric is not True or zone.osc.restitution[0] != zone.osc.restitution[1]
     ):  # fmt: skip
         raise ParameterError(
-            f"zone = {zone!r}: must be one of an Oscillator with symmetric = True and the pattern RL with an odd "
-            "number of cycles"
+            f"zone = {zone!r}: must be a zone of an Oscillator with symmetric = True and the pattern RL with an "
+            "odd number of cycles"
         )
     osc = zone.osc
     values = {"xi": osc.xi, "mu": osc.mu, "r": 1.0, "clearance": 1.0, "load": 1.0}

@@ -200,12 +200,12 @@ def series_of(
         found, numbers = entries_of(*pair)
         if found.shape != places.shape or (found != places).any():
             raise ParameterError(
-                "the parameter returns a structure with another number of coordinates, gaps or harmonics, of the "
-                f"load or of a wall, at {p!r}"
+                "the parameter returns a structure with a different number of coordinates, gaps or harmonics "
+                f"(of the load or of a wall) at {p!r}"
             )
         if laws_of(pair[0]) != laws_of(structure):
             raise ParameterError(
-                f"the parameter returns another law of restitution at {p!r}: it may "
+                f"the parameter returns a different law of restitution at {p!r}: it may "
                 "change only R and R0"
             )
         return numbers

@@ -253,7 +253,7 @@ def _laws_of(result: Result) -> list[Restitution | dict[str, Any]]:
     speeds, values = (result.column("law_points", name).values for name in ("speed", "restitution"))
     owners = result.tables["law_points"].owners
     if owners is None:
-        raise ParameterError("law_points.owners: must be there; they are missing")
+        raise ParameterError("law_points.owners: must be present; they are missing")
     return [
         dict(zip(STOP_NUMBERS, numbers[i].tolist(), strict=True), release=RELEASES[kind]) if kind in RELEASES
         else dict(zip(FRICTION_NUMBERS, numbers[i].tolist(), strict=True)) if kind == "friction"

@@ -153,7 +153,7 @@ class Found(dict[str, Any]):
         self.place = place
 
     def __missing__(self, name: str) -> Any:
-        raise ParameterError(f"{self.place}.{name}: must be there; it is missing")
+        raise ParameterError(f"{self.place}.{name}: must be present; it is missing")
 
     def __reduce__(self) -> Any:
         return Found, (dict(self), self.place)
@@ -213,7 +213,7 @@ class Result:
         try:
             return self.tables[table].columns[name]
         except KeyError:
-            raise ParameterError(f"{table}.{name}: must be there; it is missing") from None
+            raise ParameterError(f"{table}.{name}: must be present; it is missing") from None
 
     def columns(self) -> Iterator[tuple[Table, Column]]:
         """All columns with their tables, in the order of their declaration."""

@@ -255,7 +255,7 @@ class Basins(Noun, study="basins", formerly="StructureBasins"):
             )
         if "first" not in self._result.tables:
             raise ParameterError(
-                f"plane = None: must be one for {name}; these states are random or a list"
+                f"plane = None: must be given for {name}; these states are random or a list"
             )
         if not self.complete:
             raise ParameterError(
@@ -462,7 +462,9 @@ def basins(
     r = checks.frequency_ratio(r, osc.xi)
     check_choice(plane, states)
     if plane is None and fixed is not None:
-        raise ParameterError(f"fixed = {fixed!r}: must be left out: it goes with plane")
+        raise ParameterError(
+            f"fixed = {fixed!r}: must be left out, since it is used only with plane"
+        )
     keys: dict[str, Any] = {
         "clearance": clearance, "cycles": cycles, "probes": probes, "max_cycles": max_cycles, "load": load,
         "max_events": max_events,
@@ -486,9 +488,7 @@ def basins(
 def check_choice(plane: Any, states: Any) -> None:
     """Check that there is a plane or a number or list of states, not both."""
     if (plane is None) == (states is None):
-        raise ParameterError(
-            f"plane = {plane!r}, states = {states!r}: must be one of them, the other left out"
-        )
+        raise ParameterError(f"plane = {plane!r}, states = {states!r}: exactly one must be given")
 
 
 def _plane_keys(plane: Any, names: str, points: Any) -> dict[str, Any]:

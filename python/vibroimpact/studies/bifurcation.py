@@ -421,7 +421,7 @@ def _along_parameter(given: dict[str, Any]) -> None:
     beside = given.get("point")
     elements = {} if beside is None else {"friction": beside.friction, "stops": beside.stops}
     if walls and elements.get("stops"):
-        raise ParameterError(f"parameter = {name!r}: must not be that of compliant walls")
+        raise ParameterError(f"parameter = {name!r}: must not be a parameter of compliant walls")
     for wall in walls:
         if not isinstance(osc.restitution[wall], float):
             raise ParameterError(

@@ -166,7 +166,7 @@ def boundary_bands(
     """
     checks.instance(zone, "zone", Zone)
     if zone.of_structure:
-        raise ParameterTypeError(f"zone = {zone!r}: must be one of an Oscillator")
+        raise ParameterTypeError(f"zone = {zone!r}: must be a zone of an Oscillator")
     parameters = uncertain_parameters(uncertain, "uncertain", factors=True)
     count = checks.integer(samples, "samples", 1, 100_000)
     random = np.random.default_rng(checks.seed_of(rng))

@@ -401,9 +401,9 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
                 start, state = run._between_events()
             found = settled(structure, load, start, state, cycles=self.cycles)
         except SingularError as error:
-            raise SingularError(f"point {i}: no motion is simulated from it: {error}") from None
+            raise SingularError(f"point {i}: simulating from it gives no motion: {error}") from None
         if len(found.rests) != len(self.resting):
-            raise SingularError(f"point {i}: the motion that is simulated from it has other rests")
+            raise SingularError(f"point {i}: the motion simulated from it has different rests")
         return found
 
     def prove(self, tolerance: float = 1e-4, progress: door.Progress | None = None) -> Any:
@@ -583,7 +583,7 @@ def run_from(
     """The result of a study that starts from a motion; `names` are the caller's names of its keys."""
     if motion.self_excited and noun is not Branches:
         raise ParameterError(
-            f"motion = {motion!r}: must be one under a periodic load; only branches follow self-excited motions"
+            f"motion = {motion!r}: must be under a periodic load; only branches follow self-excited motions"
         )
     if motion.consistent is False:
         raise ParameterError(
@@ -712,7 +712,7 @@ def branch(
     checks.instance(motion, "motion", Motion)
     if motion.pattern.has_rest:
         raise ParameterError(
-            f"motion = {motion!r}: must be one without rest; as that of a structure it can be followed: "
+            f"motion = {motion!r}: must be without rest; it can be followed as a motion of a structure: "
             "exact(point.structure, point.load, simulation) with point = osc.at(r, clearance)"
         )
     if motion.load != 1.0:
@@ -722,7 +722,7 @@ def branch(
     right, left = motion.osc.restitution
     if not np.array_equal(motion.restitution, np.where(motion.pattern.signs > 0, right, left)):
         raise ParameterError(
-            f"motion.restitution = {motion.restitution.tolist()!r}: must be that of the walls"
+            f"motion.restitution = {motion.restitution.tolist()!r}: must equal the restitution of the walls"
         )
     try:
         low, high = bounds  # type: ignore[misc]

@@ -281,7 +281,7 @@ def lyapunov(
         rs, clearances = np.broadcast_arrays(rs, clearances)
     except ValueError:
         raise ParameterError(
-            f"r {rs.shape}, clearance {clearances.shape}: must have one shape"
+            f"r {rs.shape}, clearance {clearances.shape}: must have the same shape"
         ) from None
     if not rs.size or rs.ndim > 3:
         raise ParameterError(

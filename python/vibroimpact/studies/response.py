@@ -221,7 +221,7 @@ def _along_frequency(given: dict[str, Any]) -> None:
     if inverse is not None:
         if given.get("clearance") is not None:
             raise ParameterError(
-                f"clearance = {given['clearance']!r}, inverse_clearance = {inverse!r}: must be one of them"
+                f"clearance = {given['clearance']!r}, inverse_clearance = {inverse!r}: must not both be given"
             )
         given["clearance"] = 1 / positive(inverse, "inverse_clearance")
 

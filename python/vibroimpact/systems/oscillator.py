@@ -127,7 +127,7 @@ class Oscillator:
         unit_names: str | None = None,
     ) -> None:
         if (M is None) != (K is None):
-            raise ParameterError(f"M = {M!r}, K = {K!r}: must be both given, or neither")
+            raise ParameterError(f"M = {M!r}, K = {K!r}: must both be given, or neither")
         for name, value in {"F0": F0, "unit_names": unit_names}.items():
             if M is None and value is not None:
                 raise ParameterError(f"{name} = {value!r}: must be given with M and K only")
@@ -225,7 +225,7 @@ class Oscillator:
             name: plain_number(value, name, POWERS[name], names) for name, value in given.items()
         }
         if (C is None) == (xi is None):
-            raise ParameterError(f"C = {C!r}, xi = {xi!r}: must be one of them")
+            raise ParameterError(f"C = {C!r}, xi = {xi!r}: exactly one must be given")
         mass, stiffness = positive(values["M"], "M"), positive(values["K"], "K")
         ratio = values["xi"]
         if C is not None:
@@ -292,9 +292,7 @@ class Oscillator:
         if d is None:
             half = 0.5 * positive(clearance, "clearance")
         elif clearance is not None:
-            raise ParameterError(
-                f"clearance = {clearance!r}, d = {d!r}: must be one of them, not both"
-            )
+            raise ParameterError(f"clearance = {clearance!r}, d = {d!r}: exactly one must be given")
         elif self.M is None or self.K is None:
             raise ParameterError(
                 f"d = {d!r}: must be given to an oscillator that knows M and K only"
@@ -362,7 +360,7 @@ class Oscillator:
         given = [name for name, value in amplitudes.items() if value is not None]
         if len(given) != 1:
             raise ParameterError(
-                f"displacement, velocity, acceleration: must be one of them; given: {given}"
+                f"displacement, velocity, acceleration: exactly one must be given; given: {given}"
             )
         value = own_number(amplitudes[given[0]], given[0], names)
         amplitude = positive(value, given[0]) / omega ** [*amplitudes].index(given[0])

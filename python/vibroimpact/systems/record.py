@@ -282,7 +282,7 @@ def base_record(
         raise ParameterError(f"{names[0]} of {len(arrays[0])} samples: must have at least two")
     if len({len(array) for array in arrays}) != 1:
         raise ParameterError(
-            f"displacement of {len(arrays[0])} and velocity of {len(arrays[1])} samples: must be as many"
+            f"displacement of {len(arrays[0])} and velocity of {len(arrays[1])} samples: must have the same number"
         )
     matrices = (
         [-structure.mass] if names == ["acceleration"] else [structure.stiffness, structure.damping]

@@ -476,7 +476,7 @@ class Structure(ByValue):
         for name, matrix in matrices.items():
             if len(matrix) != n:
                 raise ParameterError(
-                    f"{name} of shape {matrix.shape}: must be ({n}, {n}) as mass is"
+                    f"{name} of shape {matrix.shape}: must be ({n}, {n}), the shape of mass"
                 )
             object.__setattr__(self, name, _symmetric(matrix, unit, name))
             if ((masses < 1e-40) | (masses > 1e40)).any():
@@ -488,7 +488,7 @@ class Structure(ByValue):
             for i, part in enumerate(parts):
                 if len(part.direction) != n:
                     raise ParameterError(
-                        f"{name}[{i}].direction has {len(part.direction)} numbers: must have {n}, one a "
+                        f"{name}[{i}].direction has {len(part.direction)} numbers: must have {n}, one per "
                         "coordinate"
                     )
             object.__setattr__(self, name, parts)
@@ -568,7 +568,7 @@ class Structure(ByValue):
         for label, part in given.items():
             if len(part.direction) != len(points):
                 raise ParameterError(
-                    f"{label}.direction has {len(part.direction)} numbers: must have {len(points)}, one a point"
+                    f"{label}.direction has {len(part.direction)} numbers: must have {len(points)}, one per point"
                 )
             # point by point, as the core does, so that the digits do not depend on a library
             direction = np.zeros(n)
@@ -905,13 +905,14 @@ class Load(ByValue):
             return self if self.coordinates else other
         if self.coordinates != other.coordinates:
             raise ParameterError(
-                f"load for {other.coordinates} coordinates: must be for {self.coordinates} as that to which it is "
-                "added"
+                f"load for {other.coordinates} coordinates: must be for {self.coordinates}, like the load to "
+                "which it is added"
             )
         frequencies = {load.frequency for load in (self, other) if load.frequency}
         if len(frequencies) > 1:
             raise ParameterError(
-                f"frequency = {other.frequency!r}: must be {self.frequency!r} as of the load to which it is added"
+                f"frequency = {other.frequency!r}: must be {self.frequency!r}, the frequency of the load "
+                "to which it is added"
             )
         parts: dict[str, _Array] = {"constant": self.constant + other.constant}
         most = max(len(self.sine), len(other.sine))
@@ -974,7 +975,8 @@ def check_load(
         return
     if load.coordinates != structure.coordinates:
         raise ParameterError(
-            f"load for {load.coordinates} coordinates: must be for {structure.coordinates} as the structure is"
+            f"load for {load.coordinates} coordinates: must be for {structure.coordinates}, as many as the "
+            "structure has"
         )
     if frequency and not load.frequency:
         raise ParameterError(f"load = {load!r}: must have a frequency, which gives the period")

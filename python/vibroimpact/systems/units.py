@@ -311,7 +311,7 @@ class Units:
             return positive_each(f, "f") / self.frequency
         if not has_unit(frequency):
             raise ParameterError(
-                f"frequency = {frequency!r}: must have a unit, as '19.5 Hz'; or give f=... in cycles or "
+                f"frequency = {frequency!r}: must have a unit, such as '19.5 Hz'; or give f=... in cycles or "
                 "Omega=... in radians per unit of time"
             )
         return number_of(frequency, "frequency", "omega", lambda: self)
@@ -371,7 +371,7 @@ def powers_of(unit: str) -> dict[str, int]:
     """
     if not isinstance(unit, str):
         raise ParameterTypeError(
-            f"unit = {unit!r}: must be a text as 'omega F0/K', not {type(unit).__name__}"
+            f"unit = {unit!r}: must be a text such as 'omega F0/K', not {type(unit).__name__}"
         )
     above, _, below = unit.partition("/")
     powers: dict[str, int] = {}
@@ -384,7 +384,7 @@ def powers_of(unit: str) -> dict[str, int]:
         powers and set(unit.replace("/", " ").replace("^2", "").split()) - {"1", *DIMENSIONS}
     ):
         raise ParameterError(
-            f"unit = {unit!r}: must be a product of powers of F0, K and omega, or without them"
+            f"unit = {unit!r}: must be a product of powers of F0, K and omega, or contain none of them"
         )
     return powers
 
@@ -461,7 +461,7 @@ def in_si(text: str, name: str) -> tuple[Decimal, Powers, bool]:
             continue
         if factor is None or factor[1] not in NAMED:
             raise ParameterError(
-                f"{name} = {text!r}: unknown unit {part!r}; must be made of {', '.join(NAMED)}, as 'N s/m'"
+                f"{name} = {text!r}: unknown unit {part!r}; must be made of {', '.join(NAMED)}, such as 'N s/m'"
             )
         power = sign * int(factor[2] or 1)
         size, dimensions, angle = NAMED[factor[1]]
