@@ -27,7 +27,7 @@ module vi_structure_start
    use vi_structure_resting_family, only: structure_resting_type
    use vi_structure_rests, only: course_type, first, follow_period, monodromy, release, &
       rests_type, single, switch, symbols_to_state
-   use vi_structure_path, only: change_type, is_odd, keeps_mirror, mirror_of, structure_path_type
+   use vi_structure_path, only: change_type, is_odd, mirror_of, structure_path_type
    use vi_structure_symmetry, only: even_and_odd, find_symmetry
    use vi_structure_motion, only: new_equations, relative, residuals
    use vi_structure_period, only: describe_structure_motion, structure_motion_type
@@ -284,7 +284,7 @@ contains
          m = size(s%kinds)/2
          n = size(unknowns) - size(s%kinds)
          if (m == 0 .or. modulo(size(s%kinds), 2) /= 0 .or. modulo(s%cycles, 2) == 0) return
-         if (.not. keeps_mirror(s%path)) return
+         if (.not. is_odd(s%path, friction=.true.)) return
          apart = unknowns(n + m + 1:) - unknowns(n + 1:n + m) - pi*s%cycles
          if (any(abs(apart) > same) .or. any(s%kinds(:m) /= s%kinds(m + 1:))) return
          if (any(s%gaps(m + 1:) /= [(mirror_of(s%path%structure, s%gaps(i)), i=1, m)])) return

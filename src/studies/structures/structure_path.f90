@@ -10,7 +10,7 @@ module vi_structure_path
    implicit none (type, external)
    private
 
-   public :: changed, changed_whole, is_odd, keeps_mirror, mirror_of, moves_alike, new_change, &
+   public :: changed, changed_whole, is_odd, mirror_of, moves_alike, new_change, &
       new_function, opposite_gap, rates_of, reduce, same_law, set_entry, value_at
 
    !> Kinds of entries: matrices, direction, opening and restitution of a gap, parts of the load,
@@ -703,14 +703,19 @@ contains
    !> Whether the mirror image -q(t + T/2) of every motion q(t) is a motion too, with odd numbers of
    !! load cycles in T: gaps come in opposite pairs with the same opening and law, whose walls move
    !! half a load cycle apart, and the load has odd harmonics alone.
-   pure logical function is_odd(path) result(odd)
+   pure logical function is_odd(path, friction) result(odd)
       !> The path; it is examined at two places.
       type(structure_path_type), intent(in) :: path
+      !> Whether friction without a belt counts as its own image; false by default.
+      logical, intent(in), optional :: friction
       type(structure_type) :: structure
       type(load_type) :: load
       real(wp), parameter :: shares(2) = [0.23_wp, 0.81_wp]
       integer :: h, i, k
+      logical :: own
 
+      own = .false.
+      if (present(friction)) own = friction
       odd = .true.
       do k = 1, size(shares)
          call changed(path, spread(shares(k), 1, size(path%changes)), structure, load)
@@ -718,33 +723,17 @@ contains
          do h = 2, size(load%sine, 2), 2
             odd = odd .and. .not. any(abs(load%sine(:, h)) + abs(load%cosine(:, h)) > 0)
          end do
-         odd = odd .and. all([(opposite_gap(structure, i) > 0, i=1, size(structure%openings))])
+         do i = 1, size(structure%openings)
+            if (own) then
+               odd = odd .and. mirror_of(structure, i) > 0
+            else
+               odd = odd .and. opposite_gap(structure, i) > 0
+            end if
+         end do
       end do
    end function is_odd
 
-   !> The same with stops and friction; friction without a belt is its own image.
-   pure logical function keeps_mirror(path) result(keeps)
-      !> The path; it is examined at two places.
-      type(structure_path_type), intent(in) :: path
-      type(structure_type) :: structure
-      type(load_type) :: load
-      real(wp), parameter :: shares(2) = [0.23_wp, 0.81_wp]
-      integer :: h, i, k
-
-      keeps = .true.
-      do k = 1, size(shares)
-         call changed(path, spread(shares(k), 1, size(path%changes)), structure, load)
-         keeps = keeps .and. .not. any(abs(load%constant) > 0)
-         do h = 2, size(load%sine, 2), 2
-            keeps = keeps .and. .not. any(abs(load%sine(:, h)) + abs(load%cosine(:, h)) > 0)
-         end do
-         do i = 1, size(structure%openings)
-            keeps = keeps .and. mirror_of(structure, i) > 0
-         end do
-      end do
-   end function keeps_mirror
-
-   !> The image of a gap, a stop or friction, as of `keeps_mirror`; 0 if there is none.
+   !> The image of a gap, a stop or friction, as of `is_odd`; 0 if there is none.
    pure integer function mirror_of(structure, i) result(image)
       !> The structure.
       type(structure_type), intent(in) :: structure
