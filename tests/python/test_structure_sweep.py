@@ -189,7 +189,14 @@ def test_pictures(diagram):
         ({"parameter": "weight"}, "parameter = 'weight': must be 'frequency'"),
         ({"parameter": "opening_3"}, "parameter = 'opening_3': must be"),
         ({"parameter": 3}, "parameter = 3: must be a name"),
-        ({"parameter": "restitution", "values": [0.5, 1.5]}, "values[-1] = 1.5: must be"),
+        (
+            {"parameter": "restitution", "values": [1.5, 0.5]},
+            "max(values) = 1.5: must be a finite number; a coefficient",
+        ),
+        (
+            {"parameter": "frequency", "values": [-1.0, 1.0]},
+            "min(values) = -1.0: must be a finite number; a frequency must be above 0",
+        ),
         ({"values": [1.0]}, "values of shape (1,): must be at least two different"),
         ({"values": [1.0, 1.0]}, "values of shape (2,): must be"),
         ({"values": [1.0, np.nan]}, "values of shape (2,): must be"),

@@ -107,7 +107,7 @@ def range_axes(r: Any, clearance: Any, points: Any) -> tuple[Any, Any]:
     return range_values(r, "r", n, first), range_values(clearance, "clearance", m, second)
 
 
-def rising(values: Any) -> Any:
+def ascending(values: Any) -> Any:
     """Numbers that fall throughout in ascending order, for an axis of a map; others as they are."""
     array = np.asarray(values)
     falls = array.ndim == 1 and array.size > 1 and array.dtype.kind in "fiu"

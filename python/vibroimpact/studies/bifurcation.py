@@ -33,8 +33,10 @@ NAMES = ("r", "clearance", "xi", "mu", "R1", "R2", "restitution")
 SWEEPS = ("up", "down", "both", "states")
 #: Columns of an impact.
 COLUMNS = ("phase", "x", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after")
-#: What the core calls the ends of the values of a structure.
-ENDS = {"low": "values[0]", "high": "values[-1]", "list": "values"}
+#: What the core calls the ends of the values of a structure. They are sorted here, so their order is never wrong.
+ENDS = {
+    ", and low below high": "", "low": "min(values)", "high": "max(values)", "list": "values",
+}  # fmt: skip
 
 
 class PeriodicWindow(NamedTuple):
@@ -329,7 +331,7 @@ class BifurcationDiagram(
         return f"<BifurcationDiagram over {self.parameter} = {span}: {found}{cut}>"
 
 
-def rising(values: ArrayLike, name: str = "values", points: int | None = None) -> _Array:
+def distinct(values: ArrayLike, name: str = "values", points: int | None = None) -> _Array:
     """Different values in ascending order, of an array or, with `points`, of a range."""
     values = range_values(values, name, points)
     wanted = "at least two different numbers"
@@ -361,7 +363,7 @@ def bifurcation_structure(
     progress: Callable[[float, str], None] | None = None,
 ) -> BifurcationDiagram:
     """As `bifurcation_diagram`, of a structure."""
-    array = rising(values, points=points)
+    array = distinct(values, points=points)
     low, high = float(array[0]), float(array[-1])
     at = None
     if callable(parameter):
@@ -400,7 +402,7 @@ def _along_parameter(given: dict[str, Any]) -> None:
             del given["start"]
         return
     checks.choice(name, "parameter", NAMES)
-    values = given["values"] = rising(given.get("values", ()), points=given.pop("points", None))
+    values = given["values"] = distinct(given.get("values", ()), points=given.pop("points", None))
     if name in ("r", "clearance"):
         if given.get(name) is not None:
             raise ParameterError(

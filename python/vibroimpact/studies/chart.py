@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..base import checks
 from ..base.errors import StudyInterrupted
 from ..base.libraries import xarray
-from ..base.spacing import range_axes, rising
+from ..base.spacing import ascending, range_axes
 from ..base.status import status_text
 from ..motions.motion import Motion
 from ..results import door
@@ -386,7 +386,7 @@ def chart(
     (('motion', 'y', 'x'), 59)
     """
     xarray("charts")
-    r, clearance = map(rising, range_axes(r, clearance, points))
+    r, clearance = map(ascending, range_axes(r, clearance, points))
     options = {"slots": slots, "guesses": guesses, "seeds": seeds}
     try:
         found = compute_chart(
@@ -414,6 +414,7 @@ def compute_chart(
     }  # fmt: skip
     names = {"r_points": "r", "clearance_points": "clearance", "r_min": "r[0]", "r_max": "r[-1]"}
     names |= {"clearance_min": "clearance[0]", "clearance_max": "clearance[-1]"}
+    names["increasing numbers"] = "increasing or decreasing numbers"  # `chart` reverses the latter
     return door.run(
         Chart, osc, keys, threads=threads, progress=progress, parameters={**names, **WORDS}
     )

@@ -16,7 +16,7 @@ from ..systems.oscillator import Oscillator, Point
 from ..systems.structure import Load, Structure
 from ..systems.units import positive, range_text
 from ..systems.verbs import every_system, physical_arguments
-from .bifurcation import ENDS, SettledMotions, cell, first_point, keys_of_values, rising
+from .bifurcation import ENDS, SettledMotions, cell, distinct, first_point, keys_of_values
 
 if TYPE_CHECKING:
     from ..systems.units import Units
@@ -204,7 +204,7 @@ def response_structure(
     progress: door.Progress | None = None,
 ) -> Response:
     """As `response`, of a structure."""
-    array = rising(values, points=points)
+    array = distinct(values, points=points)
     start = door.start_keys(structure, state, 0.0)
     keys = {
         **keys_of_values(array), "sweep": sweep, "q": start["q"], "q_dot": start["q_dot"],
@@ -215,7 +215,7 @@ def response_structure(
 
 def _along_frequency(given: dict[str, Any]) -> None:
     """Turns the arguments for an oscillator into those of its first point and of the response of a structure."""
-    values = given["values"] = rising(given.get("r", ()), "r", given.pop("points", None))
+    values = given["values"] = distinct(given.get("r", ()), "r", given.pop("points", None))
     first_point(given, float(values[0]))
     inverse = given.pop("inverse_clearance", None)
     if inverse is not None:

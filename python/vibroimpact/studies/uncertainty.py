@@ -15,7 +15,7 @@ from ..base.checks import Rng
 from ..base.errors import ParameterError, ParameterTypeError, StudyInterrupted
 from ..base.libraries import xarray
 from ..base.progress import with_progress
-from ..base.spacing import range_axes, rising
+from ..base.spacing import ascending, range_axes
 from ..results import door
 from ..results.performance import FIGURES, LEAST, Performance, perform
 from ..systems.distribution import Uncertain, interval, shares, systems, uncertain_parameters
@@ -263,7 +263,7 @@ def uncertainty(
     wanted = checks.truth(bands, "bands")
     ends = quantile_pair(quantiles)
     number = checks.seed_of(rng)
-    r, clearance = map(rising, range_axes(r, clearance, points))
+    r, clearance = map(ascending, range_axes(r, clearance, points))
     axes = axis(r, "r"), axis(clearance, "clearance")
     if wanted and min(map(len, axes)) < 2:
         raise ParameterError(
@@ -560,7 +560,7 @@ def limits_of(limit: Any, names: tuple[str, ...]) -> dict[str, float]:
 
 def axis(values: ArrayLike, name: str) -> _Array:
     """Increasing numbers, as an array that a caller cannot change."""
-    wanted = "increasing numbers, one list"
+    wanted = "increasing or decreasing numbers, one list"
     found: _Array = np.atleast_1d(checks.real_array(values, name, wanted)).copy()
     if found.ndim != 1 or found.size == 0 or not (np.diff(found) > 0).all():
         raise ParameterError(f"{name} of shape {found.shape}: must be {wanted}")
