@@ -115,6 +115,25 @@ def test_shares_are_printed(tool):
     assert f"uncertainty exponent {result.uncertainty_exponent:.3f}" in done.out.decode()
 
 
+def test_planes_of_uneven_values(tool):
+    """Values of the axes that are listed are those of the function with arrays; --plane is then refused."""
+    point = [*SYSTEM, "--r", "1.04", "--clearance", "14"]
+    values = ["--first-values", "-9", "0", "4", "--second-values", "-3", "8"]
+    assert tool("basins", *point, "--axes", "x", "x_dot", *values).status == 0
+    result = vi.basins(EQUAL, 1.04, 14.0, (("x", [-9.0, 0, 4]), ("x_dot", [-3.0, 8])))
+    table = rows(tool.cwd / "results/basins.csv")
+    assert column(table, "x").tolist() == [-9, -9, 0, 0, 4, 4]
+    assert column(table, "label").tolist() == np.ravel(result.labels).tolist()
+    plane = "--plane x -9 9 3 x_dot -9 9 3"
+    for given, fault in (
+        (values[:4], f"{plane}: must be left out if --first-values is given; use --axes NAME NAME"),
+        (["--axes", "x", "x_dot"], "--axes x x_dot: must be left out if --plane is given, which"),
+    ):
+        done = tool("basins", *point, *plane.split(), *given)
+        assert done.status == 2
+        assert fault in done.faults[0]
+
+
 def test_random_states(tool):
     """Random states are those of the function with the same seed; another seed gives others."""
     options = "--r 1.04 --clearance 14 --states 30 --seed 5"

@@ -28,12 +28,24 @@ def details(result: Any) -> list[str]:
     return [f"uncertainty exponent {result.uncertainty_exponent:.3f}"]
 
 
-PLANE = "two of x, x_dot, y (that is z - x), z_dot, t with their first and last value and how many"
-arguments, request, run_cases = command("basins", details, plane={"help": PLANE})
+NAMES = "two of x, x_dot, y (that is z - x), z_dot, t"
+PLANE = f"{NAMES} with their first and last value and how many"
+AXES = f"{NAMES}, in place of --plane, for values of --first-values and --second-values"
+arguments, request, run_cases = command(
+    "basins", details, plane={"help": PLANE}, axes={"help": AXES, "nargs": 2, "metavar": "NAME"}
+)
 
 
 def run(options: argparse.Namespace) -> int:
     """Find, print, write and draw them."""
+    if options.axes is not None and options.plane is not None:
+        raise ParameterError(
+            f"--axes {' '.join(options.axes)}: must be left out if --plane is given, which names the axes"
+        )
+    if options.first_values is not None and options.plane is not None:
+        raise ParameterError(
+            f"--plane {' '.join(options.plane)}: must be left out if --first-values is given; use --axes NAME NAME"
+        )
     if options.plot and options.states is not None:
         raise ParameterError(
             f"--plot {options.plot}: must be used with --plane; random states have no picture"

@@ -167,6 +167,10 @@ def options_of(
         name = name_of(key)
         if name != "-" and not (group == "system" and name in own):
             found.setdefault(name, Option(name, [])).keys.append((group, key))
+            if (
+                key["name"] == "axes"
+            ):  # of values that are listed, in place of the option of its ends
+                found["axes"] = Option("axes", [(group, key)])
     return found
 
 

@@ -146,17 +146,19 @@ def in_options(line: str, made: str, request: Request, options: argparse.Namespa
     """A message in terms of options, without the namelist that they were written to, which nobody knows."""
     line = re.sub(rf"^{re.escape(made)}(:\d+)?: ", "", line)
     match = re.match(r"&(\w+) (\w+)\S*(?: = (.*?))?: (.*)", line)
-    owners = {
-        (group, key["name"]): option for option in request.known for group, key in option.keys
-    }
-    option = owners.get((match[1], match[2])) if match else None
-    if match is None or option is None:
+    owners: dict[tuple[str, str], Option] = {}
+    # of two options that give a key, the one that was typed, else the first
+    for option in sorted(request.known, key=lambda option: option.typed(options) is None):
+        for group, key in option.keys:
+            owners.setdefault((group, key["name"]), option)
+    owner = owners.get((match[1], match[2])) if match else None
+    if match is None or owner is None:
         return line
-    typed = option.typed(options)
+    typed = owner.typed(options)
     value = shown(typed) if isinstance(typed, list) else match[3]
     text = re.sub("^is missing; ", f"{MISSING}; it ", match[4])
     for other in request.known:
-        text = other.in_words(text, "" if other == option else f" of --{other.name}")
+        text = other.in_words(text, "" if other == owner else f" of --{other.name}")
 
     def flag(found: re.Match[str]) -> str:
         """Another key, with its word if it has one, as an option."""
@@ -165,4 +167,4 @@ def in_options(line: str, made: str, request: Request, options: argparse.Namespa
         return f"{found[1]} --{other.name}{word}" if other else found[0]
 
     text = re.sub(r"(left out if|goes with|is for|or give) (\w+)(?: =( \S+))?", flag, text)
-    return f"--{option.name}{f' {value}' if value else ''}: {text}"
+    return f"--{owner.name}{f' {value}' if value else ''}: {text}"
