@@ -414,7 +414,8 @@ def basins(
         in each call. A state depends only on the seed and its number, so a larger set of states begins with the
         smaller one. The seed that was used is in the case of the result.
     max_events : int
-        Events (impacts, rests, releases) after which one simulation is given up: its state has the label -3.
+        Events (impacts, rests, releases; of a structure those of stops and friction too) after which one
+        simulation is given up: its state has the label -3.
     threads : int, optional
         Default: one for each processor. The result does not depend on it.
     progress : callable, optional

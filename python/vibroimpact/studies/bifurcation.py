@@ -531,8 +531,8 @@ def bifurcation_diagram(
     impacts : int
         Impacts kept of each run and value.
     max_events : int
-        Events (impacts, rests, releases) after which one simulation is given up, one at each value of a
-        run; the status says so.
+        Events (impacts, rests, releases; of a structure those of stops and friction too) after which one
+        simulation is given up, one at each value of a run; the status says so.
     threads : int, optional
         Of an oscillator; one for each processor by default. The result does not depend on it.
     progress : callable, optional

@@ -396,8 +396,8 @@ def find(
         Of a structure: seed of the random initial states, or a generator that a seed is drawn from; None: another
         seed in each call. The seed that was used is in the case of the result.
     max_events : int
-        Events (impacts, rests, releases) after which the simulation of a state is given up; of an oscillator it
-        then counts as one of `Search.unfinished`.
+        Events (impacts, rests, releases; of a structure those of stops and friction too) after which the
+        simulation of a state is given up; of an oscillator it then counts as one of `Search.unfinished`.
     threads : int, optional
         Of a structure: by default as many as there are processors. The result does not depend on it.
     progress : callable, optional

@@ -228,8 +228,8 @@ def lyapunov(
     directions : int, optional
         Of a structure: number of exponents, the greatest first; by default all, two a coordinate.
     max_events : int
-        Events (impacts, rests, releases) after which one simulation is given up, one at each point; its status
-        says so. Long averages need more than the default.
+        Events (impacts, rests, releases; of a structure those of stops and friction too) after which one
+        simulation is given up, one at each point; its status says so. Long averages need more than the default.
     points : int, optional
         Of an oscillator: number of evenly spaced values of a range.
     threads : int, optional

@@ -303,7 +303,8 @@ def response(
     points : int, optional
         Number of evenly spaced values of a range.
     max_events : int
-        Events (impacts, rests, releases) after which one simulation is given up; its status says so.
+        Events (impacts, rests, releases; of a structure those of stops and friction too) after which one
+        simulation is given up; its status says so.
     threads : int, optional
         Default: one for each processor. The result does not depend on it.
     progress : callable, optional

@@ -37,9 +37,12 @@ module vi_common_keys
    type(key_type), parameter, public :: load_key = key_type('load', low=0.0_wp, high=1.0e12_wp, &
       default='1', unit='F0', &
       meaning='load amplitude, in units of the load that defines the unit of length')
+   !> Of a structure the number is compared at the ends of load cycles wherever a simulation goes on
+   !! by whole cycles (`vi_structure_return`), so that up to a cycle more may be simulated.
    type(key_type), parameter, public :: max_events_key = key_type('max_events', a_whole, &
       default='10000000', low=1.0_wp, high=1.0e9_wp, &
-      meaning='events (impacts, rests, releases) after which one simulation is given up')
+      meaning='events (impacts, rests, releases; of a structure those of stops and friction too) &
+      &after which one simulation is given up')
    !> How long a motion settles, and how long it is then examined.
    type(key_type), parameter, public :: settling_key = key_type('settling', a_whole, &
       default='300', low=0.0_wp, high=1.0e7_wp, &
