@@ -200,49 +200,6 @@ def test_motion_of_the_base(tmp_path, direction):
         assert np.ptp(relative) > 0.4
 
 
-@pytest.mark.parametrize("direction", [None, [1.0, 0.25]])
-def test_harmonics_of_the_base(tmp_path, direction):
-    """Harmonics of a base motion are those of `base_motion`; gaps are the same in both kinds of coordinates."""
-    s, omega = structure(), 0.8
-    cosine, sine = np.array([0.1, 0.0, -0.02]), np.array([0.3, 0.05, 0.0])
-    factors = -((omega * np.arange(1, 4)) ** 2)
-    end = "" if direction is None else f", base_direction = {direction[0]}, {direction[1]}"
-    runs = {}
-    for base, factor in (("acceleration", factors), ("motion", np.ones(3))):
-        texts = [", ".join(f"{x:.17g}" for x in factor * part) for part in (cosine, sine)]
-        case, run = computed(
-            tmp_path,
-            f"frequency = {omega}, cosine = {texts[0]}, sine = {texts[1]}, base = '{base}'{end}",
-        )
-        load = vi.base_motion(
-            s, omega, sine, cosine, direction=direction, relative=base == "acceleration"
-        )
-        for name in ("sine", "cosine"):
-            np.testing.assert_allclose(getattr(case.load, name), getattr(load, name), atol=1e-15)
-        (again,) = vi.read_namelist(written(tmp_path, run))
-        assert again.load == case.load
-        runs[base] = run
-    if direction is None:
-        # in absolute coordinates the structure starts with the motion of the base at time 0
-        start = np.full(2, cosine.sum()), np.full(2, omega * (np.arange(1, 4) * sine).sum())
-        case = vi.base_motion(s, omega, sine, cosine)
-        absolute = vi.simulate(s, case, duration=30, state=start)
-        times = np.linspace(0, 30, 401)
-        moved = [s.gaps[0].direction @ run.sample(times)[0] for run in (absolute, runs["acceleration"])]
-        assert moved[0] == pytest.approx(moved[1], abs=1e-6)
-        assert np.ptp(moved[0]) > 0.1
-
-
-@pytest.mark.parametrize(("load", "message"), [
-    ("frequency = 1, base = 'motion', constant = 0, 0", "base = 'motion': .*; it goes with record"),
-    ("frequency = 1, sine = 1, base = 'motion', base_direction = 1", "2 coordinates"),
-    ("frequency = 1, sine = 1", "1 number"),
-])  # fmt: skip
-def test_wrong_harmonics_of_the_base(tmp_path, load, message):
-    with pytest.raises(vi.ParameterError, match=message):
-        computed(tmp_path, load)
-
-
 @pytest.mark.parametrize("ending", ["json", "nc", "mat"])
 @pytest.mark.parametrize("kind", ["dense", "one", "base"])
 def test_saved_results_keep_the_record(tmp_path, ending, kind):
@@ -291,6 +248,50 @@ def test_modes_need_a_direction(tmp_path):
     path.write_text(text.format(""), encoding="utf-8")
     with pytest.raises(vi.ParameterError, match="base_direction: is missing"):
         vi.read_namelist(path)
+
+
+HARMONICS = "base_cosine = 0, 0.02, base_sine = 0.1"
+
+
+@pytest.mark.parametrize("direction", [None, [1.0, 0.25]])
+def test_harmonics_of_the_base(tmp_path, direction):
+    """They are those of `base_motion`, are added to the forces of the group, and are echoed as forces."""
+    s = structure()
+    end = "" if direction is None else f", base_direction = {direction[0]}, {direction[1]}"
+    motion = {"cosine": [0, 0.02], "sine": [0.1], "direction": direction}
+    own = vi.Load(1.5, sine=np.arange(6.0).reshape(3, 2), constant=[0.5, -1])
+    forces = "frequency = 1.5, sine = 0, 1, 2, 3, 4, 5, constant = 0.5, -1"
+    for words, wanted in (
+        (f"frequency = 1.5, base = 'motion', {HARMONICS}{end}", vi.base_motion(s, 1.5, **motion)),
+        (f"{forces}, base = 'motion', {HARMONICS}{end}", own + vi.base_motion(s, 1.5, **motion)),
+    ):
+        case, run = computed(tmp_path, words)
+        for name in ("frequency", "cosine", "sine", "constant"):
+            found, right = getattr(case.load, name), getattr(wanted, name)
+            np.testing.assert_allclose(found, right, rtol=1e-14, atol=1e-16)
+        (again,) = vi.read_namelist(written(tmp_path, run))
+        assert again.load == case.load
+        assert bits(again.run()[0]) == bits(run)
+    # an acceleration y'' = -h^2 Omega^2 y gives the load in coordinates relative to the base
+    scale = -(1.5**2), -4 * 1.5**2
+    words = f"base_cosine = 0, {0.02 * scale[1]!r}, base_sine = {0.1 * scale[0]!r}"
+    case, _ = computed(tmp_path, f"frequency = 1.5, base = 'acceleration', {words}{end}")
+    relative = vi.base_motion(s, 1.5, **motion, relative=True)
+    np.testing.assert_allclose(case.load.sine, relative.sine, rtol=1e-14, atol=1e-16)
+    np.testing.assert_allclose(case.load.cosine, relative.cosine, rtol=1e-14, atol=1e-16)
+
+
+@pytest.mark.parametrize(("words", "wanted"), [
+    ("frequency = 1.5, sine = 1, 0, base_sine = 0.1", "base_sine = 0.1: .*it goes with base"),
+    ("base = 'motion', base_sine = 0.1", "frequency: is missing"),
+    ("frequency = 1.5, sine = 1, 0, base = 'motion'", "base = 'motion': .*base_cosine or base_sine"),
+    ("record = 0, 1, step = 1, base = 'motion', base_sine = 0.1", "base_sine = 0.1: .*record is given"),
+    ("frequency = 1.5, base = 'motion', base_sine = 0.1, base_direction = 1", "base_direction = 1: .*2 coord"),
+    ("frequency = 1.5, base = 'motion', base_sine = 'a'", "base_sine = 'a'"),
+])  # fmt: skip
+def test_wrong_harmonics_of_the_base(tmp_path, words, wanted):
+    with pytest.raises((vi.ParameterError, vi.ParameterTypeError), match=wanted):
+        computed(tmp_path, words)
 
 
 @pytest.mark.parametrize(("words", "wanted"), [

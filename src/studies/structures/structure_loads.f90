@@ -1,4 +1,5 @@
-!> The group &load of a structure: harmonics, constant forces, records of forces or of a base.
+!> The group &load of a structure: harmonics, constant forces, records of forces, and motions of a
+!! base by harmonics or by samples.
 module vi_structure_loads
    use vi_case, only: case_type
    use vi_key, only: a_whole, a_word, key_type
@@ -14,8 +15,8 @@ module vi_structure_loads
    public :: check_load, complete_coordinates, complete_record, load_frequency, load_of, &
       record_end, record_of
 
-   !> Largest number of harmonics times coordinates.
-   integer, parameter :: most_amplitudes = 100*most_coordinates
+   !> Largest number of harmonics, and of harmonics times coordinates.
+   integer, parameter :: most_harmonics = 100, most_amplitudes = most_harmonics*most_coordinates
    !> Largest number of numbers of a record.
    integer, parameter :: most_samples = 10**7
 
@@ -49,8 +50,15 @@ module vi_structure_loads
       meaning='forces on the coordinates for 1 in each column'), &
       key_type('base', a_word, may_miss=.true., words='acceleration motion', &
       takes='''acceleration'' (one column) or ''motion'' (two columns)', &
-      meaning='the record, or one amplitude for each harmonic, is of the acceleration of the base &
-      &(coordinates relative to it), or of its motion (coordinates absolute)'), &
+      meaning='the columns or harmonics are the acceleration of the base, and coordinates relative &
+      &to it, or its displacement (columns: and velocity), and coordinates absolute'), &
+      key_type('base_cosine', most=most_harmonics, may_miss=.true., only='base', &
+      never='record record_file', takes='one number for each harmonic', &
+      meaning='amplitudes of cos(Omega t), then of cos(2 Omega t), ... of the base; its forces &
+      &are added to cosine, sine and constant'), &
+      key_type('base_sine', most=most_harmonics, may_miss=.true., only='base', &
+      never='record record_file', takes='one number for each harmonic', &
+      meaning='amplitudes of sin(Omega t), then of sin(2 Omega t), ... of the base'), &
       key_type('base_direction', most=most_coordinates, may_miss=.true., only='base', &
       takes='one number for each coordinate', meaning='displacements of the coordinates when the &
       &base moves by 1 and nothing deforms; 1 if it is left out')]
@@ -73,22 +81,32 @@ contains
          length = size(load%numbers(trim(names(i))))
          good = modulo(length, coordinates) == 0
          if (i == 3) good = length == coordinates
-         if (i < 3 .and. load%has('base')) good = .true.
          if (.not. good) call load%refuse(trim(names(i)), 'it has '//whole(length)// &
             ' numbers for '//whole(coordinates)//' coordinates')
       end do
       if (load%has('record') .or. load%has('record_file')) return
-      if (load%has('base') .and. .not. any([(load%has(trim(names(i))), i=1, 2)])) call &
-         load%refuse('base', 'it goes with record, record_file, cosine or sine')
-      if (.not. any([(load%has(trim(names(i))), i=1, 3)])) call load%refuse('constant', &
-         'or give cosine or sine')
+      if (moves_base(load)) then
+         if (.not. load%has('frequency')) call load%refuse('frequency')
+      else if (load%has('base')) then
+         call load%forbid('base', ': it goes with record, record_file, base_cosine or base_sine')
+      else if (.not. any([(load%has(trim(names(i))), i=1, 3)])) then
+         call load%refuse('constant', 'or give cosine or sine')
+      end if
       do i = 1, size(of_record)
          call load%forbid(trim(of_record(i)), ': it goes with record or record_file')
       end do
    end subroutine check_load
 
+   !> Whether harmonics of the base are given.
+   pure logical function moves_base(load)
+      !> The group.
+      type(values_type), intent(in) :: load
+
+      moves_base = load%has('base_cosine') .or. load%has('base_sine')
+   end function moves_base
+
    !> Reads the file of a record, checks the record, and replaces the motion of a base by its
-   !! weights.
+   !! weights, or by harmonics of forces.
    subroutine complete_record(path, structure, n, load)
       !> The file of the namelist; empty if there is none.
       character(*), intent(in) :: path
@@ -102,10 +120,8 @@ contains
       integer :: columns, in_file
 
       if (len(load%fault) > 0) return
-      if (.not. (load%has('record') .or. load%has('record_file'))) then
-         if (load%has('base')) call set_base_harmonics(structure, n, load)
-         return
-      end if
+      if (moves_base(load)) call add_base(structure, n, load)
+      if (.not. (load%has('record') .or. load%has('record_file'))) return
       call count_columns(load, n, columns, of_columns)
       in_file = 0
       given = 'record'
@@ -202,7 +218,7 @@ contains
       end if
    end subroutine read_record_file
 
-   !> Replaces the record of the motion of a base by the forces for 1 in each column.
+   !> Replaces the motion of a base by the forces for 1 in each column.
    subroutine set_base(structure, n, load)
       !> &structure, complete.
       type(values_type), intent(in) :: structure
@@ -210,66 +226,76 @@ contains
       integer, intent(in) :: n
       !> In and out: &load.
       type(values_type), intent(inout) :: load
-      real(wp) :: weights(n, 2)
+      real(wp) :: forces(n, 2)
 
-      call base_forces(structure, n, load, weights)
-      call load%set('weights', [weights(:, :merge(1, 2, load%is('base', 'acceleration')))])
+      call forces_of_base(structure, n, load, forces)
+      call load%set('weights', [forces(:, :merge(1, 2, load%is('base', 'acceleration')))])
       call load%drop('base')
       call load%drop('base_direction')
    end subroutine set_base
 
-   !> Replaces the harmonics of the motion of a base, or of its acceleration, by those of the
-   !! forces: of y = c cos(h Omega t) + s sin(h Omega t) the velocity has the amplitudes
-   !! h Omega s and -h Omega c.
-   subroutine set_base_harmonics(structure, n, load)
+   !> Adds the forces of a base that moves by harmonics to those of &load: K d y + C d y' of its
+   !! displacement y, where y' has the sine amplitude -h Omega c and the cosine amplitude h Omega s,
+   !! or -M d a of its acceleration a.
+   subroutine add_base(structure, n, load)
       !> &structure, complete.
       type(values_type), intent(in) :: structure
       !> Number of coordinates.
       integer, intent(in) :: n
       !> In and out: &load.
       type(values_type), intent(inout) :: load
-      real(wp), allocatable :: cosine(:), sine(:), forces(:, :, :)
-      real(wp) :: weights(n, 2), omega
-      integer :: h, harmonics
+      real(wp) :: forces(n, 2)
+      real(wp), allocatable :: base(:, :), cosine(:, :), sine(:, :)
+      integer :: h, harmonics, own
 
       if (load%has('base_direction')) call complete_coordinates(load, 'base_direction', n)
       if (len(load%fault) > 0) return
-      harmonics = 0
-      if (load%has('cosine')) harmonics = size(load%numbers('cosine'))
-      if (load%has('sine')) harmonics = max(harmonics, size(load%numbers('sine')))
-      if (harmonics > most_amplitudes/n) then
-         call load%refuse(trim(merge('cosine', 'sine  ', load%has('cosine'))), &
-            'at most '//whole(most_amplitudes/n)//' harmonics')
-         return
-      end if
-      allocate (cosine(harmonics), sine(harmonics), source=0.0_wp)
-      if (load%has('cosine')) cosine(:size(load%numbers('cosine'))) = load%numbers('cosine')
-      if (load%has('sine')) sine(:size(load%numbers('sine'))) = load%numbers('sine')
-      call base_forces(structure, n, load, weights)
-      if (len(load%fault) > 0) return
-      allocate (forces(n, harmonics, 2))
-      do h = 1, harmonics
-         omega = h*load%number('frequency')
-         forces(:, h, 1) = cosine(h)*weights(:, 1) + omega*sine(h)*weights(:, 2)
-         forces(:, h, 2) = sine(h)*weights(:, 1) - omega*cosine(h)*weights(:, 2)
-      end do
-      call load%set('cosine', [forces(:, :, 1)])
-      call load%set('sine', [forces(:, :, 2)])
+      call forces_of_base(structure, n, load, forces)
+      own = max(amplitudes(load, 'base_cosine'), amplitudes(load, 'base_sine'))
+      harmonics = max(own, amplitudes(load, 'cosine')/n, amplitudes(load, 'sine')/n)
+      allocate (base(2, own), cosine(n, harmonics), sine(n, harmonics), source=0.0_wp)
+      if (load%has('base_cosine')) base(:1, :) = padded(load%numbers('base_cosine'), 1, own)
+      if (load%has('base_sine')) base(2:, :) = padded(load%numbers('base_sine'), 1, own)
+      if (load%has('cosine')) cosine = padded(load%numbers('cosine'), n, harmonics)
+      if (load%has('sine')) sine = padded(load%numbers('sine'), n, harmonics)
+      associate (omega => load%number('frequency'))
+         do h = 1, own
+            cosine(:, h) = cosine(:, h) + forces(:, 1)*base(1, h) &
+               + forces(:, 2)*(h*omega*base(2, h))
+            sine(:, h) = sine(:, h) + forces(:, 1)*base(2, h) &
+               - forces(:, 2)*(h*omega*base(1, h))
+         end do
+      end associate
+      call load%set('cosine', [cosine])
+      call load%set('sine', [sine])
       call load%drop('base')
+      call load%drop('base_cosine')
+      call load%drop('base_sine')
       call load%drop('base_direction')
-   end subroutine set_base_harmonics
+   end subroutine add_base
 
-   !> The forces for 1 in each quantity of a base: -M d for its acceleration, K d and C d for its
+   !> Number of amplitudes of a key, 0 if it is not given.
+   pure integer function amplitudes(load, name)
+      !> The group.
+      type(values_type), intent(in) :: load
+      !> The key.
+      character(*), intent(in) :: name
+
+      amplitudes = 0
+      if (load%has(name)) amplitudes = size(load%numbers(name))
+   end function amplitudes
+
+   !> The forces for 1 of the motion of a base: -M d and 0 for its acceleration, K d and C d for its
    !! displacement and velocity.
-   subroutine base_forces(structure, n, load, weights)
+   subroutine forces_of_base(structure, n, load, forces)
       !> &structure, complete.
       type(values_type), intent(in) :: structure
       !> Number of coordinates.
       integer, intent(in) :: n
-      !> In and out: &load, whose direction is 1 by default.
+      !> In and out: &load.
       type(values_type), intent(inout) :: load
-      !> (coordinates, 2) The forces; 0 in the second column for an acceleration.
-      real(wp), intent(out) :: weights(n, 2)
+      !> The forces.
+      real(wp), intent(out) :: forces(n, 2)
       real(wp) :: matrices(n, n, 3)
       real(wp), allocatable :: d(:)
       integer :: i
@@ -281,17 +307,17 @@ contains
       end if
       allocate (d, source=load%numbers('base_direction'))
       call matrices_of(structure, n, matrices)
-      weights = 0
+      forces = 0
       ! coordinate by coordinate, so that the digits do not depend on a library
       do i = 1, n
          if (load%is('base', 'acceleration')) then
-            weights(:, 1) = weights(:, 1) - d(i)*matrices(:, i, 1)
+            forces(:, 1) = forces(:, 1) - d(i)*matrices(:, i, 1)
          else
-            weights(:, 1) = weights(:, 1) + d(i)*matrices(:, i, 3)
-            weights(:, 2) = weights(:, 2) + d(i)*matrices(:, i, 2)
+            forces(:, 1) = forces(:, 1) + d(i)*matrices(:, i, 3)
+            forces(:, 2) = forces(:, 2) + d(i)*matrices(:, i, 2)
          end if
       end do
-   end subroutine base_forces
+   end subroutine forces_of_base
 
    !> Checks the length of a list of numbers, one for each coordinate; zeros if there is none.
    subroutine complete_coordinates(study, name, coordinates)
@@ -341,14 +367,14 @@ contains
    end subroutine load_of
 
    !> Amplitudes with zeros for further harmonics.
-   pure function padded(numbers, n, harmonics) result(amplitudes)
+   pure function padded(numbers, n, harmonics) result(array)
       !> Harmonic by harmonic.
       real(wp), intent(in) :: numbers(:)
       !> Numbers of coordinates and of harmonics.
       integer, intent(in) :: n, harmonics
-      real(wp) :: amplitudes(n, harmonics)
+      real(wp) :: array(n, harmonics)
 
-      amplitudes = reshape(numbers, [n, harmonics], pad=[0.0_wp])
+      array = reshape(numbers, [n, harmonics], pad=[0.0_wp])
    end function padded
 
    !> The record of a case: its columns, and the forces for 1 in each.
