@@ -35,6 +35,26 @@ def chain(hosts):
     return vi.Structure([1] * hosts + [0.3] * hosts, 0.01 * stiffness, stiffness, gaps)
 
 
+def test_walls_that_move():
+    """Animations show each wall of one coordinate where it is; sketches the extremes of its opening."""
+    walls = [vi.Gap([-1], 0.3, 0.7, sine=-0.02), vi.Stop([2], 0.4, 50, cosine=[0, 0.1])]
+    ball = vi.Structure(mass=[1], damping=[0], stiffness=[0], gaps=walls)
+    run = vi.simulate(ball, vi.Load(20.0, constant=[-9.81]), cycles=3)
+    _, axes = plt.subplots(2)
+    scene = _Bodies(run, run.start, run.end, axes)
+    for t in np.linspace(run.start, run.end, 5):
+        scene.show(t)
+        faces = [segment[0, 1] for segment in scene.bars.get_segments()]
+        moved = [-0.3 + 0.02 * np.sin(20 * t), (0.4 + 0.1 * np.cos(40 * t)) / 2]
+        np.testing.assert_allclose(faces, moved, atol=1e-12)
+        assert axes[0].get_ylim()[0] < min(faces) < max(faces) < axes[0].get_ylim()[1]
+    _, ax = plt.subplots()
+    draw_sketch(ax, vi.Structure([1], [0], [1], walls))
+    labels = " ".join(text.get_text() for text in ax.texts)
+    assert "0.28 to 0.32" in labels
+    assert "0.3 to 0.5" in labels
+
+
 def run_of(hosts):
     rate = np.zeros(2 * hosts)
     rate[0] = 2

@@ -17,6 +17,7 @@ from ..base import checks
 from ..base.errors import MissingExtraError, ParameterError, ParameterTypeError
 from ..base.files import replacing
 from ..base.progress import Progress
+from ..systems.structure import moves, opening_at
 from .history import KINDS, KINDS_OF_STRUCTURE, History, history, times_of
 from .sketch import bodies_of
 from .style import FREE, IMPACT, PRIMARY, REST, SETTINGS, pyplot
@@ -284,7 +285,8 @@ def _mix(first: str, second: str, share: float) -> tuple[float, ...]:
 
 
 class _Bodies:
-    """The artists of a frame of a structure: a dot at each coordinate, coloured by its last event."""
+    """The artists of a frame of a structure: a dot at each coordinate, coloured by its last event, and a bar at
+    each fixed or moving wall that stops a single coordinate."""
 
     def __init__(self, run: Any, begin: float, end: float, axes: Any) -> None:
         from matplotlib.ticker import MaxNLocator
@@ -302,7 +304,17 @@ class _Bodies:
         self.dots = ax.scatter(x, np.zeros(n), s=size, c=self.base, zorder=3)
         # not empty, so that the layout leaves room for it
         self.text = ax.text(1.0, 1.0, "$t$", transform=ax.transAxes, ha="right", va="bottom")
-        low, high = min(0.0, float(q.min())), max(0.0, float(q.max()))
+        self.frequency = getattr(run.load, "frequency", 0.0)
+        self.faced = [
+            gap for gap, where in zip(run.structure.gaps, self.directions, strict=True)
+            if len(where) == 1
+        ]  # fmt: skip
+        self.bars = ax.hlines(np.zeros(len(self.faced)), -0.3, 0.3, color=IMPACT, lw=2.4, zorder=2)
+        walls = np.array([
+            self._faces(t) for t in np.linspace(begin, end, 400)
+        ])[:, [moves(gap) for gap in self.faced]]  # fmt: skip
+        low = min(0.0, float(q.min()), float(walls.min(initial=0.0)))
+        high = max(0.0, float(q.max()), float(walls.max(initial=0.0)))
         margin = 0.08 * (high - low or 1.0)
         ax.set(
             xlim=(-0.7, n - 0.3), ylim=(low - margin, high + margin), xlabel="number of the coordinate",
@@ -313,8 +325,20 @@ class _Bodies:
         KINDS_OF_STRUCTURE["history"](below, run, begin, end)
         self.cursor = below.axvline(begin, color="0.2", lw=0.8)
 
+    def _faces(self, time: float) -> list[float]:
+        """Where the walls of single coordinates are at a time."""
+        return [
+            float(opening_at(gap, time, self.frequency) / gap.direction[gap.direction != 0][0])
+            for gap in self.faced
+        ]
+
     def show(self, time: float) -> list[Any]:
         """Move all artists to their positions at a time."""
+        places = [int(np.flatnonzero(gap.direction)[0]) for gap in self.faced]
+        self.bars.set_segments([
+            [(i - 0.3, face), (i + 0.3, face)]
+            for i, face in zip(places, self._faces(time), strict=True)
+        ])  # fmt: skip
         q = self.run.sample([time])[0][:, 0]
         x = np.arange(len(q))
         self.dots.set_offsets(np.column_stack([x, q]))
@@ -335,4 +359,4 @@ class _Bodies:
         self.dots.set_color(colours)
         self.cursor.set_xdata([time, time])
         self.text.set_text(f"$t$ = {time:.4g}   impacts: {int((past['kind'] == 'impact').sum())}")
-        return [self.dots, self.stems, self.cursor, self.text]
+        return [self.bars, self.dots, self.stems, self.cursor, self.text]

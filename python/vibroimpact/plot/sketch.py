@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..systems.record import Record
-from ..systems.structure import Friction, Gap, Load, Stop, Structure
+from ..systems.structure import Friction, Gap, Load, Stop, Structure, moves, opening_at
 from .style import FREE, IMPACT, LOAD, PRIMARY, SETTINGS, pyplot
 
 __all__ = ["bodies_of", "draw_sketch", "draw_system"]
@@ -271,7 +271,7 @@ def _draw_row(
         if len(pair) == 1:
             own, side = boxes[int(pair[0])], int(np.sign(gap.direction[pair[0]]))
             beside = (own is last and side > 0) or (own is first and side < 0 and -1 not in walls)
-            _stop(ax, own, side, _label_of(gap), beside, isinstance(gap, Stop))
+            _stop(ax, own, side, _label_of(gap), beside, isinstance(gap, Stop), moves(gap))
             reach[0] = min(reach[0], own.left - GAP * beside * (side < 0))
             reach[1] = max(reach[1], own.right + GAP * beside * (side > 0))
             if not beside:
@@ -285,7 +285,7 @@ def _draw_row(
             label = _label_of(gap)
             if shown.index(high.coordinate) == shown.index(low.coordinate) + 1:
                 crowded = bool(structure.damping[low.coordinate, high.coordinate])
-                _between(ax, low, high, facing, label, crowded, isinstance(gap, Stop))
+                _between(ax, low, high, facing, label, crowded, isinstance(gap, Stop), moves(gap))
                 reach[1] = max(reach[1], high.right + 0.8 * (not facing))
                 lift = max(lift, 0.3 * (not facing))
             else:
@@ -403,7 +403,8 @@ def _draw_boxes(ax: Any, structure: Structure, boxes: dict[int, Box]) -> None:
                 if gap.direction[j]:
                     side = int(np.sign(gap.direction[j]))
                     at = 0.5 * (middle + side * 0.45 + faces[side])
-                    words = f"{gap.opening:.3g}"
+                    words = _opening_of(gap).replace(" to ", "\nto ")
+                    _stroke(ax, faces[side], 1.7, moves(gap))
                     if isinstance(gap, Stop):
                         words += f"\n$k$ = {gap.stiffness:.3g}"
                     ax.text(at, 0.96, words, ha="center", va="center", fontsize=6)
@@ -467,9 +468,24 @@ def _wall(ax: Any, x: float, side: int, height: float) -> None:
     ax.plot([x, x], [-0.2, height + 0.2], color="k", lw=1.0)
 
 
+def _opening_of(gap: Gap | Stop) -> str:
+    """The opening, of a wall that moves its least and its greatest value."""
+    if not moves(gap):
+        return f"{gap.opening:.3g}"
+    values = opening_at(gap, np.linspace(0, 2 * np.pi, 1441), 1.0)
+    return f"{values.min():.3g} to {values.max():.3g}"
+
+
+def _stroke(ax: Any, x: float, y: float, moving: bool) -> None:
+    """An arrow to both sides at the face of a wall, if it moves."""
+    if moving:
+        look = {"arrowstyle": "<|-|>", "mutation_scale": 6, "lw": 1.0, "color": IMPACT}
+        _arrow(ax, (x - 0.28, y), (x + 0.28, y), **look)
+
+
 def _label_of(gap: Gap | Stop) -> str:
     """The opening of a gap, and the stiffness of an elastic stop."""
-    label = rf"$e$ = {gap.opening:.3g}"
+    label = rf"$e$ = {_opening_of(gap)}"
     return label + rf", $k$ = {gap.stiffness:.3g}" if isinstance(gap, Stop) else label
 
 
@@ -549,7 +565,9 @@ def _opening(ax: Any, x0: float, x1: float, y: float, label: str, below: bool = 
     )  # fmt: skip
 
 
-def _stop(ax: Any, box: Box, side: int, label: str, alone: bool, elastic: bool) -> None:
+def _stop(
+    ax: Any, box: Box, side: int, label: str, alone: bool, elastic: bool, moving: bool
+) -> None:  # fmt: skip
     """A fixed stop: a wall beside the last body, or a post on the ground below a lug of the body; an elastic one
     is a plate on a spring."""
     if alone:
@@ -557,6 +575,7 @@ def _stop(ax: Any, box: Box, side: int, label: str, alone: bool, elastic: bool) 
         wall = face + side * GAP
         x = wall - side * 0.6 * elastic
         _wall(ax, wall, side, HEIGHT)
+        _stroke(ax, wall, HEIGHT + 0.4, moving)
         ax.plot([x, x], [0.0, HEIGHT], color=IMPACT, lw=2.6, solid_capstyle="butt")
         if elastic:
             _spring(ax, min(x, wall), max(x, wall), UPPER, "")
@@ -567,6 +586,7 @@ def _stop(ax: Any, box: Box, side: int, label: str, alone: bool, elastic: bool) 
     lug = box.right - 0.2 if side > 0 else box.left + 0.2
     x = lug + side * 0.7
     ax.plot([lug, lug], [0, -0.5], color="k", lw=2.2)
+    _stroke(ax, x, -0.12 if elastic else -0.88, moving)
     ax.plot([x, x], [-0.5 if elastic else -1, -0.2], color=IMPACT, lw=2.6, solid_capstyle="butt")
     if elastic:
         turns = x + 0.1 * np.r_[0, np.tile([1, -1], 3), 0]
@@ -579,7 +599,7 @@ def _stop(ax: Any, box: Box, side: int, label: str, alone: bool, elastic: bool) 
 
 
 def _between(
-    ax: Any, low: Box, high: Box, facing: bool, label: str, crowded: bool, elastic: bool
+    ax: Any, low: Box, high: Box, facing: bool, label: str, crowded: bool, elastic: bool, moving: bool
 ) -> None:  # fmt: skip
     """A gap between two bodies: facing stops, one of them on a spring if it is elastic, or an arm of the left one
     around the right one."""
@@ -593,6 +613,7 @@ def _between(
             else:
                 ax.plot([face, end], [y, y], color="k", lw=1.6)
             ax.plot([end, end], [y - 0.18, y + 0.18], color=IMPACT, lw=2.6, solid_capstyle="butt")
+        _stroke(ax, half + 0.3, y - 0.3 if crowded else y + 0.32, moving)
         # above the gap where a dashpot is below it
         shift, va = (0.2, "bottom") if crowded else (-0.24, "top")
         ax.text(half, y + shift, label, ha="center", va=va, fontsize=6)
@@ -601,6 +622,7 @@ def _between(
     top = HEIGHT + 0.25
     ax.plot([low.middle, low.middle, x, x], [HEIGHT, top, top, y], color="k", lw=1.2)
     ax.plot([x, x], [y, HEIGHT], color=IMPACT, lw=2.6, solid_capstyle="butt")
+    _stroke(ax, x, y - 0.15, moving)
     _opening(ax, high.right, x, y + 0.3, label)
 
 
@@ -637,7 +659,8 @@ def _draw_block(ax: Any, structure: Structure) -> None:
         ax.plot([6.9, 6.9], [y - 0.22, y + 0.22], color=IMPACT, lw=2.6, solid_capstyle="butt")
         ax.plot([7.8, 7.8], [y - 0.22, y + 0.22], color=IMPACT, lw=2.6, solid_capstyle="butt")
         _opening(ax, 6.93, 7.77, y, "", below=False)
-        ax.text(8.0, y, rf"gap {k}: $e$ = {gap.opening:.3g}", ha="left", va="center", fontsize=6.5)
+        _stroke(ax, 7.8, y + 0.32, moves(gap))
+        ax.text(8.0, y, rf"gap {k}: $e$ = {_opening_of(gap)}", ha="left", va="center", fontsize=6.5)
     if len(gaps) > 4:
         ax.text(7.3, 0.0, f"and {len(gaps) - 4} more gaps", ha="center", va="center", fontsize=6.5)
     ax.set_xlim(-0.3, 10.2)

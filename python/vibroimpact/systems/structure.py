@@ -251,6 +251,11 @@ def _motion_of(part: Gap | Stop | Friction) -> dict[str, list[float]]:
     return {name: values.tolist() for name, values in parts.items() if values.any()}
 
 
+def moves(part: Gap | Stop) -> bool:
+    """Whether the wall of a gap or stop moves."""
+    return bool(part.cosine.any() or part.sine.any())
+
+
 def opening_at(part: Gap | Stop, t: Any, frequency: float) -> Any:
     """The opening at q = 0 at times, which varies where the wall moves."""
     angles = np.multiply.outer(np.asarray(t), frequency * np.arange(1, len(part.cosine) + 1))
