@@ -60,7 +60,7 @@ class Design(Noun, study="design", example=EXAMPLE):
     level : float
         The quantile of the target over the units of the search, at the worst frequency.
     excess : float
-        The same of the greatest figure over its limit: above 1 no candidate met all limits.
+        The same quantile of the largest ratio of a quantity to its limit; above 1, no candidate met all limits.
     converged : bool or None
         Whether the three best of the independent searches ended at the same level, to within 2 %; None with fewer
         than three searches, and if samples contradicted them and candidates were judged again by more units.
@@ -69,7 +69,7 @@ class Design(Noun, study="design", example=EXAMPLE):
     worst : float
         The worst target of all samples of the confirmation, and of the units of the search.
     samples, failed : int
-        Samples of the confirmation, and those whose simulation was given up; these count as bad.
+        Samples of the confirmation, and those whose simulation was abandoned; the latter count as bad.
     probability : float
         Share of the samples within the limit and all other limits; NaN without samples.
     interval : (float, float)
@@ -481,7 +481,7 @@ def design(
         free mass), ``mu``, ``xi``, ``restitution`` (the same on both walls), ``R1``, ``R2``. Of a function any
         names; a ``range`` of whole numbers is for a number of units.
     clearance : float, optional
-        If it is not free.
+        The clearance d K/F0, if it is not free.
     load : float, range, quantiles or distribution
         Load amplitude, 1 where lengths are in F0/K.
     tolerance : dict, optional
@@ -505,7 +505,8 @@ def design(
         free mass approaches without an impact; a simulation with rest is below both. A function has all but the
         last one, and under a Record no multiplier.
     over : {'worst', 'basins'}
-        Whether the worst attractor of a unit counts, or each by the share of initial states that reach it.
+        Whether the worst attractor of a unit counts, or each attractor weighted by the share of initial states
+        that reach it.
     amplitude : float or (float, float), optional
         For the damping: displacements from which free vibration starts, instead of `r`.
     cycles : int

@@ -59,7 +59,7 @@ class Boundary(NamedTuple):
 
 
 class Identification(Noun, study="identify"):
-    """The parameters of a rig that records of it determine, and the steps from the records to them.
+    """The parameters of a rig that are determined by its records, and the steps that lead to them.
 
     In SI units. With several records the attributes of one record are those of the first one; `records` has all.
 
@@ -67,14 +67,14 @@ class Identification(Noun, study="identify"):
     ----------
     status : str
         How the impacts behave: "periodic", "not periodic", "accumulation", "rest" or "no impacts". Only periodic
-        records have motions and patterns; of others the flights between impacts give parameters, as far as they
-        can.
+        records have motions and patterns; for the others, parameters are estimated from the flights between
+        impacts, as far as possible.
     values, errors : dict
         The parameters by name (M, K, omega, xi, mu, R1, R2, d, F0, F0/K), and the standard errors of those that
         were fitted; infinite where the records do not determine a parameter. Laws of restitution add theirs.
     undetermined : list of str
         Names of the parameters that the records do not determine. Their values only complete the fitted motion:
-        others fit as well.
+        other values fit equally well.
     oscillator : Oscillator or None
         The identified system, with its units if M and K are among the values. With a law its coefficients of
         restitution are those at the speed v0.
@@ -477,18 +477,18 @@ def identify(
     """Identify the parameters of a rig from records of its load and of the motion of its primary mass.
 
     The load gives frequency, phase and amplitude. The record is folded over the least number k of load cycles
-    that its scatter from period to period does not reject. An impact is what the past of this motion does not
-    predict. Between impacts the primary mass is a damped oscillator under the load: such flights, with jumps of
-    the velocity at instants that are fitted, and modes that ring after the impacts, are fitted outside of the
-    pulses, whose lengths are determined from the data. So the shape of a contact does not matter, nor a delay of
-    the sensor of the motion. Exact motions are then fitted to the same data, weighted by the scatter of the
-    samples. Where nothing repeats, each flight has its own state, and momentum and restitution where flights meet
-    give the parameters.
+    that its scatter from period to period does not reject. An impact is detected where the motion departs from
+    what its past predicts. Between impacts the primary mass is a damped oscillator under the load: such flights,
+    with jumps of the velocity at instants that are fitted, and modes that ring after the impacts, are fitted
+    outside of the pulses, whose lengths are determined from the data. Neither the shape of the contact pulse nor a
+    delay of the motion sensor therefore matters. Exact motions are then fitted to the same data, weighted by the
+    scatter of the samples. Where nothing repeats, each flight has its own state, and momentum and restitution
+    where flights meet give the parameters.
 
     Parameters
     ----------
     record : SensorRecord, path, or list of them, optional
-        One or several records of one rig, fitted at once; else the next arguments make one.
+        One or several records of one rig, fitted together; otherwise a record is made from the next arguments.
     rate : float
         Sampling rate, Hz.
     load, acceleration, velocity, displacement : array_like (n,)
@@ -510,7 +510,7 @@ def identify(
         Known values, in SI units: M, K, C, m, d (the whole travel of the free mass), F0, omega, xi, mu, R1, R2,
         and of a law exponent and knee (m/s), or exponent1, exponent2, knee1 and knee2.
     start : Oscillator, optional
-        Where the fit starts, for what the records do not give; xi = 0.01, mu = 0.05 and R = 0.7 by default.
+        Starting values of the fit for what the records do not give; xi = 0.01, mu = 0.05 and R = 0.7 by default.
     law : {"constant", "power", "powers", "knee", "knees", "table", "tables"}
         How the coefficients of restitution depend on the approach speed v; in the plural each wall has its own
         law. "power": R1 (v/v0)^-exponent and R2 (v/v0)^-exponent, a `PowerLaw` far above its knee. "knee": a

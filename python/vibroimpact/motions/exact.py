@@ -206,7 +206,7 @@ def exact(
     Without a load, or with a constant one, the motion is self-excited, as of a mass on a belt that sticks and
     slips: the unknowns are the state in the middle of the longest flight and the period. `Motion.load` then has
     the frequency 2 pi/T of the motion and no harmonics, phases are counted from the first event, and one
-    multiplier is the trivial 1 of a shift in time, which has its place in `Motion.trivial` and does not count for
+    multiplier is the trivial 1 of a shift in time; its index is `Motion.trivial`, and it does not count for
     `stable`.
 
     Parameters
@@ -219,10 +219,10 @@ def exact(
     guess : Motion, Trajectory or (phases, pattern)
         A motion at other parameters; a trajectory whose last cycles are approximately periodic; or impact
         phases, for which the linear equations of 1983 give the rest of the guess. Of the periods of up to 16 load
-        cycles with which a trajectory ends (see `Trajectory.period`) the one that repeats most accurately is used,
-        because just past a period doubling the shorter period repeats approximately, too. A structure with stops
-        or friction, or without a load, needs a motion or a trajectory; without a load the events of a trajectory
-        are simulated once more as long, and must repeat at the end.
+        cycles found at the end of a trajectory (see `Trajectory.period`), the one that repeats most accurately is
+        used, because just past a period doubling the shorter period repeats approximately, too. A structure with
+        stops or friction, or without a load, needs a motion or a trajectory; without a load the trajectory is
+        continued for its own length once more, and its events must repeat at the end.
     load : float
         As in `simulate`.
 

@@ -118,10 +118,11 @@ def _impulses(motion: Motion) -> _Array:
 class Motion(Solution, study="motion", formerly="StructureMotion"):
     """A periodic motion with impacts; its arrays are read-only.
 
-    Motions come from `periodic`, `equispaced`, `exact` and `find`. Of an oscillator lengths are in F0/K,
-    velocities in omega F0/K and times in 1/omega; of a structure all is in the units of the user. Angles are in
-    radians. An oscillator is the structure of its two masses and two gaps, `osc.at(r, clearance, load).structure`,
-    whose coordinates are x and z: gap 0 is the right wall, gap 1 the left one.
+    Motions come from `periodic`, `equispaced`, `exact` and `find`. For an oscillator, lengths are in F0/K,
+    velocities in omega F0/K and times in 1/omega; for a structure, everything is in the user's units. Angles are
+    in radians. An oscillator is the structure of its two masses and two gaps,
+    `osc.at(r, clearance, load).structure`, whose coordinates are x and z: gap 0 is the right wall, gap 1 the left
+    one.
 
     Attributes
     ----------
@@ -132,13 +133,13 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
     speeds, impulses : ndarray (N,)
         Approach speeds, and impulses (1 + R) m v.
     states : ndarray (N, 2, n)
-        Coordinates and velocities just after each impact; the velocities just before it are those plus the impulse
+        Coordinates and velocities just after each impact; the velocities just before it are these plus the impulse
         times M^-1 G.
     cycles : int
         Load cycles in a period.
     load : float or Load
-        The amplitude f of the load of an oscillator, 1 unless `exact` was given another one; the load of a
-        structure.
+        For an oscillator, the load amplitude f, 1 unless another one was passed to `exact`; for a structure, the
+        load.
     residual : float
         Relative 2-norm of the residual of equations (26), (30). With N = 2 they are a square system, and it is 0
         by definition. Of a structure the largest residual of the equations, each relative to the sum of the
@@ -146,11 +147,11 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
     multipliers : ndarray (2n,) of complex
         Eigenvalues of [P], in order of decreasing modulus; NaN where an impact has no approach speed.
     consistent : bool or None
-        Whether the residual is within the acceptance; of a structure, whether it is one of rounding.
+        Whether the residual is within the acceptance; for a structure, whether it is at the level of rounding.
     admissible : bool or None
         Whether the masses approach at each impact and every gap stays open between the impacts.
     stable : bool or None
-        Whether all multipliers, of a self-excited motion but the trivial one, lie inside the unit circle. None
+        Whether all multipliers (except the trivial one of a self-excited motion) lie inside the unit circle. None
         where there are no multipliers, or where the leading one is on the circle within rounding (no damping, for
         example).
     osc : Oscillator
@@ -180,8 +181,8 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         Of an exact motion: the phases alpha from which it was found, if it began with the linear equations.
     rest_events : structured ndarray or None
         For a pattern with a star: all impacts, sticks and releases of a period from the first impact on.
-        The arrays above have one entry a symbol then; that of a starred symbol is the first impact of
-        the accumulation.
+        The arrays above then have one entry per symbol; for a starred symbol it is the first impact of the
+        accumulation.
     structure : Structure
         Of a structure, as all that follow.
     self_excited : bool
@@ -290,7 +291,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
 
     @property
     def self_excited(self) -> bool:
-        """Whether it has no periodic load, so that its phase is free; its period is 2 pi/load.frequency."""
+        """Whether the motion has no periodic load, so that its phase is free (period 2 pi/load.frequency)."""
         return self.of_structure and not len(self.load.sine) and not self.structure._moves
 
     @property
@@ -481,7 +482,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         window: ArrayLike | None = None,
         units: Units | str | None = None,
     ) -> Any:  # fmt: skip
-        """Draw the motion, or one panel of its picture, as `Trajectory.plot` (extra `plot`).
+        """Draw the motion, or one panel of its figure, as in `Trajectory.plot` (extra `plot`).
 
         Parameters
         ----------
@@ -513,7 +514,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         window: ArrayLike | None = None,
         units: Units | str | None = None,
     ) -> Any:
-        """Animate it; the wall or gap that is hit flashes (extra `plot`).
+        """Animate the motion; the wall or gap that is hit flashes (extra `plot`).
 
         Parameters
         ----------
@@ -591,7 +592,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
 
         Of an oscillator the parameters are r, clearance, xi, mu, R1, R2, R and load. R1 and R2 change
         the restitution of all impacts on their wall, R that of all impacts.
-        Beside attributes of the motion the quantities are `load_phase`, `attenuation`, the response `x_rms`,
+        Besides attributes of the motion, the quantities are `load_phase`, `attenuation`, the response `x_rms`,
         `fundamental_amplitude` and `fundamental_phase` (as `quantities` has them), and the distances to the
         boundaries of its zone: `approach_speeds` at the impacts; `gaps_right` and `gaps_left`, the least distance
         to each wall where the relative position is stationary in the flight after each impact (NaN if it is so
@@ -662,16 +663,16 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
     def prove(self) -> Any:
         """Prove in ball arithmetic what is true of this motion (extra `proof`).
 
-        Proven, or refuted, or not decided, are: existence and uniqueness in a box around these numbers, by
-        Krawczyk's operator; that the masses approach at each impact and both gaps stay open in between; and
-        stability, by the recursion of Schur and Cohn with the law of det[P]. Bounds of max|lambda| and max|x|/A
-        come with it. Of a structure that bound of max|lambda| comes alone, and all gaps must stay open.
+        Each of these is proven, refuted or left undecided: existence and uniqueness in a box around these numbers,
+        by Krawczyk's operator; that the masses approach at each impact and both gaps stay open in between; and
+        stability, by the recursion of Schur and Cohn with the law of det[P]. Bounds on max|lambda| and max|x|/A
+        are included. For a structure, only the bound on max|lambda| is included, and all gaps must stay open.
 
         Returns
         -------
         Certificate
-            For the decimal texts of the parameters: 0.028 is 28/1000. What is not proven is None, with the reason
-            in `undecided`.
+            It holds for the parameters as decimal numbers: 0.028 is 28/1000. What is not proven is None, with the
+            reason in `undecided`.
 
         Raises
         ------

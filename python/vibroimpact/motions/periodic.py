@@ -194,7 +194,7 @@ def periodic(
     then `cycles`, and `full` to solve for the state after the first impact as well, with periodicity among
     the equations, instead of eliminating it by the periodic response of each mode. For a motion both give the
     same; for other phases they minimise different residuals. The system is overdetermined (DGELS), and the motion
-    is consistent only if its `residual` is one of rounding.
+    is consistent only if its `residual` is at the level of rounding.
 
     With stops or friction, phases and gaps are those of all events, and `kinds` has a word for each: 'impact' of a
     gap; 'touch', 'leave', 'let_go' and 'press' of a stop; 'halt', 'slip_up' and 'slip_down' of friction, whose
@@ -208,7 +208,7 @@ def periodic(
         Frequency ratio Omega/omega, 1e-6 to 1e6; not 1 if xi = 0.
     phases : array_like (N,)
         Phase of each impact (radians): increasing, within less than 2 pi k of each other. Only their differences
-        count: the load phase of the first impact is part of the result.
+        matter: the load phase of the first impact is part of the result.
     pattern : Pattern or str
         Sides of the N impacts and the number k of load cycles.
     restitution : array_like (N,), optional
@@ -242,7 +242,7 @@ def periodic(
     >>> motion
     <Motion RL/1 at r = 0.94, d K/F0 = 38.221: admissible, stable (max|lambda| = 0.9347)>
 
-    The same by the matrices of its two masses, at d K/F0 = 37:
+    The same from the matrices of its two masses, at d K/F0 = 37:
 
     >>> gaps = [vi.Gap([-1, 1], 18.5, 0.75), vi.Gap([1, -1], 18.5, 0.75)]
     >>> damper = vi.Structure(mass=[1, 0.042], damping=[0.01, 0], stiffness=[1, 0], gaps=gaps)
@@ -284,7 +284,7 @@ def periodic_batch(
     osc : Oscillator
     r : array_like, scalar or (M,)
     phases : array_like (N, M)
-        One set of impact phases a column.
+        One set of impact phases per column.
     pattern : Pattern or str
     restitution : array_like, optional
     precision : str

@@ -96,7 +96,7 @@ MOST_CYCLES, TOLERANCE = 16, 0.05
 
 
 class Period(NamedTuple):
-    """The period with which a trajectory ends.
+    """The period of the motion at the end of a trajectory.
 
     Attributes
     ----------
@@ -135,8 +135,8 @@ def _states(run: Trajectory) -> _Array:
 class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
     """A simulated trajectory.
 
-    Of an oscillator lengths are in F0/K (or any unit, if `load` is not 1) and times in 1/omega; of a structure all
-    is in the units of the user.
+    For an oscillator, lengths are in F0/K (or any unit, if `load` is not 1) and times in 1/omega; for a structure,
+    everything is in the user's units.
 
     Attributes
     ----------
@@ -151,7 +151,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
     states : ndarray (events, 2, n)
         Coordinates and velocities just after each event; of an oscillator those of its two masses.
     start, end : float
-        Times between which it is kept.
+        Start and end times of the part that is kept.
     initial_state, final_state
         States at both ends: of an oscillator mappings, of a structure (coordinates, velocities). The final state
         of an oscillator continues bit for bit when given to `simulate`.
@@ -163,7 +163,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
     request : dict or None
         The case by the keys of a &simulate; None if a namelist cannot express it (see `to_namelist`).
     cut : str
-        How far it got, if it was stopped.
+        How far the simulation got, if it was stopped.
     osc : Oscillator
     r, clearance : float
         Of an oscillator: frequency ratio and clearance.
@@ -208,8 +208,8 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         Parameters
         ----------
         t : array_like
-            Times from `start` to `end`, in any order; of a structure one list of them (m,). At the time of an
-            event velocities and accelerations are those just after it.
+            Times from `start` to `end`, in any order; for a structure, a one-dimensional array (m,). At the time
+            of an event velocities and accelerations are those just after it.
         output : str, optional
             Of a structure: the output that is sampled, in place of all coordinates.
 
@@ -276,7 +276,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
 
     @memory_for("a sample at the times t")
     def acceleration(self, t: ArrayLike, output: str | None = None) -> _Array:
-        """Accelerations at given times, between the impacts, which change the velocities at once.
+        """Accelerations at given times between the impacts, at which velocities jump.
 
         Parameters
         ----------
@@ -315,7 +315,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
             Harmonics of the load, 1 to 10000; there are none without a frequency. They are those of a periodic
             response only if the response is periodic and the window a whole number of periods.
         window : (float, float), optional
-            Times between which they are taken, in place of `cycles`; without both all of it.
+            Start and end of the window, in place of `cycles`; without either, the whole trajectory.
 
         Returns
         -------
@@ -387,10 +387,10 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         return max(self.start, begin), self.end
 
     def period(self, most_cycles: int = MOST_CYCLES, tolerance: float = TOLERANCE) -> Period:
-        """Of an oscillator: the shortest period with which the trajectory ends.
+        """The shortest period of the motion at the end of the trajectory (oscillators only).
 
-        The last load cycles repeat the pattern of as many before, at phases within the tolerance. That is no proof
-        of a periodic motion; `exact` computes the motion.
+        The last load cycles repeat the pattern of the same number of cycles before them, at phases within the
+        tolerance. This does not prove that the motion is periodic; `exact` computes the periodic motion.
 
         Parameters
         ----------
@@ -418,7 +418,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         return last_period(self, most_cycles, tolerance)
 
     def gradient(self, parameters: Sequence[Wanted] | None = None) -> Gradient:
-        """The derivatives of all events and of the final state by the initial state and by parameters.
+        """Derivatives of all events and the final state with respect to the initial state and parameters.
 
         They are carried through impacts, accumulations, rests and releases in closed form (saltation). Of an
         oscillator the quantities are ``time``, ``x``, ``x_dot_before``, ``x_dot_after``, ``z_dot_before`` and
@@ -460,7 +460,8 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         >>> gradient["final_x", "z_dot"].shape, gradient["time"].shape[1] == len(gradient.parameters)
         ((), True)
 
-        A mass that starts towards a wall: where it is after the impact falls by R times what it starts ahead.
+        A mass that starts towards a wall: its position after the impact decreases by R times the increase of its
+        initial position.
 
         >>> wall = vi.Structure(mass=[1], damping=[0], stiffness=[0], gaps=[vi.Gap([1], 1, 0.8)])
         >>> run = vi.simulate(wall, duration=3, state=([0], [1]))
@@ -627,7 +628,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         window: ArrayLike | None = None,
         units: Units | str | None = None,
     ) -> Any:  # fmt: skip
-        """Draw the trajectory, or one panel of its picture (extra `plot`).
+        """Draw the trajectory, or one panel of its figure (extra `plot`).
 
         Of an oscillator time history, load, acceleration and phase portrait; of a structure the structure, the
         histories of its bodies, its impacts, and the energy of its modes.
@@ -642,7 +643,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         cycles : float, optional
             Load cycles shown, the last ones: 3 of an oscillator by default.
         window : (float, float), optional
-            Times between which it is drawn, in place of `cycles`; all of it by default of a structure.
+            Start and end of the time window drawn, in place of `cycles`; for a structure, by default everything.
 
         units : Units or str, optional
             Of an oscillator: "mm N s", say, or "dimensionless"; by default its own units, if it knows M, K and F0.
@@ -659,7 +660,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         seconds: float | None = None, window: ArrayLike | None = None,
         units: Units | str | None = None,
     ) -> Any:  # fmt: skip
-        """Animate it; the wall or gap that is hit flashes, and is green while it rests (extra `plot`).
+        """Animate the trajectory; a wall or gap flashes when it is hit, and is green during a rest (extra `plot`).
 
         Parameters
         ----------
@@ -985,12 +986,11 @@ def simulate(
 
     The system is `osc, r, clearance`, or a point from `Oscillator.at`, or `structure, load`: a structure with gaps
     under a `Load`, a `Record` (after its last sample the force is 0) or none. At an impact on one of its gaps the
-    velocities jump by the impulse (1 + R) m v along M^-1 G, with v the approach speed and 1/m = G.M^-1 G. Of a
-    structure `cycles` or `duration`, in time, is given by name, and neither for a whole record; `state` is
+    velocities jump by the impulse (1 + R) m v along M^-1 G, with v the approach speed and 1/m = G.M^-1 G. For a
+    structure, give `cycles` or `duration` (in time) by keyword, and neither for a whole record; `state` is
     (coordinates, velocities) at the time `start`, zero by default; `discard` is in load cycles if `cycles` is
-    given, else in time; `max_events` is a million by default, without `progress`. Where
-    the restitution of an oscillator depends on the speed it is simulated as a structure, too: its `final_state`
-    continues from ``start=run.end``.
+    given, else in time; `max_events` is a million by default, without `progress`. An oscillator whose restitution
+    depends on the speed is simulated as a structure, too: its `final_state` continues from ``start=run.end``.
 
     Parameters
     ----------
@@ -1003,21 +1003,22 @@ def simulate(
     cycles : float
         Load cycles to simulate, 0 to 1e9.
     state : mapping, optional
-        Some of ``t, x, x_dot, z, z_dot``, with the load phase r t at time t; the others are 0, and by default all
-        are. Or the `final_state` of a trajectory, which continues it bit for bit. From all 0 the free mass stays
-        at rest in the middle until |X| reaches D/2. |X| settles to the amplitude A without impacts, so that with D
-        > 2 A no wall reaches it, unless the transient does: start it with a velocity there.
+        Some of ``t, x, x_dot, z, z_dot``, with the load phase r t at time t; those not given are 0, and so are all
+        by default. Or the `final_state` of a trajectory, which continues it bit for bit. If all are 0, the free
+        mass stays at rest in the middle until |X| reaches D/2. Without impacts |X| settles to the amplitude A, so
+        that with D > 2 A no wall reaches the free mass, except perhaps during the transient: with such D, give it
+        an initial velocity.
     load : float
         Load amplitude f >= 0 in units of the load that defines the unit of length; 0 is free
         vibration.
     discard : float
         Load cycles simulated before those that are kept.
     max_events : int
-        Events after which the trajectory ends, if there are more (`complete` is then False); 50 million at most,
-        which take 4 GB.
+        Largest number of events; if there are more, the trajectory ends there (`complete` is then False). At most
+        50 million, which take 4 GB.
     progress : callable, optional
-        Called at intervals with the share done and the present task; by default a bar on a terminal
-        or in a notebook.
+        Called at intervals with the fraction done and the current task; by default a progress bar on a terminal or
+        in a notebook.
 
     Returns
     -------

@@ -62,8 +62,8 @@ class Attractor:
         "periodic" or "rest" (periodic, with accumulation and rest): Newton's method confirms a stable motion that
         states reach; "chaotic": the largest exponent is positive by its error; "quasi-periodic": it is zero by
         its error, and no stable motion is found nearby; "no impacts"; "permanent rest", where gaps of a structure
-        stay closed or friction sticks for ever, wherever it came to; or "periodic?" where a simulation of an
-        oscillator repeats itself to rounding for long but no stable exact motion was found.
+        stay closed or friction sticks for ever, wherever the structure came to rest; or "periodic?" where a
+        simulation of an oscillator repeats itself to rounding for long but no stable exact motion was found.
     name : str
         Sides and load cycles, as "RL/1", or of a structure impacts and load cycles, as "2/1", and "rest/1" with
         rests; or the kind. With stops or friction all events count as impacts. Equal names get a number.

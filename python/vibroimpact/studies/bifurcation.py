@@ -255,7 +255,7 @@ class BifurcationDiagram(
     def coexisting(self) -> NDArray[np.bool_]:
         """Of an oscillator: whether the runs ended on different motions at each value (n).
 
-        So it is with hysteresis, or several attractors.
+        They do if there is hysteresis or several attractors.
 
         Labels and max |x| are compared, so that a motion and its mirror image count as one; False where a run
         was stopped early.
@@ -491,8 +491,8 @@ def bifurcation_diagram(
 
     Sweeps carry the state from value to value, so that a motion is followed to the end of its stability: where the
     sweeps up and down differ there is hysteresis. With "states" each value of an oscillator starts anew from many
-    initial states, which shows attractors that no sweep reaches. Coordinates of a structure that a changed gap
-    does not admit are moved towards q = 0.
+    initial states, which shows attractors that no sweep reaches. If a changed gap no longer admits the coordinates
+    of a structure, they are moved towards q = 0.
 
     The system is `osc`, with `r` and `clearance`, or `structure, load`, or a point from `Oscillator.at`. An
     oscillator whose restitution depends on the speed, or whose load is a `Load`, is treated as a structure: `r`

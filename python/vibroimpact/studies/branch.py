@@ -51,8 +51,8 @@ class SpecialPoint:
         also branch_point (a pitchfork or transcritical point where impacts at one instant part), simultaneous
         (two events at one instant, beyond which their order is another), rest_vanishes (the impacts before a rest
         just fail to accumulate), rest_splits (the contact force touches zero within a rest), stick_begins
-        (friction that changes its sense begins to stick), stick_vanishes and contact_vanishes (its time falls to
-        zero), and event_vanishes (the speed or the force that makes friction halt or slip only just reaches its
+        (friction that changes its direction begins to stick), stick_vanishes and contact_vanishes (its time falls
+        to zero), and event_vanishes (the speed or the force that makes friction halt or slip only just reaches its
         limit).
     index : int
         Its place among the points of the branch.
@@ -241,7 +241,7 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
     q_min, q_max : ndarray (n, M)
         Of a structure: least and greatest value of each coordinate over the period.
     case : str
-        What was asked for as a namelist.
+        The case as a namelist.
     """
 
     __slots__ = ()
@@ -407,7 +407,7 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
         return found
 
     def prove(self, tolerance: float = 1e-4, progress: door.Progress | None = None) -> Any:
-        """Prove in ball arithmetic what is true of all motions along this branch, not at its points only (extra
+        """Prove in ball arithmetic what holds for all motions along this branch, not only at its points (extra
         `proof`).
 
         Between the folds the parameter is covered by boxes. For each value of it in a box there is one and only
@@ -669,8 +669,8 @@ def branch(
     max_points : int
         Most points each way.
     progress : callable, optional
-        Called a few times a second with the share done and what is being done: the share of the range that lies
-        behind, or of the points if that is more.
+        Called a few times a second with the share done and what is being done: the fraction of the range covered,
+        or of the points if that is more.
     at : float, optional
         Of a structure: the value of the parameter at the motion, if it is a function.
 

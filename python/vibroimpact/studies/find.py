@@ -41,7 +41,7 @@ PATTERNS = 0.9
 
 @dataclass(frozen=True)
 class Search:
-    """The extent of a search at a point of an oscillator, from which one can judge how complete its result is.
+    """The extent of a search at a point of an oscillator; it shows how complete the result is.
 
     Each simulated state is counted once: as settled, or under the reason why it did not settle.
 
@@ -68,7 +68,7 @@ class Search:
         States that do not repeat within 16 load cycles (or 100 symbols), also when they are examined again after
         more cycles: chaotic, quasi-periodic, of longer period, or not settled yet.
     without_impacts : int
-        States after which the free mass stands still where no wall reaches it.
+        States from which the free mass comes to rest where no wall reaches it.
     unfinished : int
         States whose simulation reached `max_events` or could not continue.
     lost : int
@@ -96,10 +96,10 @@ class Search:
 
 
 class FoundMotions(Noun, Sequence[Any], study="find", formerly="StructureMotions"):
-    """The admissible motions that `find` found, in order, and how they were searched for.
+    """The admissible motions found by `find`, in order, and how the search was made.
 
-    Those of an oscillator are at a point, stable ones first; of the motions of a structure those come first on
-    which simulations settle. An index gives a motion.
+    Those of an oscillator are at a point, stable ones first; for a structure, the motions on which simulations
+    settle come first. An index gives a motion.
 
     Attributes
     ----------

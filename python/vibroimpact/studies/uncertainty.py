@@ -323,7 +323,7 @@ class LimitProbability:
     low, high : ndarray
         The interval of Clopper and Pearson; samples that failed count as outside for `low` and inside for `high`.
     failed : ndarray of int
-        Samples without an answer, for example because of too many events.
+        Samples without a result, for example because there were too many events.
     samples, starts : int
     confidence : float
         Of the interval.

@@ -210,8 +210,8 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         The window.
     boundary : list of Piece
     loops : list of ndarray (M, 2)
-        Closed rings of (x, y), counter-clockwise around a zone and clockwise around a hole; of an oscillator so
-        fine that the polygon is within 1e-7 of the curve (the window being the unit square, log D).
+        Closed rings of (x, y), counter-clockwise around a zone and clockwise around a hole; of an oscillator fine
+        enough that the polygon is within 1e-7 of the curve (the window being the unit square, log D).
     closed : bool
         Whether every boundary that was found could be closed, and every seed is enclosed. The known parts of a
         boundary that could not be closed are in `open_boundary`; with rest they lie in narrow strips, and the
@@ -823,7 +823,8 @@ def zone(
     max_points : int
         Most vertices of a loop.
     progress : callable, optional
-        Called a few times a second with the share done and the present task; an exception of it ends the search.
+        Called a few times a second with the fraction done and the current task; an exception that it raises ends
+        the search.
     x_at, y_at : float, optional
         Of a structure: the value of a parameter at the motion, if it is a function.
 

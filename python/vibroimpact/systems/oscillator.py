@@ -39,7 +39,7 @@ Found = TypeVar("Found")
 
 
 def by_name(example: str) -> Callable[[Callable[Names, Found]], Callable[Names, Found]]:
-    """Makes a method refuse arguments without names by an error that shows the call with names."""
+    """Make a method refuse positional arguments, with an error that shows the call by keyword."""
 
     def decorate(method: Callable[Names, Found]) -> Callable[Names, Found]:
         @wraps(method)
@@ -58,31 +58,30 @@ def by_name(example: str) -> Callable[[Callable[Names, Found]], Callable[Names, 
 
 @dataclass(frozen=True)
 class Oscillator:
-    """A primary mass on spring and dashpot, with a free mass between two walls.
+    """A primary mass on a spring and dashpot, with a free mass between two walls.
 
     Between impacts ``x'' + 2 xi x' + x = sin(r t)`` and ``z'' = 0``, with time in 1/omega and
     length in F0/K (equations (1)-(4) of Popplewell, Bapat and McLachlan, 1983).
 
-    All parameters are given by name: three numbers between 0 and 1 are easily put in a wrong order.
+    All parameters are keyword-only: three numbers between 0 and 1 are easily put in the wrong order.
 
     Parameters
     ----------
     xi : float
         Damping ratio C/(2 sqrt(K M)), ``0 <= xi < 1``.
     mu : float
-        Mass ratio m/M, ``0 <= mu <= 1e6``. With 0 the primary mass does not feel the impacts (the
-        impact pair).
+        Mass ratio m/M, ``0 <= mu <= 1e6``. With 0, the impacts do not affect the primary mass (the impact pair).
     restitution : float, PowerLaw or TabulatedRestitution, or two of them
-        Coefficients of restitution (R1 on the right wall, R2 on the left), each in [0, 1] or a law over the
-        approach speed in F0 omega/K; one stands for both. An oscillator with a law is treated as
+        Coefficients of restitution (R1 on the right wall, R2 on the left), each in [0, 1] or a law as a function
+        of the approach speed in F0 omega/K; a single value applies to both. An oscillator with a law is treated as
         `Oscillator.structure`: `simulate`, `exact`, `find`, `lyapunov`, `basins`, `response` and
-        `bifurcation_diagram` take it and give the results of a `Structure`; all others ask for numbers.
+        `bifurcation_diagram` accept it and return the results of a `Structure`; all others require numbers.
     M, K, F0 : float, optional
         Primary mass, stiffness and load amplitude in physical units, for `units`; `from_dimensional` sets them.
-        All results of the oscillator and their files keep them. They are not part of the dimensionless
-        system: neither compared nor shown.
+        All results of the oscillator and their files keep them. They are not part of the dimensionless system, so
+        they are neither compared nor shown.
     unit_names : str, optional
-        Their units, of length, force and time, as ``"mm N s"``.
+        The units of length, force and time of these values, such as ``"mm N s"``.
 
     Raises
     ------
@@ -95,7 +94,7 @@ class Oscillator:
     >>> vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
     Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
 
-    With a law, further arguments and results are those of structures:
+    With a law, the other arguments and the results are those of a structure:
 
     >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=vi.PowerLaw(0.75, speed=20, exponent=0.25))
     >>> vi.exact(osc, 0.94, 37.0, ([1.6, 6.0], [0, 1]))
@@ -168,11 +167,11 @@ class Oscillator:
         F0: float | str | None = None,
         units: str = SI,
     ) -> Oscillator:
-        """The dimensionless system of a rig, which knows its physical units.
+        """The dimensionless system of a rig, with its physical units.
 
-        All its results know them as well: see `Units` and the method `physical` of results.
+        All its results carry these units too: see `Units` and the method `physical` of results.
 
-        All parameters are given by name.
+        All parameters are keyword-only.
 
         Parameters
         ----------
@@ -183,13 +182,13 @@ class Oscillator:
         restitution : float, PowerLaw or TabulatedRestitution, or two of them
             As for the class.
         C : float, str or pint.Quantity, optional
-            Viscous damping (>= 0, below critical), as "2.1 N s/m".
+            Viscous damping (>= 0, below critical), such as "2.1 N s/m".
         xi : float or str, optional
-            Damping ratio in place of C, 0 <= xi < 1, or as "1.1 %".
+            Damping ratio, instead of C: 0 <= xi < 1, or a text such as "1.1 %".
         F0 : float, str or pint.Quantity, optional
             Load amplitude (> 0).
         units : str
-            Units of length, force and time in which they are given: one of m, mm, cm, um, km, in, ft; one of N,
+            Units of length, force and time of these values: one of m, mm, cm, um, km, in, ft; one of N,
             mN, kN, MN, lbf, kgf; one of s, ms, us, min, h. The unit of mass follows from them (kg for "m N s",
             tonne for "mm N s").
 
@@ -200,7 +199,7 @@ class Oscillator:
 
         Examples
         --------
-        The rig of 1983: 1.61 lbf and 0.044 lbf of weight, 65.01 lbf/in.
+        The 1983 rig: weights of 1.61 lbf and 0.044 lbf, and a stiffness of 65.01 lbf/in.
 
         >>> import math, vibroimpact as vi
         >>> g = 386.09                                   # in/s^2
@@ -253,21 +252,21 @@ class Oscillator:
         self, clearance: float | None = None,
         restitution: Restitution | tuple[Restitution, Restitution] | None = None, *, d: float | None = None,
     ) -> Structure:  # fmt: skip
-        """The same two masses as a structure, whose coefficients of restitution may depend on the approach speed.
+        """The same two masses as a structure; its coefficients of restitution may depend on the approach speed.
 
-        Coordinates are x and z, gap 0 is the right wall and gap 1 the left one. With `clearance` the structure
-        is dimensionless, and the load sin(r t) is ``Load(r, sine=[1, 0])``. With `d` it is in the units of M
-        and K, for loads of any kind: a shock, a swept sine or a motion of the base by `Record`,
-        `base_record` or `base_motion`.
+        The coordinates are x and z; gap 0 is the right wall and gap 1 the left one. With `clearance` the structure
+        is dimensionless, and the load sin(r t) is ``Load(r, sine=[1, 0])``. With `d` it is in the units of M and
+        K, for loads of any kind: a shock, a swept sine or base motion, by `Record`, `base_record` or
+        `base_motion`.
 
         Parameters
         ----------
         clearance : float, optional
-            d K/F0 > 0; d is the whole travel of the free mass between the walls.
+            d K/F0 > 0; d is the total travel of the free mass between the walls.
         restitution : float, PowerLaw or TabulatedRestitution, or two of them (right wall, left wall), optional
-            Those of the oscillator by default. Speeds of a law are in F0 omega/K, or in the units of M and K.
+            By default those of the oscillator. The speeds of a law are in F0 omega/K, or in the units of M and K.
         d : float, optional
-            The whole travel in the unit of length of M and K; either this or `clearance`.
+            The total travel, in the unit of length of M and K; give either this or `clearance`.
 
         Returns
         -------
@@ -276,7 +275,7 @@ class Oscillator:
         Raises
         ------
         ParameterError, ParameterTypeError
-            If an argument is not allowed, or mu is 0: a structure has no body without mass.
+            If an argument is not allowed, or mu is 0: every body of a structure must have mass.
 
         Examples
         --------
@@ -315,18 +314,18 @@ class Oscillator:
         self, f: float, *, displacement: float | None = None, velocity: float | None = None,
         acceleration: float | None = None,
     ) -> float:  # fmt: skip
-        """The load amplitude F0 that is equivalent to a harmonic motion of the base.
+        """The load amplitude F0 equivalent to a harmonic motion of the base.
 
-        A base that moves by y = Y sin(Omega t) exerts K y + C y' through spring and dashpot, a force of amplitude
-        Y |K + i Omega C|. Positions stay absolute, and the free mass slides in its slot without
-        friction as before. The force on the base is then K (X - y) + C (X' - y').
+        A base that moves by y = Y sin(Omega t) exerts K y + C y' through the spring and dashpot, a force of
+        amplitude Y |K + i Omega C|. Positions remain absolute, and the free mass still slides in its slot without
+        friction. The force on the base is then K (X - y) + C (X' - y').
 
         Parameters
         ----------
         f : float
-            Frequency of the base, cycles per unit of time (Hz), or with a unit, as "19.5 Hz".
+            Frequency of the base in cycles per unit of time (Hz), or with a unit, such as "19.5 Hz".
         displacement, velocity, acceleration : float
-            Amplitude of one of them, in the units of M and K, or with a unit, as "1 m/s^2".
+            Amplitude of one of these, in the units of M and K, or with a unit, such as "1 m/s^2".
 
         Returns
         -------
@@ -336,7 +335,7 @@ class Oscillator:
         Raises
         ------
         ParameterError, ParameterTypeError
-            If the oscillator does not know M and K, a value is not a positive number, or not exactly one
+            If M and K of the oscillator are not known, a value is not a positive number, or not exactly one
             amplitude is given.
 
         Examples
@@ -367,14 +366,14 @@ class Oscillator:
         return amplitude * math.hypot(self.K, omega * 2 * self.xi * math.sqrt(self.K * self.M))
 
     def units(self, F0: float | None = None) -> Units:
-        """The physical units of length, time, velocity, … for a load amplitude F0, by default its own.
+        """Physical units of length, time, velocity, … for a load amplitude F0, by default the oscillator's.
 
-        The oscillator has to know M and K (see `from_dimensional`).
+        M and K of the oscillator must be known (see `from_dimensional`).
 
         Raises
         ------
         ParameterError, ParameterTypeError
-            If it does not know them, or F0 is not a positive number.
+            If they are not known, or F0 is not a positive number.
         """
         if self.M is None or self.K is None:
             raise ParameterError(
@@ -392,25 +391,26 @@ class Oscillator:
         self, r: float | str, clearance: float | str, load: float | str | Load = 1.0, friction: float | str = 0.0,
         stops: tuple[tuple[float, float], tuple[float, float]] | None = None,
     ) -> Point:  # fmt: skip
-        """The oscillator at a point, which verbs take in place of the oscillator, r, clearance and load.
+        """The oscillator at a point, which functions accept in place of the oscillator, r, clearance and load.
 
         Parameters
         ----------
         r : float, str or pint.Quantity
-            Frequency ratio Omega/omega; or, if the oscillator knows M and K, a load frequency with its unit (Hz,
-            rpm or rad/s), as "19.5 Hz".
+            Frequency ratio Omega/omega; or, if M and K are known, a load frequency with its unit (Hz, rpm or
+            rad/s), such as "19.5 Hz".
         clearance : float, str or pint.Quantity
-            d K/F0 > 0, or a length d, as "4 mm".
+            d K/F0 > 0, or a length d, such as "4 mm".
         load : float, str, pint.Quantity or Load
-            Amplitude of the load over F0, or a force, as "6 N"; or a load of the frequency r on the primary mass
-            and the free mass over F0, with further harmonics or a constant force. Verbs then treat the oscillator
-            as a structure.
+            Amplitude of the load divided by F0, or a force, such as "6 N"; or a `Load` of frequency r on the
+            primary and the free mass, divided by F0, with further harmonics or a constant force. The oscillator is
+            then treated as a structure.
         friction : float, str or pint.Quantity
-            Dry friction between the free mass and its slot, over F0, or a force. Verbs then treat the oscillator
-            as a structure; those that take friction there take it here.
+            Dry friction between the free mass and its slot, divided by F0, or a force. The oscillator is then
+            treated as a structure; functions that accept structures with friction accept it here too.
         stops : ((float, float), (float, float)), optional
-            Walls that give, in place of the coefficients of restitution: stiffness over K and damping over
-            sqrt(K M) of the right wall, and of the left one. Likewise a structure.
+            Compliant walls, in place of the coefficients of restitution: stiffness divided by K and damping
+            divided by sqrt(K M), for the right wall and for the left one. The oscillator is then treated as a
+            structure.
 
         Returns
         -------
@@ -489,8 +489,8 @@ class Oscillator:
 class Point:
     """An oscillator at a point: the same system as a structure with its load, and the scales of both.
 
-    It comes from `Oscillator.at`. Verbs that take an oscillator, r and clearance take it in place of these; its
-    structure and load go wherever those of a structure do.
+    It is made by `Oscillator.at`. Functions that take an oscillator, r and clearance accept it in place of these;
+    its structure and load can be used wherever a structure and its load can.
 
     Attributes
     ----------
@@ -498,11 +498,12 @@ class Point:
     r, clearance : float
         Frequency ratio, and d K/F0.
     amplitude : float or Load
-        Amplitude of the load over F0, or the whole load.
+        Amplitude of the load divided by F0, or the whole load.
     friction : float
-        Friction in the slot over F0.
+        Friction in the slot, divided by F0.
     stops : tuple, or None
-        Stiffness over K and damping over sqrt(K M) of the right and the left wall, if they give.
+        Stiffness divided by K and damping divided by sqrt(K M) of the right and the left wall, if they are
+        compliant.
     """
 
     osc: Oscillator
@@ -514,7 +515,7 @@ class Point:
 
     @property
     def structure(self) -> Structure:
-        """The two masses and their walls, in the unit of length F0/K and the unit of time 1/omega."""
+        """The two masses and their walls, with F0/K as the unit of length and 1/omega as the unit of time."""
         pair = self.osc.structure(self.clearance)
         if not self._has_elements:
             return pair
@@ -544,7 +545,7 @@ class Point:
         Raises
         ------
         ParameterError
-            If the oscillator does not know them.
+            If they are not known.
         """
         if self.osc.M is None or self.osc.K is None or self.osc.F0 is None:
             raise ParameterError(f"{self.osc!r}: must know M, K and F0 to have scales")
@@ -587,23 +588,23 @@ def _stiff_walls(stops: Any) -> tuple[tuple[float, float], tuple[float, float]]:
 
 @dataclass(frozen=True)
 class Pattern:
-    """The walls that are hit, in their order, and the number of load cycles.
+    """The walls that are hit, in order, and the number of load cycles.
 
     Wherever a pattern is expected, a string such as "RRL" or "RL/2" (sides/cycles) is accepted as well.
 
     Parameters
     ----------
     sides : str
-        One letter an impact, R for the right wall and L for the left; 2 to 1000 letters, both walls
-        at least once (a motion with impacts on one wall only is never periodic). A star after a
-        symbol stands for impacts that accumulate on that wall and end in rest there.
+        One letter per impact, R for the right wall and L for the left; 2 to 1000 letters, each wall at least once
+        (a motion with impacts on one wall only is never periodic). A star after a letter denotes impacts that
+        accumulate on that wall and end in rest there.
     cycles : int, optional
         Load cycles k in one period of the motion, 1 to 10000.
 
     Raises
     ------
     ParameterError, ParameterTypeError
-        If there is no such pattern.
+        If there can be no such pattern.
 
     Examples
     --------
@@ -655,7 +656,7 @@ class Pattern:
 
     @property
     def has_rest(self) -> bool:
-        """Whether any impacts accumulate and end in rest."""
+        """Whether impacts accumulate anywhere and end in rest."""
         return any(self.rests)
 
     @property
@@ -664,7 +665,7 @@ class Pattern:
         return re.findall(r"[RL]\*?", self.sides)
 
     def standard(self, alike: bool = False) -> Pattern:
-        """The same pattern, begun at the symbol that puts R before L.
+        """The same pattern, rotated to the standard starting symbol, with R before L.
 
         Parameters
         ----------

@@ -86,17 +86,18 @@ def _place(direction: ArrayLike, opening: float) -> tuple[_Array, float]:
 class Gap(ByValue):
     """A gap that opens and closes: opening - direction.q >= 0.
 
-    Its wall may move with the frequency Omega of the load, by which the opening varies: opening + the sum of
-    cosine_h cos(h Omega t) + sine_h sin(h Omega t).
+    Its wall may move at the load frequency Omega; the opening is then opening + the sum of cosine_h cos(h Omega t)
+    + sine_h sin(h Omega t).
 
     Parameters
     ----------
     direction : array_like (n,)
-        The coordinates that close it, such as ``[-1, 1]`` for a stop of body 1 to the right of body 2.
+        The direction in the coordinates that closes it, such as ``[-1, 1]`` for a stop of body 1 to the right of
+        body 2.
     opening : float
         Its opening at q = 0; negative if it is closed there.
     restitution : float, PowerLaw or TabulatedRestitution
-        Coefficient of restitution, 0 to 1, or a law of it over the approach speed.
+        Coefficient of restitution, 0 to 1, or a law as a function of the approach speed.
     cosine, sine : float or array_like (H,), optional
         Amplitudes of the harmonics 1 to H of the opening.
 
@@ -107,7 +108,7 @@ class Gap(ByValue):
 
     Examples
     --------
-    A ball on a table that vibrates, under gravity; upwards is positive, and the table moves by 0.1 sin(20 t):
+    A ball under gravity on a vibrating table; upwards is positive, and the table moves by 0.1 sin(20 t):
 
     >>> import vibroimpact as vi
     >>> table = vi.Gap([-1], 0.0, restitution=0.7, sine=0.1)
@@ -153,23 +154,25 @@ class Gap(ByValue):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Stop(ByValue):
-    """An elastic stop: a spring and a dashpot that press where a gap is less than closed.
+    """An elastic stop: a spring and a dashpot that push back once the gap is overclosed.
 
-    At a depth d = direction.q - opening > 0 the force preload + stiffness d + damping d' acts against `direction`.
+    At a penetration depth d = direction.q - opening > 0, the force preload + stiffness d + damping d' acts against
+    `direction`.
 
     Parameters
     ----------
     direction : array_like (n,)
-        The coordinates that press it, as in `Gap`.
+        The direction in the coordinates that compresses it, as in `Gap`.
     opening : float
-        Its opening at q = 0; negative if it is pressed there.
+        Its opening at q = 0; negative if it is compressed there.
     stiffness, damping, preload : float
-        At least 0, one of them above 0. With a preload the force jumps where the stop is touched.
+        At least 0, and at least one of them above 0. With a preload, the force jumps when the stop is touched.
     release : "gap" or "force"
-        Where contact ends. "gap": where d returns to 0; a dashpot pulls before. "force": the force is never below
-        0, so that contact ends where it vanishes; it begins again where the force rises, even at a depth.
+        When contact ends. "gap": when d returns to 0; a dashpot may pull just before that. "force": the force is
+        never below 0, so contact ends when the force vanishes; it begins again when the force rises, even at a
+        depth d > 0.
     cosine, sine : float or array_like (H,), optional
-        Amplitudes of the harmonics of the opening, as of a `Gap`.
+        Amplitudes of the harmonics of the opening, as for a `Gap`.
 
     Raises
     ------
@@ -257,13 +260,13 @@ def moves(part: Gap | Stop) -> bool:
 
 
 def opening_at(part: Gap | Stop, t: Any, frequency: float) -> Any:
-    """The opening at q = 0 at times, which varies where the wall moves."""
+    """The opening at q = 0 at given times; it varies if the wall moves."""
     angles = np.multiply.outer(np.asarray(t), frequency * np.arange(1, len(part.cosine) + 1))
     return part.opening + np.cos(angles) @ part.cosine + np.sin(angles) @ part.sine
 
 
 def opening_speed_at(part: Gap | Stop, t: Any, frequency: float) -> Any:
-    """The derivative of `opening_at` by time."""
+    """The time derivative of `opening_at`."""
     paces = frequency * np.arange(1, len(part.cosine) + 1)
     angles = np.multiply.outer(np.asarray(t), paces)
     return np.cos(angles) @ (paces * part.sine) - np.sin(angles) @ (paces * part.cosine)
@@ -273,19 +276,20 @@ def opening_speed_at(part: Gap | Stop, t: Any, frequency: float) -> Any:
 class Friction(ByValue):
     """Dry friction along a direction, with a constant normal force.
 
-    With s = direction.q' - speed the force `slip` acts against s while it slips, s != 0. While it sticks, s = 0, a
-    force holds it that is at most `stick`.
+    With s = direction.q' - speed, the force `slip` acts against s while the contact slips (s != 0). While it
+    sticks (s = 0), it is held by a force of at most `stick`.
 
     Parameters
     ----------
     direction : array_like (n,)
-        Where it acts, such as ``[-1, 1]`` for friction between bodies 1 and 2.
+        The direction in the coordinates along which it acts, such as ``[-1, 1]`` for friction between bodies 1 and
+        2.
     slip : float
-        Force while it slips, at least 0: the coefficient of friction times the normal force.
+        Force while slipping, at least 0: the coefficient of friction times the normal force.
     stick : float, optional
-        Largest force while it sticks, at least `slip`; by default equal to `slip`.
+        Largest force while sticking, at least `slip`; by default equal to `slip`.
     speed : float
-        Speed of a belt.
+        Belt speed.
 
     Raises
     ------
@@ -345,7 +349,7 @@ class Friction(ByValue):
 
 
 class Outputs(Mapping[str, _Array]):
-    """Quantities that are sums of the coordinates, by name: the rows that give them, read-only."""
+    """Linear combinations of the coordinates by name, as read-only rows of coefficients."""
 
     def __init__(self, given: Any, coordinates: int) -> None:
         if not isinstance(given, Mapping):
@@ -395,35 +399,35 @@ class Outputs(Mapping[str, _Array]):
 class Structure(ByValue):
     """A linear structure M q'' + C q' + K q = f with gaps, elastic stops and dry friction.
 
-    All bodies are treated the same, free masses too: a mass between two walls of another body is a coordinate
-    without stiffness and two gaps. Units are the user's own, consistent ones.
+    All bodies are treated alike, free masses included: a mass between two walls of another body is a coordinate
+    without stiffness and two gaps. Any consistent units may be used.
 
     Parameters
     ----------
     mass, damping, stiffness : array_like (n, n)
         Symmetric matrices M (positive definite), C and K (positive semidefinite), of numbers from -1e100 to 1e100.
-        A vector (n,) is a diagonal.
+        A vector (n,) is taken as a diagonal.
     gaps : sequence of Gap or Stop
     friction : sequence of Friction
-        All studies of motions take stops and friction, and so do `gradient` and `quantities`.
+        All studies of motions accept stops and friction, and so do `gradient` and `quantities`.
     outputs : mapping of str to array_like (n,), optional
-        Displacements of interest by name, each as a row that gives it from the coordinates. Trajectories and
+        Displacements of interest by name, each as a row of coefficients of the coordinates. Trajectories and
         motions are sampled at them; responses, bifurcation diagrams, plots and CSV files show them by name.
     base : array_like (n,), optional
         Displacement of each coordinate when the base moves by 1 and nothing is deformed: the direction of
         `base_motion` and `base_record`.
     simultaneous : "newton", "sequence" or None
-        What follows where gaps close at one instant that are coupled, that is, where an impulse on one changes the
-        speed of another, or where a gap closes while one coupled with it rests. None: a SingularError. "sequence":
-        one impact after the other, always on the gap that closes fastest, until none closes. "newton": impulses
-        >= 0 at all closed gaps at once, after which none closes and those with an impulse part at R times the
-        approach speed; see the how-to on structures.
+        What happens when coupled gaps (an impulse on one changes the speed of another) close at the same instant,
+        or when a gap closes while one coupled with it rests. None: a SingularError. "sequence": one impact after
+        the other, always on the gap that is closing fastest, until none is closing. "newton": impulses >= 0 at all
+        closed gaps at once, after which none is closing and those with an impulse separate at R times the approach
+        speed; see the how-to on structures.
 
     Attributes
     ----------
     participation : ndarray (n,)
-        Participation factors: the inertia forces on the coordinates per unit of acceleration of the base, with the
-        opposite sign; M times `base`. An AttributeError if no `base` was given.
+        Participation factors: the inertia forces on the coordinates per unit of base acceleration, with the
+        opposite sign; M times `base`. Raises an AttributeError if no `base` was given.
 
     Raises
     ------
@@ -439,7 +443,7 @@ class Structure(ByValue):
     >>> vi.Structure(mass=[1, 0.1], damping=[0.02, 0], stiffness=[1, 0], gaps=gaps)
     <Structure of 2 coordinates with 2 gaps>
 
-    The extension of a spring between two masses, as an output of a motion from rest:
+    The extension of a spring between two masses, as an output of a motion that starts from rest:
 
     >>> two = vi.Structure([1, 1], [0, 0], [[2, -1], [-1, 1]], outputs={"extension": [-1, 1]})
     >>> run = vi.simulate(two, vi.Load(1.0, sine=[0, 0.1]), duration=5)
@@ -514,9 +518,9 @@ class Structure(ByValue):
         base: ArrayLike | None = None,
         simultaneous: Literal["newton", "sequence"] | None = None,
     ) -> Structure:
-        """A structure by its modes, whose amplitudes are the coordinates.
+        """A structure given by its modes; the modal amplitudes are the coordinates.
 
-        Define the points of interest as `outputs`: the amplitude of a mode is not a displacement.
+        Define the points of interest as `outputs`: a modal amplitude is not a displacement.
 
         Parameters
         ----------
@@ -526,16 +530,16 @@ class Structure(ByValue):
         shapes : array_like (points, n)
             Mass-normalised mode shapes at some points.
         gaps : sequence of Gap or Stop
-            Their directions refer to the points: `direction` has one number a point.
+            Their directions refer to the points: `direction` has one number per point.
         friction : sequence of Friction
             Likewise.
         outputs : mapping of str to array_like (n,), optional
-            Displacements of interest by name, each as the shapes of the modes at its point, such as a row of
+            Displacements of interest by name, each given by the mode shapes at its point, such as a row of
             `shapes`.
         base : array_like (points,), optional
             Mass lumped at each of the points, times its rigid-body displacement for a unit displacement of the
-            base. With it the participation factor of each mode is the sum over the points of this times its shape:
-            that of all modes if the points carry the whole mass.
+            base. The participation factor of each mode is then the sum over the points of this value times its
+            shape; it is exact if the points carry the whole mass.
 
         Examples
         --------
@@ -544,8 +548,8 @@ class Structure(ByValue):
         >>> beam.gaps[0].direction.tolist()
         [2.0, -2.0]
 
-        A mass of 4 on a spring, whose shape is 1/2, on a base that moves by 0.1 sin(2 t): the load is its
-        inertia force, 4 times 2^2 times 0.1, times the shape.
+        A mass of 4 on a spring, with mode shape 1/2, on a base that moves by 0.1 sin(2 t): the load is the inertia
+        force, 4 times 2^2 times 0.1, times the shape.
 
         >>> rig = vi.Structure.from_modes([3.0], [0.01], [[0.5]], outputs={"mass": [0.5]}, base=[4.0])
         >>> rig.participation.tolist(), vi.base_motion(rig, 2.0, sine=0.1, relative=True).sine.tolist()
@@ -600,7 +604,7 @@ class Structure(ByValue):
 
     @property
     def participation(self) -> _Array:
-        """Participation factors of a motion of the base (n)."""
+        """Participation factors for a motion of the base (n)."""
         if self._base is None:
             raise AttributeError("participation: a Structure without base does not have it")
         factors: _Array = self.mass @ self._base
@@ -805,9 +809,9 @@ class Load(ByValue):
     Parameters
     ----------
     frequency : float, optional
-        Omega, > 0; a constant load needs none.
+        Omega > 0; not needed for a constant load.
     sine, cosine : array_like (n,) or (H, n), optional
-        Amplitudes of the harmonics 1 to H at each coordinate; a vector is the first harmonic.
+        Amplitudes of harmonics 1 to H at each coordinate; a vector is taken as the first harmonic.
     constant : array_like (n,), optional
         A constant force, such as gravity.
 
@@ -870,7 +874,7 @@ class Load(ByValue):
 
     @classmethod
     def none(cls) -> Load:
-        """No load, for a structure of any number of coordinates; `simulate`, `lyapunov` and `exact` take it.
+        """No load, for a structure with any number of coordinates; `simulate`, `lyapunov` and `exact` accept it.
 
         Examples
         --------
@@ -891,7 +895,7 @@ class Load(ByValue):
 
     @property
     def coordinates(self) -> int:
-        """Number of coordinates; 0 of no load."""
+        """Number of coordinates; 0 for no load."""
         return self.constant.size
 
     def __add__(self, other: Load) -> Load:
