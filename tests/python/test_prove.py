@@ -1091,7 +1091,7 @@ def test_branches_of_structures_that_are_refused():
     load = vi.Load(1.0, cosine=[1.0])
     stop = vi.Structure([[1]], [[0.1]], [[1]], [vi.Stop([1], 1.0, 10.0)])
     soft = vi.exact(stop, load, vi.simulate(stop, load, cycles=400))
-    with pytest.raises(vi.ParameterError, match="must be without stops, which proofs"):
+    with pytest.raises(vi.ParameterError, match="must not have stops, which proofs"):
         vi.branch(soft, "frequency", bounds=(0.98, 1.02)).prove()
 
 

@@ -197,7 +197,7 @@ def test_animation(tmp_path):
     with pytest.raises(vi.ParameterError, match="seconds"):
         run.animate(tmp_path / "run.gif", seconds=0)
     with pytest.raises(
-        vi.ParameterError, match=r"seconds = 0\.01: makes 0 pictures at 20 a second; must be 2 to"
+        vi.ParameterError, match=r"seconds = 0\.01: makes 0 pictures at 20 per second; must be 2 to"
     ):
         run.animate(tmp_path / "run.gif", seconds=0.01)
 
