@@ -49,7 +49,7 @@ class Sweep:
     method : str
         How the points are chosen: "sobol" (scrambled, for which powers of 2 are best) or "latin_hypercube".
     rng : int, numpy.random.Generator or None
-        Seed of the points, or a generator that a seed is drawn from; None: another seed in each call. The same
+        Seed of the points, or a generator from which a seed is drawn; None: another seed in each call. The same
         seed gives the same points.
     geometric : sequence of str
         Keys whose logarithm is spread evenly.

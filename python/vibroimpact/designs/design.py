@@ -321,10 +321,10 @@ class Design(Noun, study="design", example=EXAMPLE):
         samples : int
             At least 10.
         rng : int, numpy.random.Generator or None
-            Seed of the random numbers, from 0 to 2**31 - 1, or a generator that a seed is drawn from; None:
+            Seed of the random numbers, from 0 to 2**31 - 1, or a generator from which a seed is drawn; None:
             another seed in each call.
         progress : callable, optional
-            Called a few times a second with the share done and the present task; by default a bar on a terminal
+            Called a few times a second with the fraction done and the current task; by default a bar on a terminal
             or in a notebook.
 
         Raises
@@ -477,7 +477,7 @@ def design(
     r : float or (float, float)
         The band of frequency ratios (of a function: of what it takes as r).
     free : dict
-        Ranges (low, high) of what is chosen: ``clearance`` (d K/F0 at load 1, where d is the whole travel of the
+        Ranges (low, high) of what is chosen: ``clearance`` (d K/F0 at load 1, where d is the total travel of the
         free mass), ``mu``, ``xi``, ``restitution`` (the same on both walls), ``R1``, ``R2``. Of a function any
         names; a ``range`` of whole numbers is for a number of units.
     clearance : float, optional
@@ -532,7 +532,7 @@ def design(
     threads : int, optional
         Default: one for each processor. The result does not depend on it.
     progress : callable, optional
-        Called a few times a second with the share done and the present task; by default a bar on a terminal
+        Called a few times a second with the fraction done and the current task; by default a bar on a terminal
         or in a notebook.
 
     Returns

@@ -142,7 +142,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         load.
     residual : float
         Relative 2-norm of the residual of equations (26), (30). With N = 2 they are a square system, and it is 0
-        by definition. Of a structure the largest residual of the equations, each relative to the sum of the
+        by definition. For a structure, the largest residual of the equations, each relative to the sum of the
         absolute terms in it.
     multipliers : ndarray (2n,) of complex
         Eigenvalues of [P], in order of decreasing modulus; NaN where an impact has no approach speed.
@@ -156,9 +156,9 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         example).
     osc : Oscillator
     r : float
-        Of an oscillator, as all up to `rest_events`: frequency ratio Omega/omega.
+        For an oscillator, as all up to `rest_events`: frequency ratio Omega/omega.
     clearance : float
-        D = d K/F0; d is the whole travel of the free mass between the walls.
+        D = d K/F0; d is the total travel of the free mass between the walls.
     pattern : Pattern
     restitution : ndarray (N,)
         Coefficient of restitution of each impact.
@@ -184,7 +184,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         The arrays above then have one entry per symbol; for a starred symbol it is the first impact of the
         accumulation.
     structure : Structure
-        Of a structure, as all that follow.
+        For a structure, as all that follow.
     self_excited : bool
     trivial : int or None
     matrix : ndarray (2n, 2n)
@@ -268,7 +268,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
 
     @property
     def events(self) -> NDArray[Any]:
-        """Of an oscillator: the events of one period from the first impact on, as in `Trajectory.events`."""
+        """For an oscillator: the events of one period from the first impact on, as in `Trajectory.events`."""
         if self.rest_events is not None:
             return self.rest_events
         events = np.empty(len(self.pattern), dtype=EVENT_TYPE)
@@ -296,11 +296,11 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
 
     @property
     def _given_load(self) -> Load:
-        """Of a structure: its load; of a self-excited motion without the frequency, which is a result."""
+        """For a structure: its load; of a self-excited motion without the frequency, which is a result."""
         return Load(constant=self.load.constant) if self.self_excited else self.load
 
     def _groups(self) -> list[tuple[str, dict[str, Any]]]:
-        """Of a structure: the groups of it and its load."""
+        """For a structure: the groups of it and its load."""
         load = self._given_load
         bare = self.self_excited and not load.constant.any()
         return [*self.structure._groups(), *([] if bare else load._groups())]
@@ -319,7 +319,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
 
     @property
     def _has_meetings(self) -> bool:
-        """Of a structure: whether impacts are at one instant."""
+        """For a structure: whether impacts are at one instant."""
         if not self.of_structure or not len(self.phases):
             return False
         whole = 2 * np.pi * self.cycles
@@ -352,12 +352,12 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
 
     @property
     def attenuation(self) -> float:
-        """Of an oscillator: max|x|/A; if it is below 1 the impacts reduce the motion of the primary mass."""
+        """For an oscillator: max|x|/A; if it is below 1 the impacts reduce the motion of the primary mass."""
         return max(-self.x_min, self.x_max) / self.A
 
     @property
     def load_phase(self) -> float:
-        """Of an oscillator: phase of the load at the first impact; the load is ``sin(r t + load_phase)``."""
+        """For an oscillator: phase of the load at the first impact; the load is ``sin(r t + load_phase)``."""
         return float(load_phase_of(self.tau, self.osc.xi, self.r))
 
     @property
@@ -380,15 +380,16 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         Parameters
         ----------
         t : array_like
-            Any finite times; of an oscillator in 1/omega, 0 at the first impact. Of a structure one list of times
-            (m,), the load phase being Omega t. At an impact velocities and accelerations are those just after it.
+            Any finite times; for an oscillator in 1/omega, 0 at the first impact. For a structure, one list of
+            times (m,), the load phase being Omega t. At an impact velocities and accelerations are those just
+            after it.
         output : str, optional
-            Of a structure: the output that is sampled, in place of all coordinates.
+            For a structure: the output that is sampled, in place of all coordinates.
 
         Returns
         -------
         Sample, or (q, q_dot) of a structure
-            Of an oscillator arrays ``X, X_dot, Z, Z_dot, Y, load, X_ddot, Z_ddot``; Y is Z - X. Of a structure
+            For an oscillator, arrays ``X, X_dot, Z, Z_dot, Y, load, X_ddot, Z_ddot``; Y is Z - X. For a structure
             coordinates and velocities (n, m), or those of the output (m,).
 
         Examples
@@ -426,7 +427,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         return np.array([found.X_ddot, found.Z_ddot])
 
     def _within(self, t: ArrayLike) -> tuple[Trajectory, _Array]:
-        """Of a structure: the period, and times within it for any times."""
+        """For a structure: the period, and times within it for any times."""
         times = np.atleast_1d(checks.real_array(t, "t", "finite times"))
         if times.ndim != 1 or not np.isfinite(times).all():
             raise ParameterError(f"t = {t!r}: must be finite times")
@@ -491,9 +492,9 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
             As in `Trajectory.plot`.
         cycles : float, optional
             Load cycles shown: of an oscillator from the first impact on, by default one period, at least two
-            cycles; of a structure the last ones of a period.
+            cycles; for a structure the last ones of a period.
         window : (float, float), optional
-            Of a structure: times between which it is drawn, by default a period.
+            For a structure: times between which it is drawn, by default a period.
         units : Units or str, optional
             As in `Trajectory.plot`.
 
@@ -560,7 +561,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
             )
 
     def impact_maps(self) -> NDArray[np.float64]:
-        """Of an oscillator: the matrices [P_i] of (A7), (N, 4, 4).
+        """For an oscillator: the matrices [P_i] of (A7), (N, 4, 4).
 
         P_i is the derivative of the state (x, x', z', alpha) just after impact i+1 with respect to that
         just after impact i. All zero where the impact has no approach speed.
@@ -590,7 +591,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         They are those of the exact motion, with the phases as functions of the parameters, from the
         implicit-function theorem and the derivatives of [P_i]; no difference quotients are taken.
 
-        Of an oscillator the parameters are r, clearance, xi, mu, R1, R2, R and load. R1 and R2 change
+        For an oscillator, the parameters are r, clearance, xi, mu, R1, R2, R and load. R1 and R2 change
         the restitution of all impacts on their wall, R that of all impacts.
         Besides attributes of the motion, the quantities are `load_phase`, `attenuation`, the response `x_rms`,
         `fundamental_amplitude` and `fundamental_phase` (as `quantities` has them), and the distances to the
@@ -598,14 +599,14 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         to each wall where the relative position is stationary in the flight after each impact (NaN if it is so
         nowhere); and `stability_margin`, which is 1 - max|lambda|.
 
-        Of a structure the quantities are phases, speeds, impulses, ``q`` and ``q_dot``, the states just after the
-        impacts, multipliers and `stability_margin`. With rest, the accumulations are summed to their limit. Of a
-        self-excited motion also `period`, and phases are counted from the first event.
+        For a structure, the quantities are phases, speeds, impulses, ``q`` and ``q_dot``, the states just after
+        the impacts, multipliers and `stability_margin`. With rest, the accumulations are summed to their limit. Of
+        a self-excited motion also `period`, and phases are counted from the first event.
 
         Parameters
         ----------
         parameters : sequence, optional
-            Of a structure: names as in `branch`: 'frequency'; 'load', 'constant', 'mass', 'damping', 'stiffness'
+            For a structure: names as in `branch`: 'frequency'; 'load', 'constant', 'mass', 'damping', 'stiffness'
             (factors, 1 for the motion); 'opening', 'restitution' (of all gaps, which all change by the same);
             'opening_J', 'restitution_J' (of gap J); 'mass_I_J', 'damping_I_J', 'stiffness_I_J' (an entry, with its
             mirror image). Of a `PowerLaw` the restitution is R0. Or tuples (name, function, value) of a smooth
@@ -798,7 +799,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         return of_tables(result, structure, load, "motion", None, None, request)
 
     def _run(self) -> Trajectory:
-        """Of a structure: the period from just after the first impact, by the flights and rests of the motion.
+        """For a structure: the period from just after the first impact, by the flights and rests of the motion.
 
         Nothing is simulated: a simulation would leave an unstable motion, would stop at the first gap that a
         motion closes in between, and could not start again from a gap that is closed to rounding.
@@ -853,7 +854,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         )  # fmt: skip
 
     def _simulated(self) -> Trajectory:
-        """Of a structure with stops or friction: the period from just after the first event, simulated.
+        """For a structure with stops or friction: the period from just after the first event, simulated.
 
         The first event may come again at the start, where its limit is reached to rounding.
         """
@@ -863,7 +864,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         )
 
     def _from_flight(self) -> Trajectory:
-        """Of a structure with stops or friction: the period from the middle of its longest flight, in which each
+        """For a structure with stops or friction: the period from the middle of its longest flight, in which each
         event comes once."""
         start, state = self._run()._between_events()
         return simulate_structure(

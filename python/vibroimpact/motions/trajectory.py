@@ -142,14 +142,14 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
     ----------
     events : structured ndarray
         In order of time: ``time`` and ``kind``: "impact", "stick" where accumulating impacts end in rest,
-        "release" where the rest ends. Of an oscillator further ``side`` ("R" or "L"), ``phase`` (of the load, in
-        [0, 2 pi)), ``x``, ``x_dot_before``, ``x_dot_after``, ``z_dot_before``, ``z_dot_after``; of a structure
+        "release" where the rest ends. For an oscillator further ``side`` ("R" or "L"), ``phase`` (of the load, in
+        [0, 2 pi)), ``x``, ``x_dot_before``, ``x_dot_after``, ``z_dot_before``, ``z_dot_after``; for a structure
         ``gap`` (from 0), ``speed`` (approach speed) and ``impulse``. Kinds of a stop are "touch" and "leave", and,
         where it cannot pull, "let_go" where its force vanishes at a depth and "press" where it pushes again; their
         ``speed`` is that of the opening. Of friction, whose numbers follow those of all gaps and stops, they are
         "halt" where it sticks, and "slip_up" and "slip_down" where it begins to slip with s > 0 or s < 0.
     states : ndarray (events, 2, n)
-        Coordinates and velocities just after each event; of an oscillator those of its two masses.
+        Coordinates and velocities just after each event; for an oscillator those of its two masses.
     start, end : float
         Start and end times of the part that is kept.
     initial_state, final_state
@@ -166,10 +166,10 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         How far the simulation got, if it was stopped.
     osc : Oscillator
     r, clearance : float
-        Of an oscillator: frequency ratio and clearance.
+        For an oscillator: frequency ratio and clearance.
     structure : Structure
     permanent : tuple of int
-        Of a structure: gaps that are at rest from `start` to `end`, so that they have no events.
+        For a structure: gaps that are at rest from `start` to `end`, so that they have no events.
     """
 
     __slots__ = (
@@ -211,12 +211,12 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
             Times from `start` to `end`, in any order; for a structure, a one-dimensional array (m,). At the time
             of an event velocities and accelerations are those just after it.
         output : str, optional
-            Of a structure: the output that is sampled, in place of all coordinates.
+            For a structure: the output that is sampled, in place of all coordinates.
 
         Returns
         -------
         Sample, or (q, q_dot) of a structure
-            Of an oscillator as in `Motion.sample`; of a structure coordinates and velocities (n, m), or those of
+            For an oscillator as in `Motion.sample`; for a structure coordinates and velocities (n, m), or those of
             the output (m,).
 
         Raises
@@ -248,7 +248,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         return sample(self.osc, self.r, self.load, self.clearance, starts, resting, times)
 
     def _sampled(self, t: ArrayLike, parts: int, output: str | None = None) -> _Array:
-        """Of a structure: coordinates and velocities, and with three `parts` accelerations (parts, n, m); of an
+        """For a structure: coordinates and velocities, and with three `parts` accelerations (parts, n, m); of an
         output (parts, m)."""
         row = None if output is None else self.structure._row(output)
         wanted = f"times from {self.start!r} to {self.end!r}"
@@ -288,7 +288,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         Returns
         -------
         ndarray (n, m)
-            Of an oscillator those of its two masses; (m,) of an output.
+            For an oscillator, those of its two masses; (m,) of an output.
 
         Raises
         ------
@@ -352,7 +352,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         )  # fmt: skip
 
     def _between_events(self) -> tuple[float, tuple[_Array, _Array]]:
-        """Of a structure: a time in the middle of the longest flight, and the state there."""
+        """For a structure: a time in the middle of the longest flight, and the state there."""
         times = np.concatenate([[self.start], self.events["time"], [self.end]])
         longest = int(np.diff(times).argmax())
         middle = float(times[longest : longest + 2].mean())
@@ -423,7 +423,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         They are carried through impacts, accumulations, rests and releases in closed form (saltation). Of an
         oscillator the quantities are ``time``, ``x``, ``x_dot_before``, ``x_dot_after``, ``z_dot_before`` and
         ``z_dot_after`` of the events, and ``final_t``, ``final_x``, ``final_x_dot``, ``final_z`` and
-        ``final_z_dot``; of a structure ``time``, ``speed``, ``impulse``, ``q`` and ``q_dot`` (just after it) of
+        ``final_z_dot``; for a structure ``time``, ``speed``, ``impulse``, ``q`` and ``q_dot`` (just after it) of
         the events, and ``final_time``, ``final_q`` and ``final_q_dot``. The number of load cycles, or the
         duration, is fixed, and so is the initial state while another parameter changes: the end of time changes
         with the frequency.
@@ -431,17 +431,17 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         Parameters
         ----------
         parameters : sequence, optional
-            Of a structure: names or tuples as in `Motion.gradient`, and of the start: 'start' (its time, the state
-            being fixed), 'q_I' and 'q_dot_I'. Of a record 'load' is a factor. By default those of the start,
-            frequency, load, and all openings and coefficients of restitution. Those of an oscillator are t, x,
-            x_dot, z and z_dot of the initial state, and r, clearance, xi, mu, R1, R2, R (both walls) and load.
+            For a structure: names or tuples as in `Motion.gradient`, and of the start: 'start' (its time, the
+            state being fixed), 'q_I' and 'q_dot_I'. For a record, 'load' is a factor. By default those of the
+            start, frequency, load, and all openings and coefficients of restitution. Those of an oscillator are t,
+            x, x_dot, z and z_dot of the initial state, and r, clearance, xi, mu, R1, R2, R (both walls) and load.
 
         Returns
         -------
         Gradient
             NaN from the first event on that has no derivatives: an impact without approach speed, or a rest that
             ends without its contact force falling through 0; `status` names it. If a gap rests at the start, those
-            by what would open or close it further are NaN; of an oscillator those by z and z_dot, and the other
+            by what would open or close it further are NaN; for an oscillator those by z and z_dot, and the other
             ones move both masses.
 
         Raises
@@ -630,7 +630,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
     ) -> Any:  # fmt: skip
         """Draw the trajectory, or one panel of its figure (extra `plot`).
 
-        Of an oscillator time history, load, acceleration and phase portrait; of a structure the structure, the
+        For an oscillator, time history, load, acceleration and phase portrait; for a structure the structure, the
         histories of its bodies, its impacts, and the energy of its modes.
 
         Parameters
@@ -646,8 +646,8 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
             Start and end of the time window drawn, in place of `cycles`; for a structure, by default everything.
 
         units : Units or str, optional
-            Of an oscillator: "mm N s", say, or "dimensionless"; by default its own units, if it knows M, K and F0.
-            Times on the axis then begin at 0 where the picture begins.
+            For an oscillator: "mm N s", say, or "dimensionless"; by default its own units, if it knows M, K and
+            F0. Times on the axis then begin at 0 where the picture begins.
 
         Returns
         -------
@@ -669,8 +669,8 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         cycles : float, optional
             As in `plot`.
         seconds : float, optional
-            Of an oscillator: duration of a load cycle on the screen, 3 by default. Of a structure: of all that is
-            shown, 10 by default.
+            For an oscillator: duration of a load cycle on the screen, 3 by default. For a structure: of all that
+            is shown, 10 by default.
         window : (float, float), optional
             As in `plot`.
         units : Units or str, optional
@@ -702,7 +702,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         return 3.0 if cycles is None else cycles, None
 
     def _segments(self) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
-        """Start of each segment (6, n), and the side on which the free mass rests in it; of a structure as the
+        """Start of each segment (6, n), and the side on which the free mass rests in it; for a structure as the
         core takes them."""
         if self.of_structure:
             return segments_of_events(self.start, self.initial_state, self.events, self.states)
@@ -1029,7 +1029,7 @@ def simulate(
     ParameterError, ParameterTypeError
         If an argument is not allowed; nothing was computed.
     SingularError
-        If an event cannot be found within millions of oscillations. Of a structure: if a gap is less than closed
+        If an event cannot be found within millions of oscillations. For a structure: if a gap is less than closed
         at the start, a mode without damping resonates with the load, two modes coincide by damping, or coupled
         gaps close at one instant; if events came before, the motion up to there is the attribute `result`.
 

@@ -172,16 +172,16 @@ class Atlas(OnPlane, study="atlas"):
     r, clearance : (float, float)
         The window, of an oscillator.
     structure, load : Structure, Load
-        Of a structure.
+        For a structure.
     x, y : (float, float)
         The window: lowest and highest value of both parameters.
     x_parameter, y_parameter : str
         Their names, r and clearance of an oscillator.
     zones : list of Zone
-        Of a structure: one for each motion of the survey that lies in no other zone of its order of impacts.
-        Of an oscillator: one for each pattern that has one, in the order of the search (also where only a boundary
-        was found that could not be closed); motions that are their own mirror image in a zone of their own.
-        With R1 = R2 a pattern stands for its mirror image too, whose zone is the same.
+        For a structure: one for each motion of the survey that lies in no other zone of its order of impacts.
+        For an oscillator: one for each pattern that has one, in the order of the search (also where only a
+        boundary was found that could not be closed); motions that are their own mirror image in a zone of their
+        own. With R1 = R2 a pattern also represents its mirror image, whose zone is the same.
     attractors : list of SurveyPoint, of a structure of SurveyMotion
         The motions on which the survey by simulation settled, within the limits of impacts and cycles.
     unexplained : list of SurveyPoint
@@ -266,8 +266,7 @@ class Atlas(OnPlane, study="atlas"):
 
     @property
     def without_impacts(self) -> WithoutImpacts:
-        """Of an oscillator: the region where the motion without impacts exists; the free mass is at rest and never
-        touched."""
+        """The region where the motion without impacts exists, with the free mass at rest (oscillators only)."""
         if self.of_structure:
             raise AttributeError(self._lack("without_impacts", "counts"))
         return WithoutImpacts(self.osc, self.r, self.clearance)
@@ -286,7 +285,7 @@ class Atlas(OnPlane, study="atlas"):
         return [zone for zone in self.zones if bool(zone.contains(x, y))]
 
     def explains(self, attractor: SurveyPoint) -> bool:
-        """Of an oscillator: whether an attractor of the survey lies in a zone of its pattern."""
+        """For an oscillator: whether an attractor of the survey lies in a zone of its pattern."""
         if self.of_structure:
             raise AttributeError(self._lack("explains", "unexplained"))
         checks.instance(attractor, "attractor", SurveyPoint)
@@ -409,17 +408,17 @@ def atlas(
 ) -> Atlas:
     """All zones of stable motions in a window, for all patterns up to a number of impacts and cycles.
 
-    Of an oscillator: patterns come from enumeration (all sequences of sides up to rotation, and up to the mirror
+    For an oscillator: patterns come from enumeration (all sequences of sides up to rotation, and up to the mirror
     image when R1 = R2) and, those with rest, from a survey by simulation over the window and from simulations at
     the nodes of the zones' lattice. Each pattern's `zone` is traced; the surveyed attractors are seeds of it. If
     attractors then lie in no zone of their pattern, that pattern is searched once more on a finer lattice;
     attractors that still lie in no zone are listed as `unexplained`.
     The points of the survey are counted by their outcomes (`Atlas.counts`, see `Survey`).
 
-    Of a structure: the survey simulates from a random state at points spread over the plane of any two parameters.
-    Each motion without rest and within the limits that lies in no zone found so far of its order of impacts, or of
-    the mirror image of that, is followed to the boundary of its own `zone`. Motions that no simulation reaches
-    have no zone; those with rest are counted.
+    For a structure: the survey simulates from a random state at points spread over the plane of any two
+    parameters. Each motion without rest and within the limits that lies in no zone found so far of its order of
+    impacts, or of the mirror image of that, is followed to the boundary of its own `zone`. Motions that no
+    simulation reaches have no zone; those with rest are counted.
 
     Parameters
     ----------
@@ -427,7 +426,7 @@ def atlas(
     structure, load : Structure, Load
         In place of it.
     x, y : (parameter, (float, float))
-        Of a structure, in place of r and clearance: each a parameter, as in `branch`, with its lowest and highest
+        For a structure, in place of r and clearance: each a parameter, as in `branch`, with its lowest and highest
         value, between which is that of the structure. With a function, `x_at` or `y_at` is its value there.
     r, clearance : (float, float)
         The window, as in `zone`: ranges (lo, hi) of the frequency ratio and of d K/F0.
@@ -435,17 +434,17 @@ def atlas(
         Limits of the patterns, 2 to 8 symbols and 1 to 4 cycles; an accumulation counts as one symbol. Of a
         structure 1 to 24 impacts (4 by default) and 1 to 16 cycles.
     survey : int
-        Points of the window at which simulations are made until they settle; of a structure 100 by default.
+        Points of the window at which simulations are made until they settle; for a structure 100 by default.
     settling : int
         Load cycles simulated at each before its attractor is examined.
     lines, guesses, max_points : int
         As in `zone`.
     max_events : int
-        Events after which a simulation of the survey is given up, with the outcome "event limit reached".
+        Events after which a simulation of the survey is abandoned, with the outcome "event limit reached".
     threads : int, optional
         Default: one for each processor. The result does not depend on it.
     progress : callable, optional
-        Called with the share done and the present task; by default a bar on a terminal or in a
+        Called with the fraction done and the current task; by default a bar on a terminal or in a
         notebook.
 
     Returns

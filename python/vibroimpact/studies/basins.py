@@ -70,14 +70,14 @@ class Attractor:
     motion : Motion or None
         The exact motion.
     state : dict or None
-        Of an oscillator: a state on it.
+        For an oscillator: a state on it.
     lyapunov : Lyapunov or None
-        Of an oscillator: exponents of an attractor that is not periodic.
+        For an oscillator: exponents of an attractor that is not periodic.
     radius, contraction : float
-        Of an oscillator: radius of the largest neighbourhood used to decide, in its own norm, and the contraction
+        For an oscillator: radius of the largest neighbourhood used to decide, in its own norm, and the contraction
         of the derivative over a period in that norm; 0 and 1 if there is none.
     growth : float
-        Of an oscillator: of a periodic attractor the largest modulus of a multiplier, from the simulation; of
+        For an oscillator: of a periodic attractor the largest modulus of a multiplier, from the simulation; of
         another one the largest exponent per load cycle; NaN if neither exists.
     """
 
@@ -96,18 +96,18 @@ class Attractor:
 
 
 class Basins(Noun, study="basins", formerly="StructureBasins"):
-    """To which attractor each of many initial states goes.
+    """The attractor that each of many initial states reaches.
 
     Attributes
     ----------
     osc : Oscillator
     r, clearance : float
-        Of an oscillator.
+        For an oscillator.
     structure : Structure
-        Of a structure.
+        For a structure.
     load : float or Load
     attractors : list of Attractor
-        The label of an attractor is its place in this list; of a structure by decreasing share.
+        The label of an attractor is its place in this list; for a structure by decreasing share.
     labels : ndarray (n, m) of int, or (M,)
         For each state of the plane (first axis, second axis) or of the list; -1 not decided, -2 not reached
         before it was cut short, -3 not decided before `max_events`, -4 a gap of a structure is closed in the
@@ -116,7 +116,7 @@ class Basins(Noun, study="basins", formerly="StructureBasins"):
     states : ndarray (5, ...), or (2, k, ...)
         t, x, x_dot, z, z_dot of each, or coordinates and velocities of a structure with k coordinates.
     impacts : int
-        Of an oscillator: events simulated to decide.
+        For an oscillator: events simulated to decide.
     fractions : ndarray
         Share of the states that go to each attractor, of those without a closed gap; of those that were reached,
         if it was cut short.
@@ -206,7 +206,7 @@ class Basins(Noun, study="basins", formerly="StructureBasins"):
 
     @property
     def uncertain(self) -> tuple[_Array, _Array]:
-        """Of an oscillator: share of pairs of states with different ends, against their distance in cells of the
+        """For an oscillator: share of pairs of states with different ends, against their distance in cells of the
         plane.
 
         Pairs lie along the first or the second axis.
@@ -217,7 +217,7 @@ class Basins(Noun, study="basins", formerly="StructureBasins"):
 
     @property
     def uncertainty_exponent(self) -> float:
-        """Of an oscillator: the exponent a if a share ~ eps**a of states known to eps is uncertain.
+        """For an oscillator: the exponent a if a share ~ eps**a of states known to eps is uncertain.
 
         It is 1 for smooth boundaries and near 0 for fractal ones, where a more accurate state hardly helps. The
         boundary in the plane has dimension 2 - a. NaN if there is no boundary.
@@ -226,7 +226,7 @@ class Basins(Noun, study="basins", formerly="StructureBasins"):
         return float(self._run("uncertainty_exponent"))
 
     def integrity(self, attractor: int) -> tuple[float, tuple[float, float]]:
-        """Of an oscillator: radius and centre of the largest disc of the plane inside a basin.
+        """For an oscillator: radius and centre of the largest disc of the plane inside a basin.
 
         Both axes have equal scales.
         The radius is the distance to the nearest state with another end, or to the edge of the plane; the true
@@ -354,9 +354,9 @@ def basins(
     threads: int | None = None,
     progress: Callable[[float, str], None] | None = None,
 ) -> Basins:
-    """To which attractor each of many initial states goes.
+    """The attractor that each of many initial states reaches.
 
-    Of an oscillator first a few of the states are simulated until they settle, and Newton's method computes the
+    For an oscillator, first a few of the states are simulated until they settle, and Newton's method computes the
     exact periodic motions. Around the events of each motion a ball is determined, in a norm in which the
     derivative over a period is a contraction: the largest ball on which the map is a contraction too, tested with
     1024 states spread over it. Half its radius is used. A state is decided as soon as its trajectory has an event
@@ -396,30 +396,30 @@ def basins(
     points : int or (int, int), optional
         Numbers of values in the ranges of the plane.
     fixed : mapping, optional
-        Of an oscillator: the coordinates that are not axes of the plane; 0 by default.
+        For an oscillator: the coordinates that are not axes of the plane; 0 by default.
     state : (array_like, array_like), optional
-        Of a structure: coordinates and velocities off the axes of the plane; zero by default.
+        For a structure: coordinates and velocities off the axes of the plane; zero by default.
     start : float
-        Of a structure: time at the start.
+        For a structure: time at the start.
     cycles : int
-        Of an oscillator: load cycles after which a state without a decision is examined again.
+        For an oscillator: load cycles after which a state without a decision is examined again.
     settling : int
-        Of a structure: load cycles after which a state that does not repeat is followed for longer.
+        For a structure: load cycles after which a state that does not repeat is followed for longer.
     probes : int
-        Of an oscillator: states simulated first.
+        For an oscillator: states simulated first.
     max_cycles : int
         Longest period that is considered, in load cycles.
     rng : int, numpy.random.Generator or None
-        Seed of random states, from 0 to 2**31 - 1, or a generator that a seed is drawn from; None: another seed
+        Seed of random states, from 0 to 2**31 - 1, or a generator from which a seed is drawn; None: another seed
         in each call. A state depends only on the seed and its number, so a larger set of states begins with the
         smaller one. The seed that was used is in the case of the result.
     max_events : int
-        Events (impacts, rests, releases; of a structure those of stops and friction too) after which one
-        simulation is given up: its state has the label -3.
+        Events (impacts, rests, releases; for a structure those of stops and friction too) after which one
+        simulation is abandoned: its state has the label -3.
     threads : int, optional
         Default: one for each processor. The result does not depend on it.
     progress : callable, optional
-        Called a few times a second with the share done and the present task; by default a bar on a terminal
+        Called a few times a second with the fraction done and the current task; by default a bar on a terminal
         or in a notebook.
 
     Returns

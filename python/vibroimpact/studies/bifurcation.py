@@ -78,7 +78,7 @@ class SettledMotions(Noun):
 
     @cached_property
     def _cells(self) -> tuple[_Array, list[str], NDArray[Any], NDArray[Any]]:
-        """Of a structure: the values that were reached, rising, the runs, and the place of each row in both."""
+        """For a structure: the values that were reached, rising, the runs, and the place of each row in both."""
         value, run = (self._values("cells", name) for name in ("value", "run"))
         values, index = np.unique(value, return_inverse=True)
         runs = list(dict.fromkeys(run.tolist()))
@@ -122,13 +122,13 @@ class BifurcationDiagram(
     ----------
     osc : Oscillator
     r, clearance : float or ndarray (n,)
-        Of an oscillator: the one that is not swept.
+        For an oscillator: the one that is not swept.
     structure : Structure
-        Of a structure.
+        For a structure.
     load : float or Load
     parameter : str
     values : ndarray (n,)
-        Values of the parameter, rising; of a structure those that were reached.
+        Values of the parameter, rising; for a structure those that were reached.
     runs : list of str
         "up", "down", or, of an oscillator, "state 1", ...: the first index of the arrays below.
     cycles, impacts, rests : ndarray (runs, n) of int
@@ -136,9 +136,9 @@ class BifurcationDiagram(
         simulation; 0 if there is none up to the longest one considered: chaotic, quasi-periodic, or not settled
         yet. Impacts and rests in it, or without a period in all cycles examined.
     symbols : ndarray (runs, n) of int
-        Of an oscillator: symbols, in which an accumulation counts as one impact.
+        For an oscillator: symbols, in which an accumulation counts as one impact.
     x_min, x_max : ndarray (runs, n)
-        Of an oscillator: extreme positions of the primary mass.
+        For an oscillator: extreme positions of the primary mass.
     labels : ndarray (runs, n) of str
         N/k of each run and value, N symbols of an oscillator or impacts of a structure; "" where no period is
         confirmed, "0/1" without impacts. With stops or friction N counts all events but the beginning and the end
@@ -148,16 +148,16 @@ class BifurcationDiagram(
     failures : dict
         Messages of simulations that failed, and how often each occurred.
     windows : list of PeriodicWindow
-        Of an oscillator: stretches of values with one label, run by run.
+        For an oscillator: stretches of values with one label, run by run.
     coexisting : ndarray (n,) of bool
-        Of an oscillator: whether the runs ended on different motions, as with hysteresis.
+        For an oscillator: whether the runs ended on different motions, as with hysteresis.
     points : structured ndarray
         The impacts kept: ``run`` and ``index`` (of the value) and, of an oscillator, ``side`` ("R", "L"),
-        ``phase``, ``x``, ``x_dot_before``, ``x_dot_after``, ``z_dot_before``, ``z_dot_after``; of a structure
+        ``phase``, ``x``, ``x_dot_before``, ``x_dot_after``, ``z_dot_before``, ``z_dot_after``; for a structure
         ``gap``, ``phase`` and ``speed`` of approach; with stops or friction all events but the beginning and the
         end of rests, and their ``kind`` as of `Trajectory`.
     strobes : structured ndarray
-        Of a structure: ``run``, ``index``, and coordinates ``q`` and velocities ``q_dot`` at the beginning of the
+        For a structure: ``run``, ``index``, and coordinates ``q`` and velocities ``q_dot`` at the beginning of the
         load cycles of a period, or of all that were examined.
     case : str
         The case as a namelist.
@@ -230,7 +230,7 @@ class BifurcationDiagram(
 
     @property
     def windows(self) -> list[PeriodicWindow]:
-        """Of an oscillator: the windows with one label, run by run.
+        """For an oscillator: the windows with one label, run by run.
 
         In a diagram that was stopped early, those next to values that were not reached are left out, because
         their ends are not known.
@@ -239,7 +239,7 @@ class BifurcationDiagram(
 
     @property
     def cut_windows(self) -> list[PeriodicWindow]:
-        """Of an oscillator: the windows next to values that were not reached, where they may continue."""
+        """For an oscillator: the windows next to values that were not reached, where they may continue."""
         return self._stretches(cut=True)
 
     def _stretches(self, cut: bool) -> list[PeriodicWindow]:
@@ -253,7 +253,7 @@ class BifurcationDiagram(
 
     @property
     def coexisting(self) -> NDArray[np.bool_]:
-        """Of an oscillator: whether the runs ended on different motions at each value (n).
+        """For an oscillator: whether the runs ended on different motions at each value (n).
 
         They do if there is hysteresis or several attractors.
 
@@ -269,7 +269,7 @@ class BifurcationDiagram(
     def column(self, quantity: str) -> _Array:
         """A column of the points; "approach" is the speed of approach, "y_dot" that of the free mass.
 
-        Of a structure also "q_0", "q_1", ... and "q_dot_0", ... of the strobes, and outputs by their names.
+        For a structure, also "q_0", "q_1", ... and "q_dot_0", ... of the strobes, and outputs by their names.
         """
         names: tuple[str, ...] = (*COLUMNS, "approach")
         if self.of_structure:
@@ -295,14 +295,14 @@ class BifurcationDiagram(
     ) -> Any:
         """Draw a quantity along the parameter (extra `plot`).
 
-        Of an oscillator the impacts, with colour and marker by wall, and the windows N/k as a line on top.
+        For an oscillator, the impacts, with colour and marker by wall, and the windows N/k as a line on top.
 
         Parameters
         ----------
         ax : matplotlib Axes, optional
         quantity : str, optional
-            Of an oscillator "x" (default), "phase", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after"
-            or "approach". Of a structure an output by its name, "q_0", "q_1", ... or "q_dot_0", ... at the
+            For an oscillator "x" (default), "phase", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after"
+            or "approach". For a structure, an output by its name, "q_0", "q_1", ... or "q_dot_0", ... at the
             beginning of load cycles; "phase" or "speed" of the impacts. By default the first output, or "q_0"
             without outputs.
         units : Units or str, optional
@@ -504,9 +504,9 @@ def bifurcation_diagram(
     structure, load : Structure, Load
         In place of it and of `r` and `clearance`; the load has a frequency.
     parameter : {"r", "clearance", "xi", "mu", "R1", "R2", "restitution"}, or str or function
-        "restitution" changes both walls. Of a structure as in `branch`: "frequency", "load", "opening_0", ..., and
-        so of a point with friction or stops, such as "slip" or "contact"; or a smooth function that gives
-        (structure, load) for a value, with which `structure` and `load` are not used.
+        "restitution" changes both walls. For a structure as in `branch`: "frequency", "load", "opening_0", ...,
+        and likewise for a point with friction or stops, such as "slip" or "contact"; or a smooth function that
+        gives (structure, load) for a value, with which `structure` and `load` are not used.
     values : array_like, or (float, float)
         At least two different numbers, in any order and with any spacing; sweeps go through them in order. With
         `points` a range (lo, hi).
@@ -518,7 +518,7 @@ def bifurcation_diagram(
     states : int
         Initial states of "states", spread evenly.
     state : mapping, or (array_like, array_like), optional
-        State at the start of sweeps, as in `simulate`; by default a state with large velocities. Of a structure
+        State at the start of sweeps, as in `simulate`; by default a state with large velocities. For a structure
         coordinates and velocities at load phase 0, zero by default.
     load : float
         Amplitude of the load of an oscillator.
@@ -531,12 +531,12 @@ def bifurcation_diagram(
     impacts : int
         Impacts kept of each run and value.
     max_events : int
-        Events (impacts, rests, releases; of a structure those of stops and friction too) after which one
-        simulation is given up, one at each value of a run; the status says so.
+        Events (impacts, rests, releases; for a structure those of stops and friction too) after which one
+        simulation is abandoned, one at each value of a run; the status says so.
     threads : int, optional
-        Of an oscillator; one for each processor by default. The result does not depend on it.
+        For an oscillator; one for each processor by default. The result does not depend on it.
     progress : callable, optional
-        Called a few times a second with the share done and the present task; by default a bar on a terminal
+        Called a few times a second with the fraction done and the current task; by default a bar on a terminal
         or in a notebook.
 
     Returns

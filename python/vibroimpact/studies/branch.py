@@ -47,7 +47,7 @@ class SpecialPoint:
     Attributes
     ----------
     type : str
-        fold, pitchfork, flip, neimark_sacker, grazing, zero_approach, or bound (of the parameter). Of a structure
+        fold, pitchfork, flip, neimark_sacker, grazing, zero_approach, or bound (of the parameter). For a structure
         also branch_point (a pitchfork or transcritical point where impacts at one instant part), simultaneous
         (two events at one instant, beyond which their order is another), rest_vanishes (the impacts before a rest
         just fail to accumulate), rest_splits (the contact force touches zero within a rest), stick_begins
@@ -65,11 +65,12 @@ class SpecialPoint:
         The parameter there.
     motion : Motion
     r, clearance : float
-        Of an oscillator.
+        For an oscillator.
     impact : int
-        Of an oscillator: of grazing, the flight after this impact (from 0) touches; of zero_approach, this impact.
+        For an oscillator: of grazing, the flight after this impact (from 0) touches; of zero_approach, this
+        impact.
     side : str
-        Of an oscillator: of grazing, the wall that is touched, "R" or "L"; otherwise "".
+        For an oscillator: of grazing, the wall that is touched, "R" or "L"; otherwise "".
     """
 
     study: ClassVar[str] = "branch"
@@ -219,27 +220,27 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
         "friction begins to stick", "a stick vanishes", "a contact vanishes", "a halt or a slip vanishes",
         "closed", "full", "stopped", or "cannot be followed".
     osc, pattern : Oscillator, Pattern
-        Of an oscillator.
+        For an oscillator.
     symmetric : bool
-        Of an oscillator: whether the motions are their own mirror images half a period later (followed as such).
+        For an oscillator: whether the motions are their own mirror images half a period later (followed as such).
     r, clearance, xi, mu, R1, R2, A, tau, x_min, x_max, attenuation : ndarray (M,)
-        Of an oscillator.
+        For an oscillator.
     alpha, X, Z, X_dot_before, X_dot_after, Z_dot_before, Z_dot_after : ndarray (N, M)
-        Of an oscillator, at the impacts; alpha are their phases from the first one on.
+        For an oscillator, at the impacts; alpha are their phases from the first one on.
     structure : Structure
-        Of a structure: at the start.
+        For a structure: at the start.
     load : float, or Load
-        1 of an oscillator; of a structure the load at the start.
+        1 for an oscillator; for a structure the load at the start.
     gaps : ndarray (N,)
-        Of a structure: the gap of each impact, from 0. With rests, of those that accumulate only the first ones.
+        For a structure: the gap of each impact, from 0. With rests, of those that accumulate only the first ones.
     resting : ndarray (R,)
-        Of a structure: the gap of each rest, from 0, in the order in which they end.
+        For a structure: the gap of each rest, from 0, in the order in which they end.
     rests : ndarray (R, 2, M)
-        Of a structure: the load phases at which each rest begins and ends.
+        For a structure: the load phases at which each rest begins and ends.
     speeds, impulses : ndarray (N, M)
-        Of a structure: approach speeds and impulses.
+        For a structure: approach speeds and impulses.
     q_min, q_max : ndarray (n, M)
-        Of a structure: least and greatest value of each coordinate over the period.
+        For a structure: least and greatest value of each coordinate over the period.
     case : str
         The case as a namelist.
     """
@@ -420,7 +421,7 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
         tolerance : float, optional
             The smallest box, relative to the part of the branch between two folds.
         progress : callable, optional
-            Called with the share done and a note; by default a bar on a terminal or in a notebook.
+            Called with the fraction done and a note; by default a bar on a terminal or in a notebook.
 
         Returns
         -------
@@ -453,8 +454,8 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
         ----------
         ax : matplotlib Axes, optional
         y : str, optional
-            "largest" for the largest modulus of the multipliers; of an oscillator a column with one number a
-            point, "attenuation" by default; of a structure "q_max_0" (the default), ... or "q_min_0", ... (of a
+            "largest" for the largest modulus of the multipliers; for an oscillator a column with one number per
+            point, "attenuation" by default; for a structure "q_max_0" (the default), ... or "q_min_0", ... (of a
             coordinate, from 0), "speed_1", ..., "impulse_1", ... or "phase_1", ... (of an impact, from 1).
         units : Units or str, optional
             As in `Trajectory.plot`.
@@ -649,12 +650,12 @@ def branch(
     Parameters
     ----------
     motion : Motion
-        Of an oscillator without rest, with load 1. Of a structure consistent, with at most 24 impacts (23 if a
+        For an oscillator: without rest, with load 1. For a structure: consistent, with at most 24 impacts (23 if a
         mode has frequency 0); with rests, at most 24 impacts before the last ones of each accumulation, and
         releases; with stops or friction, at most 24 events. It need be neither stable nor, without rests, stops
         and friction, admissible.
     parameter : str, or function
-        "r", "clearance", "xi", "mu", "R1", "R2" or "restitution", which changes R1 = R2 together. Of a structure
+        "r", "clearance", "xi", "mu", "R1", "R2" or "restitution", which changes R1 = R2 together. For a structure
         "frequency"; "load", "constant", "damping" or "stiffness", factors of the harmonics, of the constant forces
         and of the matrices; "opening" or "restitution" of all gaps, which are the same; "opening_J" or
         "restitution_J" of gap J; "mass_I_J", "damping_I_J" or "stiffness_I_J", an entry and its mirror image;
@@ -672,7 +673,7 @@ def branch(
         Called a few times a second with the share done and what is being done: the fraction of the range covered,
         or of the points if that is more.
     at : float, optional
-        Of a structure: the value of the parameter at the motion, if it is a function.
+        For a structure: the value of the parameter at the motion, if it is a function.
 
     Returns
     -------
@@ -683,7 +684,7 @@ def branch(
     ParameterError, ParameterTypeError
         If an argument is not allowed.
     SingularError
-        If the motion cannot be followed. Of a structure: if it repeats itself, if gaps close at one instant that
+        If the motion cannot be followed. For a structure: if it repeats itself, if gaps close at one instant that
         would part for other values of the parameter or are coupled by damping, or if with rests any two events
         come at one instant, or one of another gap within an accumulation; or if a gap rests beside stops or
         friction.

@@ -50,15 +50,15 @@ class Chart(Followed, study="chart"):
     ----------
     osc : Oscillator
     pattern : Pattern
-        Of an oscillator.
+        For an oscillator.
     structure, load : Structure, Load
-        Of a structure, at the motion that the chart starts from.
+        For a structure, at the motion that the chart starts from.
     gaps : ndarray (N,) of int
-        Of a structure: the gaps of the impacts, from 0.
+        For a structure: the gaps of the impacts, from 0.
     cycles : int
         Load cycles in a period.
     x, y : ndarray
-        Of a structure: the values of both parameters.
+        For a structure: the values of both parameters.
     variables : dict of Variable
         The contents of the dataset, without xarray: (dims, values, attrs) by name.
     attrs : dict
@@ -289,9 +289,9 @@ def chart(
 ) -> Any:
     """The motions of a pattern at every point of a grid, as a labelled dataset (extra `data`).
 
-    Of an oscillator: two equally spaced impacts with equal restitution (the pattern RL, k odd) have a closed form.
-    All other motions are found by Newton's method: a search at some points of the grid, then from
-    each solved point to its neighbours.
+    For an oscillator: two equally spaced impacts with equal restitution (the pattern RL, k odd) have a closed
+    form. All other motions are found by Newton's method: a search at some points of the grid, then from each
+    solved point to its neighbours.
 
     Of a motion of a structure: the motions with its impacts over the plane of any two parameters. The lines of the
     grid are followed through it and through each motion where two lines cross, as by `zone`, also where they are
@@ -303,16 +303,16 @@ def chart(
     pattern : Pattern or str
         Without rest.
     motion : Motion
-        Of a structure, in place of the oscillator and the pattern; as in `zone`.
+        For a structure, in place of the oscillator and the pattern; as in `zone`.
     x, y : (parameter, (float, float)) or (parameter, array_like)
-        Of a structure, in place of r and clearance: each a parameter, as in `branch`, with its range, or with 3 to
-        129 values that rise or fall throughout. With a function, `x_at` or `y_at` is its value at the motion.
+        For a structure, in place of r and clearance: each a parameter, as in `branch`, with its range, or with 3
+        to 129 values that rise or fall throughout. With a function, `x_at` or `y_at` is its value at the motion.
     points : int or (int, int), optional
-        Numbers of evenly spaced values where r and clearance are ranges; of a structure those of x and of y, 2 to
+        Numbers of evenly spaced values where r and clearance are ranges; for a structure those of x and of y, 2 to
         129, by default 33.
     r, clearance : array_like, or (float, float)
         Frequency ratios and clearances d K/F0 that rise or fall throughout, at most 1000000 points altogether; d
-        is the whole travel of m between the walls. With `points` each is a range (lo, hi), or one number.
+        is the total travel of m between the walls. With `points` each is a range (lo, hi), or one number.
     symmetric : bool, optional
         True: only motions that are their own mirror image half a period later (of RL these are the
         equispaced ones); False: only the others; None: both.
@@ -327,7 +327,7 @@ def chart(
     threads : int, optional
         Default: one for each processor. The answer is the same to the last bit for any number.
     progress : callable, optional
-        Called a few times a second with the share done and what is being done; by default a bar on a terminal
+        Called a few times a second with the fraction done and the current task; by default a bar on a terminal
         or in a notebook.
 
     Returns
@@ -349,9 +349,9 @@ def chart(
         ones. Where there are more motions than `slots`, a slot may change from one to another; no
         admissible and stable motion is left out for one that is not.
 
-        Of a structure the dimensions are `motion`, `y` and `x`; in place of X, tau and the like there are `q_min`,
-        `q_max` (first dimension `coordinate`), `phases` and `speeds` (first dimension `impact`). At each point the
-        motion with the least leading multiplier comes first.
+        For a structure, the dimensions are `motion`, `y` and `x`; in place of X, tau and the like there are
+        `q_min`, `q_max` (first dimension `coordinate`), `phases` and `speeds` (first dimension `impact`). At each
+        point the motion with the least leading multiplier comes first.
 
     Raises
     ------

@@ -116,7 +116,7 @@ def decay(
     ----------
     osc : Oscillator
     clearance : float or array_like (runs,), or (float, float)
-        d K/F0; d is the whole travel between the walls. With `points` a range (lo, hi).
+        d K/F0; d is the total travel between the walls. With `points` a range (lo, hi).
     amplitude : float
         Displacement of the primary mass at the start.
     inverse_clearance : float or array_like (runs,), or (float, float)
@@ -130,11 +130,11 @@ def decay(
     points : int, optional
         Number of evenly spaced values of a range.
     max_events : int
-        Events (impacts, rests, releases) after which one simulation is given up; its status says so.
+        Events (impacts, rests, releases) after which one simulation is abandoned; its status says so.
     threads : int, optional
         Default: one for each processor. The result does not depend on it.
     progress : callable, optional
-        Called a few times a second with the share done and the present task; by default a bar on a terminal
+        Called a few times a second with the fraction done and the current task; by default a bar on a terminal
         or in a notebook.
 
     Returns

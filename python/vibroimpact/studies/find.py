@@ -104,26 +104,26 @@ class FoundMotions(Noun, Sequence[Any], study="find", formerly="StructureMotions
     Attributes
     ----------
     osc, r, clearance : Oscillator, float, float
-        Of an oscillator.
+        For an oscillator.
     structure : Structure
-        Of a structure.
+        For a structure.
     load : float, or Load
         Amplitude of the load of an oscillator, or the load of a structure.
     motions : tuple of Motion
     without_impacts : int
-        Simulated states after which no impacts are left; of a structure also those in contact for good.
+        Simulated states after which no impacts are left; for a structure also those in contact for good.
     search : Search
-        Of an oscillator: the extent of the search.
+        For an oscillator: the extent of the search.
     settled : tuple of int
-        Of a structure: how many of the simulated states settle on each motion.
+        For a structure: how many of the simulated states settle on each motion.
     chaotic, quasi_periodic : int
-        Of a structure: simulated states whose largest Lyapunov exponent is positive by its error, and those where
+        For a structure: simulated states whose largest Lyapunov exponent is positive by its error, and those where
         it is zero by its error and no stable motion is near.
     unsettled : int
-        Of a structure: simulated states on which none of this is decided within the limits of the search, or whose
-        motion is not stable.
+        For a structure: simulated states on which none of this is decided within the limits of the search, or
+        whose motion is not stable.
     failures : dict
-        Of a structure: messages of simulations and iterations that failed, and how often each occurred.
+        For a structure: messages of simulations and iterations that failed, and how often each occurred.
     case : str
         The case as a namelist.
     complete : bool
@@ -350,14 +350,14 @@ def find(
     The system is `osc, r, clearance`, or `structure, load`, or a point from `Oscillator.at`. Only admissible
     motions are kept. Simulations from a spread of initial states add the attractors.
 
-    Of an oscillator: for each pattern of sides (up to rotation) with N <= max_impacts and k <= max_cycles,
+    For an oscillator: for each pattern of sides (up to rotation) with N <= max_impacts and k <= max_cycles,
     Newton's method starts from guesses whose phases fill the period evenly and whose positions solve the linear
     equations of 1983; motions found repel the later iterations, so none is found twice. Each is followed along the
     lines of constant r and of constant clearance through the point. Through folds these lines can return to the
     point on another branch. Newton's method on the return map of releases adds motions with rest, stable or not. A
     simulated state counts as settled only where Newton's method confirms a stable motion.
 
-    Of a structure: for each order of up to max_impacts impacts on the gaps, in up to max_cycles load cycles,
+    For a structure: for each order of up to max_impacts impacts on the gaps, in up to max_cycles load cycles,
     Newton's method starts from random impact times; it also finds unstable motions. Each motion without rest is
     followed along the lines of constant amplitude and of constant frequency of the load through the point, and
     mirror images are added where the structure has them. Motions with accumulation and rest, and all those of a
@@ -373,35 +373,35 @@ def find(
     max_impacts, max_cycles : int
         Limits of the patterns searched, 2 to 12 impacts and 1 to 8 cycles; of the orders of impacts of a
         structure, 0 to 8 (2 by default; with 0 only simulations are made) and 1 to 16 (4 by default). Motions
-        found by simulations and releases are listed whatever their number of impacts and cycles; of a structure
+        found by simulations and releases are listed whatever their number of impacts and cycles; for a structure
         their period is at most `max_cycles`.
     load : float
         Amplitude of the load of an oscillator.
     guesses : int
         Guesses for each pattern. A smaller number also shortens the search along lines: each pattern gets at most
-        the square of this number of steps (and 3000), and so does each motion of a structure. Of a structure: sets
-        of impact times for each order and number of cycles, 1 to 10000, by default 48.
+        the square of this number of steps (and 3000), and so does each motion of a structure. For a structure:
+        sets of impact times for each order and number of cycles, 1 to 10000, by default 48.
     states : int
-        Initial states simulated; of an oscillator every second one in a box whose size follows from the resonance
-        of both masses moving together; of a structure 0 to 100000, the first one at rest at q = 0 if that is
+        Initial states simulated; for an oscillator every second one in a box whose size follows from the resonance
+        of both masses moving together; for a structure 0 to 100000, the first one at rest at q = 0 if that is
         possible.
     settling : int
-        Load cycles simulated before the attractor is examined; of a structure 0 to 10^6, by default 300. A state
+        Load cycles simulated before the attractor is examined; for a structure 0 to 10^6, by default 300. A state
         of an oscillator that is then neither on a confirmed motion nor certainly chaotic is examined again up to
         three times, after 3, 9 and 27 times as many.
     releases : int
-        Of an oscillator: releases from rest, for each wall and number of cycles, from which Newton's method is
+        For an oscillator: releases from rest, for each wall and number of cycles, from which Newton's method is
         started on the return map; this also finds unstable motions with rest.
     rng : int, numpy.random.Generator or None
-        Of a structure: seed of the random initial states, or a generator that a seed is drawn from; None: another
-        seed in each call. The seed that was used is in the case of the result.
+        For a structure: seed of the random initial states, or a generator from which a seed is drawn; None:
+        another seed in each call. The seed that was used is in the case of the result.
     max_events : int
-        Events (impacts, rests, releases; of a structure those of stops and friction too) after which the
-        simulation of a state is given up; of an oscillator it then counts as one of `Search.unfinished`.
+        Events (impacts, rests, releases; for a structure those of stops and friction too) after which the
+        simulation of a state is abandoned; for an oscillator it then counts as one of `Search.unfinished`.
     threads : int, optional
-        Of a structure: by default as many as there are processors. The result does not depend on it.
+        For a structure: by default as many as there are processors. The result does not depend on it.
     progress : callable, optional
-        Called with the share done and the present task; an exception that it raises ends the search.
+        Called with the fraction done and the current task; an exception that it raises ends the search.
 
     Returns
     -------

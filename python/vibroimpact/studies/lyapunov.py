@@ -39,9 +39,9 @@ class Lyapunov(Noun, study="lyapunov", formerly="StructureLyapunov"):
     Attributes
     ----------
     osc, r, clearance : Oscillator, ndarray (...), ndarray (...)
-        Of an oscillator; 0-d for one point.
+        For an oscillator; 0-d for one point.
     structure : Structure
-        Of a structure.
+        For a structure.
     load : float, or Load or None
         Amplitude of the load of an oscillator, or the load of a structure.
     exponents : ndarray (k, ...)
@@ -66,7 +66,7 @@ class Lyapunov(Noun, study="lyapunov", formerly="StructureLyapunov"):
     cycles : int
         Load cycles that were averaged over.
     status : ndarray (...) of int
-        Of an oscillator: 0 done; see `status_text`.
+        For an oscillator: 0 done; see `status_text`.
     case : str
         The case as a namelist.
     complete : bool
@@ -111,7 +111,7 @@ class Lyapunov(Noun, study="lyapunov", formerly="StructureLyapunov"):
     def plot(self, ax: Any = None, units: Units | str | None = None) -> Any:
         """Draw the exponents (extra `plot`); returns the Axes.
 
-        Of an oscillator against r or clearance, whichever varies; of a structure by their number.
+        For an oscillator against r or clearance, whichever varies; for a structure by their number.
 
         For the argument `units`, see `Trajectory.plot`.
         """
@@ -214,28 +214,28 @@ def lyapunov(
     structure, load : Structure, Load or None
         In place of them; None: free motion. Without a frequency, cycles are units of time.
     cycles : int
-        Load cycles averaged over, at least 2 a batch; of a structure 2000 by default.
+        Load cycles averaged over, at least 2 per batch; for a structure 2000 by default.
     state : mapping, or (array_like, array_like), optional
         As in `simulate`; at rest by default, the free mass in the middle.
     load : float
         Amplitude of the load of an oscillator.
     start : float
-        Of a structure: time at the start.
+        For a structure: time at the start.
     discard : int
-        Load cycles of the transient; of a structure 300 by default.
+        Load cycles of the transient; for a structure 300 by default.
     batches : int
         2 to 1000.
     directions : int, optional
-        Of a structure: number of exponents, the greatest first; by default all, two a coordinate.
+        For a structure: number of exponents, the greatest first; by default all, two per coordinate.
     max_events : int
-        Events (impacts, rests, releases; of a structure those of stops and friction too) after which one
-        simulation is given up, one at each point; its status says so. Long averages need more than the default.
+        Events (impacts, rests, releases; for a structure those of stops and friction too) after which one
+        simulation is abandoned, one at each point; its status says so. Long averages need more than the default.
     points : int, optional
-        Of an oscillator: number of evenly spaced values of a range.
+        For an oscillator: number of evenly spaced values of a range.
     threads : int, optional
-        Of an oscillator; one for each processor by default. The result does not depend on it.
+        For an oscillator; one for each processor by default. The result does not depend on it.
     progress : callable, optional
-        Called a few times a second with the share done and the present task; by default a bar on a terminal
+        Called a few times a second with the fraction done and the current task; by default a bar on a terminal
         or in a notebook.
 
     Returns

@@ -52,31 +52,31 @@ class Response(SettledMotions, study="response", formerly="StructureResponse"):
     ----------
     osc : Oscillator
     r, clearance : ndarray (n,)
-        Of an oscillator.
+        For an oscillator.
     structure : Structure
-        Of a structure.
+        For a structure.
     load : float or Load
     values : ndarray (n,)
         r of an oscillator; circular frequencies of the load of a structure, rising, those that were reached.
     runs : list of str
         "state 1", ... of an oscillator, "up" or "down" of a structure: the last index of the arrays below.
     attenuation : ndarray (n, runs)
-        Of an oscillator: max|X|/A of the motion on which each initial state settles; NaN where it failed.
+        For an oscillator: max|X|/A of the motion on which each initial state settles; NaN where it failed.
     lowest, highest : ndarray (n,)
-        Of an oscillator: the least and the greatest of these over the attractors at each r; NaN where all failed.
+        For an oscillator: the least and the greatest of these over the attractors at each r; NaN where all failed.
     largest, rms : ndarray (k, n, runs)
-        Of a structure: greatest magnitude of each of k coordinates over the cycles that were examined, and root of
-        its mean square.
+        For a structure: greatest magnitude of each of k coordinates over the cycles that were examined, and root
+        of its mean square.
     q_min, q_max : ndarray (k, n, runs)
-        Of a structure: least and greatest value of each coordinate.
+        For a structure: least and greatest value of each coordinate.
     steady_largest, steady_rms : ndarray (k, n)
-        Of a structure: size of the steady motion without impacts, without contact with stops and without friction;
-        NaN if there is none.
+        For a structure: size of the steady motion without impacts, without contact with stops and without
+        friction; NaN if there is none.
     cycles : ndarray (n, runs) of int
         Load cycles of the shortest period of the stable motion that Newton's method confirms (0: none; chaotic,
         quasi-periodic, or not settled yet).
     symbols : ndarray (n, runs) of int
-        Of an oscillator: symbols in it.
+        For an oscillator: symbols in it.
     impacts, rests : ndarray (n, runs) of int
         Impacts and rests in a period, or in the cycles kept.
     labels : ndarray (n, runs) of str
@@ -164,7 +164,7 @@ class Response(SettledMotions, study="response", formerly="StructureResponse"):
     ) -> Any:
         """Draw the response (extra `plot`); returns the Axes.
 
-        Of an oscillator each attractor is a dot, and the envelopes are lines. Of a structure the greatest
+        For an oscillator, each attractor is a dot, and the envelopes are lines. For a structure, the greatest
         magnitude of an output, by its name, or of a coordinate, by its number, is drawn: by default of the first
         output, or of the first coordinate without outputs.
 
@@ -264,11 +264,11 @@ def response(
 ) -> Response:
     """The size of settled motions along the frequency of the load.
 
-    Of an oscillator it is max|X|/A over all attractors that initial states reach, for a load or a clearance. A is
-    the amplitude without impacts: values below 1 mean that the impacts reduce the motion. The extreme positions
+    For an oscillator, it is max|X|/A over all attractors that initial states reach, for a load or a clearance. A
+    is the amplitude without impacts: values below 1 mean that the impacts reduce the motion. The extreme positions
     are those of the closed form over the period, or over the cycles kept where there is none.
 
-    Of a structure it is the size of each coordinate and output, with and without impacts. The state is carried
+    For a structure, it is the size of each coordinate and output, with and without impacts. The state is carried
     from frequency to frequency, up and then down. Extremes are those of the flights in closed form; mean squares
     are integrated over all flights and rests.
 
@@ -287,28 +287,28 @@ def response(
         Circular frequencies of a structure's load, at least two different ones, in any order; with `points` a
         range (lo, hi).
     clearance, inverse_clearance : float or array_like (n,)
-        d K/F0, or F0/(d K); one of the two. d is the whole travel between the walls.
+        d K/F0, or F0/(d K); one of the two. d is the total travel between the walls.
     states : int
-        Of an oscillator: initial states at each r, spread evenly.
+        For an oscillator: initial states at each r, spread evenly.
     sweep : {"up", "down", "both"}
-        Of a structure. Both: up and then down.
+        For a structure. Both: up and then down.
     state : (array_like, array_like), optional
-        Of a structure: coordinates and velocities at the beginning, at load phase 0; zero by default.
+        For a structure: coordinates and velocities at the beginning, at load phase 0; zero by default.
     load : float
         Load amplitude f > 0 of an oscillator; 1 where lengths are in F0/K.
     settling : int
-        Load cycles of the transient; of a structure 300 by default, at each frequency.
+        Load cycles of the transient; for a structure 300 by default, at each frequency.
     keep : int
         Load cycles examined.
     points : int, optional
         Number of evenly spaced values of a range.
     max_events : int
-        Events (impacts, rests, releases; of a structure those of stops and friction too) after which one
-        simulation is given up; its status says so.
+        Events (impacts, rests, releases; for a structure those of stops and friction too) after which one
+        simulation is abandoned; its status says so.
     threads : int, optional
         Default: one for each processor. The result does not depend on it.
     progress : callable, optional
-        Called a few times a second with the share done and the present task; by default a bar on a terminal
+        Called a few times a second with the fraction done and the current task; by default a bar on a terminal
         or in a notebook.
 
     Returns

@@ -49,7 +49,7 @@ class Piece:
     ----------
     type : str
         fold, pitchfork, flip, neimark_sacker, grazing, zero_approach, or window (the edge of the window); with
-        rests also rest_vanishes and rest_splits (beyond it the rest is two); of a structure also branch_point
+        rests also rest_vanishes and rest_splits (beyond it the rest is two); for a structure also branch_point
         (a pitchfork or transcritical point where impacts at one instant part), simultaneous (two events at one
         instant), and stick_begins, stick_vanishes and contact_vanishes, as of `branch`; or joint, a straight piece
         of at most 1e-4 of the window between two loose ends of the boundary, where it could not be followed; or
@@ -62,16 +62,16 @@ class Piece:
         The loop of `Zone.loops` to which the piece belongs; -1 for an open boundary.
     detail : str
         Of grazing: which flight touches which wall or gap; of window: which edge; of cut: which parameter is
-        constant; of a structure also which impact.
+        constant; for a structure also which impact.
     symmetric : bool
         Whether it bounds motions that are their own image half a period later.
     r, clearance : ndarray (M,)
-        Of an oscillator: x and y.
+        For an oscillator: x and y.
     x_over_D, theta : ndarray (N, M)
-        Of an oscillator: x_i/D and theta_i = alpha_i + tau of the motion at each vertex; of a motion with rest (1,
-        M) the velocity over D and the load phase at the last release.
+        For an oscillator: x_i/D and theta_i = alpha_i + tau of the motion at each vertex; of a motion with rest
+        (1, M) the velocity over D and the load phase at the last release.
     speeds, phases : ndarray (N, M)
-        Of a structure: approach speeds and load phases (rad) of the impacts of the motion at each vertex; with
+        For a structure: approach speeds and load phases (rad) of the impacts of the motion at each vertex; with
         rests the speeds are NaN, and of impacts that accumulate only the first ones are listed.
     """
 
@@ -149,7 +149,7 @@ class ZoneSearch:
         Lattice lines of constant x and of constant y: parts of a zone between them that touch no line may
         have been missed.
     open_seeds : list of (float, float)
-        Of an oscillator: r and d K/F0 of the seeds that are stable, admissible and inside the window, but around
+        For an oscillator: r and d K/F0 of the seeds that are stable, admissible and inside the window, but around
         which no boundary could be closed.
     """
 
@@ -199,8 +199,8 @@ class OnPlane(Noun):
 class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
     """The region of a window of the plane of two parameters where motions are stable and admissible.
 
-    Of an oscillator the plane is (r, d K/F0), and the motions are all those of a pattern; of a structure any two
-    parameters, and the motions those connected with the one from which the search started.
+    For an oscillator, the plane is (r, d K/F0), and the motions are all those of a pattern; for a structure any
+    two parameters, and the motions those connected with the one from which the search started.
 
     Attributes
     ----------
@@ -210,7 +210,7 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         The window.
     boundary : list of Piece
     loops : list of ndarray (M, 2)
-        Closed rings of (x, y), counter-clockwise around a zone and clockwise around a hole; of an oscillator fine
+        Closed rings of (x, y), counter-clockwise around a zone and clockwise around a hole; for an oscillator fine
         enough that the polygon is within 1e-7 of the curve (the window being the unit square, log D).
     closed : bool
         Whether every boundary that was found could be closed, and every seed is enclosed. The known parts of a
@@ -221,18 +221,18 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
     cycles : int
         Load cycles in a period.
     osc, pattern : Oscillator, Pattern
-        Of an oscillator.
+        For an oscillator.
     r, clearance : (float, float)
-        Of an oscillator: x and y.
+        For an oscillator: x and y.
     symmetric : bool or None
-        Of an oscillator: only motions that are their own mirror images (True), only others (False), or both
+        For an oscillator: only motions that are their own mirror images (True), only others (False), or both
         (None).
     structure : Structure
-        Of a structure: of the motion from which the search started.
+        For a structure: of the motion from which the search started.
     load : float, or Load
-        1 of an oscillator; of a structure that of the motion from which the search started.
+        1 for an oscillator; for a structure that of the motion from which the search started.
     gaps : ndarray (N,)
-        Of a structure: the gap of each impact, from 0.
+        For a structure: the gap of each impact, from 0.
     case : str
         The case as a namelist; of a zone of an atlas, the search for its pattern alone.
     """
@@ -605,7 +605,7 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         tolerance : float, optional
             The width in log D of what may be left open beside the boundary, relative to the window.
         progress : callable, optional
-            Called with the share done and a note; by default a bar on a terminal or in a notebook.
+            Called with the fraction done and a note; by default a bar on a terminal or in a notebook.
 
         Returns
         -------
@@ -639,7 +639,7 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         ----------
         ax : matplotlib Axes, optional
         inverse : bool
-            Of an oscillator: F0/(d K) upwards, as in Figures 6 to 8 of the 1983 paper, instead of d K/F0.
+            For an oscillator: F0/(d K) upwards, as in Figures 6 to 8 of the 1983 paper, instead of d K/F0.
         label : str, optional
             Written into the zone; by default the pattern of an oscillator.
         units : Units or str, optional
@@ -768,7 +768,7 @@ def zone(
 ) -> Zone:
     """The zones of stable, admissible motions in a window of two parameters, as closed curves of named pieces.
 
-    Of an oscillator: those of all motions of a pattern, in the plane (r, d K/F0). Motions of a pattern with rest
+    For an oscillator: those of all motions of a pattern, in the plane (r, d K/F0). Motions of a pattern with rest
     are continued in the same way. Where a rest vanishes, the accumulation of impacts just fails to complete before
     the acceleration that closes the gap changes its sign; that boundary is accurate to about 1e-10.
 
@@ -798,7 +798,7 @@ def zone(
     motion : Motion
         In place of the oscillator and the pattern: one of a structure that `branch` takes.
     x, y : (parameter, (float, float))
-        Of a structure, in place of r and clearance: each a parameter, as in `branch`, with its lowest and highest
+        For a structure, in place of r and clearance: each a parameter, as in `branch`, with its lowest and highest
         value.
     symmetric : bool, optional
         Only motions that are their own mirror image half a period later (True: the equispaced ones, of two
@@ -808,7 +808,7 @@ def zone(
         100 in
         d K/F0), 5 to 129; a larger window gets more of them, in proportion to the logarithm of d K/F0 and to
         asinh(10 (r - 1)), and one more at each resonance r = 1/n; at least 33 are taken for a pattern with rest.
-        Parts of a zone that touch no line can be missed: more lines find more. Of a structure: in each direction,
+        Parts of a zone that touch no line can be missed: more lines find more. For a structure: in each direction,
         whatever the window.
     guesses : int
         Guesses for motions at every second node in each direction; a quarter of this number at the others. Both
@@ -826,7 +826,7 @@ def zone(
         Called a few times a second with the fraction done and the current task; an exception that it raises ends
         the search.
     x_at, y_at : float, optional
-        Of a structure: the value of a parameter at the motion, if it is a function.
+        For a structure: the value of a parameter at the motion, if it is a function.
 
     Returns
     -------
