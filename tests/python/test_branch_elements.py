@@ -92,15 +92,43 @@ def test_a_stick_ends():
     )  # fmt: skip
     branch = vi.branch(motion, "slip", bounds=(0.1, 0.99))
     points = [p for p in branch.special_points if p.type == "grazing"]
-    assert [p.detail.split(" in ")[0] for p in points] == ["friction 0 does not stick"] * 2
+    # the second half of its events is the image of the first one
+    assert [p.detail.split(" in ")[0] for p in points] == ["friction 0 does not stick"]
     value = points[0].value
-    assert points[1].value == pytest.approx(value, abs=1e-12)
     assert (branch.admissible[branch.values > value + 1e-9] == 1).all()
     assert (branch.admissible[branch.values < value - 1e-9] == 0).all()
     # on one side friction halts, on the other it reverses and halts later
     for shift, count in ((1e-4, 4), (-1e-4, 6)):
         run = vi.simulate(*branch.at(value + shift), cycles=2, discard=200)
         assert len(run.events) == 2 * count
+
+
+def test_a_pitchfork():
+    """A motion that is its own mirror image is followed by half a period, and its points tell of the whole."""
+    point = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75).at(1.04, 25.0, friction=0.05)
+    motion = vi.exact(point, vi.simulate(point, cycles=300))
+    branch = vi.branch(motion, "frequency", bounds=(1.02, 1.05))
+    (fork,) = (p for p in branch.special_points if p.type == "pitchfork")
+    near = np.abs(branch.values - fork.value).argmin()
+    assert np.abs(branch.multipliers[:, near] - 1).min() < 1e-6
+    assert not any(p.type == "fold" for p in branch.special_points)
+    # it is stable on one side alone
+    apart = np.abs(branch.values - fork.value) > 1e-6
+    assert (np.diff(branch.stable[apart]) != 0).sum() == 1
+    i = np.abs(branch.values - 1.04).argmin()
+    other = vi.exact(*branch.at(branch.values[i]), motion)
+    for gap in (0, 1):
+        own = branch.phases[branch.gaps == gap, i] - other.phases[other.gaps == gap]
+        assert np.abs(np.exp(1j * own) - 1).max() < 1e-9
+    assert branch.speeds[:, i] == pytest.approx(other.speeds[other.gaps < 2], rel=1e-9)
+    found, wanted = (
+        np.sort_complex(values) for values in (branch.multipliers[:, i], other.multipliers)
+    )
+    assert found == pytest.approx(wanted, abs=1e-8)
+    times = (other.phases[0] + np.linspace(0, 2 * np.pi, 20001)) / other.load.frequency
+    q = other.sample(times)[0]
+    assert branch.q_max[:, i] == pytest.approx(q.max(axis=1), abs=1e-5)
+    assert branch.q_min[:, i] == pytest.approx(q.min(axis=1), abs=1e-5)
 
 
 def test_a_contact_vanishes():

@@ -663,7 +663,8 @@ contains
          return
       end if
       call parameter_change(case%study, 'parameter', '', structure, load, change, message)
-      call start_curve(structure, load, found, [change], curve, start, mirrored, message)
+      call start_curve(structure, load, found, [change], curve, start, mirrored, message, &
+         halves=.true.)
       if (len(message) > 0) then
          call result%fail(message)
          return

@@ -748,6 +748,7 @@ contains
       type is (structure_resting_type)
          call resting_motion(known, unknowns_of(curve, point), c, condition, motion, extremes, &
             rests)
+         if (known%rests%halved) call add_image(known%rests, motion, extremes)
       type is (structure_family_type)
          call set_member(known%members, known%impacts, unknowns_of(curve, point), &
             c(:size(known%members%path%changes)), member, .true.)
@@ -878,6 +879,11 @@ contains
             end do
             verdicts%multipliers = 0
             verdicts%law = course%volume
+            if (s%halved) then
+               ! the second half is the image of the first one
+               verdicts%p = matmul(verdicts%p, verdicts%p)
+               verdicts%law = course%volume**2
+            end if
             ! as of a motion found by simulation, see vi_structure_return
             speeds = pack(abs(course%speeds), s%kinds < release)
             if (size(speeds) == 0) speeds = [s%speed]
@@ -886,6 +892,29 @@ contains
          end associate
       end associate
    end subroutine resting_motion
+
+   !> Adds the second half of a motion that is its own mirror image, by its events and extremes.
+   pure subroutine add_image(s, motion, extremes)
+      !> The family.
+      type(rests_type), intent(in) :: s
+      !> In: half a period, with the verdicts on the whole. Out: the whole.
+      type(structure_motion_type), intent(inout) :: motion
+      !> (n, 2) In: the extremes of the half. Out: those of the whole.
+      real(wp), intent(inout) :: extremes(:, :)
+      real(wp), allocatable :: states(:, :)
+      integer :: m
+
+      m = size(motion%phases)
+      allocate (states(size(motion%states, 1), 2*m))
+      states(:, :m) = motion%states
+      states(:, m + 1:) = -motion%states
+      call move_alloc(states, motion%states)
+      motion%phases = [motion%phases, motion%phases + s%whole_turn()]
+      motion%speeds = [motion%speeds, motion%speeds]
+      motion%impulses = [motion%impulses, motion%impulses]
+      extremes = reshape([min(extremes(:, 1), -extremes(:, 2)), max(extremes(:, 2), &
+         -extremes(:, 1))], shape(extremes))
+   end subroutine add_image
 
    !> The verdicts on a motion where an impact has no approach speed: it is not an impact, and the
    !! period has no derivative. The computed one contains a rounding error divided by another.
