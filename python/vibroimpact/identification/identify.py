@@ -528,7 +528,7 @@ def identify(
         Relative standard error of the calibration of each sensor, 1 % by default; 0 if they are exact. It is part
         of all errors: that of the load and of the motion change xi at a resonance, and that of the motion lengths.
     progress : callable, optional
-        Called with the share of the work that is done and what is done next; by default a bar shows it on a
+        Called with the share of the work that is done and what is done next; by default a bar shows this on a
         terminal or in a notebook if the call takes more than two seconds.
 
     Returns

@@ -124,11 +124,11 @@ class WithoutImpacts:
 
     Without impacts M moves as A sin(rt - lag), A = 1/sqrt((1 - r^2)^2 + (2 xi r)^2), and a free mass at rest
     stays where it is, at z = c. It is never touched if |c - x| < D/2 at all times, that is if |c| + A < D/2. Such
-    c exist where D > 2A, and then all of |c| < D/2 - A will do: the position of the free mass is neutral. Two
+    c exist where D > 2A, and then any |c| < D/2 - A will do: the position of the free mass is neutral. Two
     multipliers of this motion are those of M alone, exp((-xi +- i sqrt(1 - xi^2)) 2 pi/r); the other two are 1: a
-    displaced free mass stays displaced, and one with the slightest velocity drifts until it meets a wall. So the
-    motion is not asymptotically stable, no `Zone` holds it, and simulations reach it only with the free mass at
-    rest.
+    displaced free mass stays displaced, and one with the slightest velocity drifts until it meets a wall. The
+    motion is therefore not asymptotically stable, no `Zone` contains it, and simulations reach it only with the
+    free mass at rest.
 
     Attributes
     ----------

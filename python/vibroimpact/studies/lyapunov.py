@@ -32,9 +32,10 @@ class Lyapunov(Noun, study="lyapunov", formerly="StructureLyapunov"):
 
     They are those of the map of the state over a load cycle: how fast small changes of the state grow, in
     independent directions. An oscillator has four (those of the map from impact to impact in (x, x', z', alpha),
-    over the time), a structure with n coordinates has 2n. Of a periodic motion they are the logarithms of the
-    moduli of its multipliers over the period. A rest reduces two directions to zero: their exponents are -inf. A
-    structure whose load has no frequency has an exponent 0 along its motion, and its cycle is a unit of time.
+    divided by the time), a structure with n coordinates has 2n. For a periodic motion they are the logarithms of
+    the moduli of its multipliers divided by the period. A rest reduces two directions to zero: their exponents are
+    -inf. A structure whose load has no frequency has an exponent 0 along its motion, and its cycle is a unit of
+    time.
 
     Attributes
     ----------

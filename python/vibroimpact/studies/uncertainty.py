@@ -196,8 +196,8 @@ def uncertainty(
 ) -> Uncertainty:
     """The probability that motions of a pattern are stable where parameters are uncertain.
 
-    The samples are a Latin hypercube, so that the standard error is at most that of independent samples. Each
-    gives a chart of the pattern, or its zone if the pattern has rest.
+    The samples are a Latin hypercube, so that the standard error is at most that of independent samples. For each
+    sample a chart of the pattern is computed, or its zone if the pattern has rest.
 
     Parameters
     ----------
@@ -319,7 +319,7 @@ class LimitProbability:
     r, clearance : ndarray
         Nominal values of the points; all arrays have their shape.
     probability : ndarray
-        Share of the samples that keep within all limits; NaN at points that Ctrl-C left out.
+        Share of the samples that stay within all limits; NaN at points that Ctrl-C left out.
     low, high : ndarray
         The interval of Clopper and Pearson; samples that failed count as outside for `low` and inside for `high`.
     failed : ndarray of int

@@ -73,7 +73,7 @@ def swept_sine(
     step: float,
     spacing: str = "geometric",
 ) -> _Array:
-    """The samples of a sine whose frequency is swept, for `Record` or `base_record`.
+    """The samples of a swept sine, for `Record` or `base_record`.
 
     The phase is the integral of the frequency, from 0. For a stepped sine, which stays at each frequency until the
     response has settled, `bifurcation_diagram` along r sweeps up and down.
@@ -83,7 +83,7 @@ def swept_sine(
     amplitude : float
         A force, or an acceleration of the base; not 0.
     f : (float, float)
-        Frequencies at the start and the end, cycles per unit of time (Hz), > 0; a sweep down begins with the
+        Frequencies at the start and the end, cycles per unit of time (Hz), > 0; for a sweep down, the first is the
         greater one.
     duration : float
         Time of the last sample.

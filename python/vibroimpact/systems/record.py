@@ -22,7 +22,7 @@ MOST = 10**8
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Record(ByValue):
-    """Forces by samples: linear between them, from time 0 on, and 0 after the last one.
+    """A sampled force, from time 0: linear between samples, and 0 after the last one.
 
     Motions under a record are exact for the forces that are linear between the samples. Samples of a sine give
     the motion under the sine with an error that falls with the square of `step`.
@@ -35,9 +35,9 @@ class Record(ByValue):
         At least two samples of the force at each coordinate; sample i is at time i * step. With
         `weights` (samples, columns).
     constant : array_like (n,), optional
-        A constant force that is added, such as gravity. It does not end with the record.
+        A constant force to add, such as gravity. It continues after the end of the record.
     weights : array_like (columns, n), optional
-        The forces on the coordinates for 1 in each column, as where one signal acts on many coordinates.
+        The forces on the coordinates per unit of each column, for one signal that acts on many coordinates, say.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Record(ByValue):
     samples : ndarray (samples, columns)
         The columns as they were given, without weights those that act.
     weights : ndarray (columns, n)
-        The forces on the coordinates for 1 in each.
+        The forces on the coordinates per unit of each column.
 
     Raises
     ------
@@ -165,10 +165,10 @@ def base_motion(
 ) -> Load:
     """The load due to a periodic motion y(t) of the base.
 
-    y is the sum of cosine_h cos(h Omega t) + sine_h sin(h Omega t). The springs and dampers that hold the
-    structure to the base are those that deform when all bodies are at rest and the base moves.
-    In absolute coordinates they exert K d y + C d y', with d the `direction`. In
-    coordinates relative to the base (``relative=True``) the load is -M d y''.
+    y is the sum of cosine_h cos(h Omega t) + sine_h sin(h Omega t). The springs and dampers between structure and
+    base are those that deform when all bodies are at rest and the base moves. In absolute coordinates they exert K
+    d y + C d y', with d the `direction`. In coordinates relative to the base (``relative=True``) the load is -M d
+    y''.
 
     Both give the same gaps where ``gap.direction`` is 0 for a motion of all bodies with the base, as between two
     bodies. A stop that is fixed to the base needs relative coordinates.
@@ -182,7 +182,7 @@ def base_motion(
         Amplitudes of the harmonics 1 to H of y.
     direction : array_like (n,), optional
         Displacements of the coordinates when the base moves by 1 and nothing deforms; by default the `base` of
-        the structure, or all 1. Of a structure by its modes they are the participation factors.
+        the structure, or all 1. For a structure given by its modes, they are the participation factors.
     relative : bool
 
     Returns
@@ -236,7 +236,7 @@ def base_record(
     velocity: ArrayLike | None = None,
     direction: ArrayLike | None = None,
 ) -> Record:
-    """The record of forces due to a sampled motion of the base, as by an earthquake or a shaking table.
+    """The record of forces due to a sampled motion of the base, such as an earthquake or a shaking table.
 
     From the acceleration y'' it is -M d y'', for coordinates relative to the base. From the displacement y and
     the velocity y' it is K d y + C d y', for absolute coordinates; see `base_motion`.

@@ -78,12 +78,12 @@ class PowerLaw(Law):
     R0 : float
         Coefficient at low speeds, 0 to 1. With 1, accumulating impacts never come to rest.
     speed : float
-        The speed, > 0, at which the two parts meet, such as that of first yield.
+        The speed > 0 at which the two asymptotes meet, such as the speed of first yield.
     exponent : float
         >= 0; 1/4 for plastic contact of spheres.
     sharpness : float
-        k > 0. A large one gives the smaller one of R0 and R0 (v/speed)^-exponent with a sharp corner at
-        `speed`; 1/5 with ``R0=1`` gives 1 - R ~ v^(1/5) at low speeds, as for viscoelastic spheres.
+        k > 0. A large value gives the smaller of R0 and R0 (v/speed)^-exponent, with a sharp corner at `speed`;
+        1/5 with ``R0=1`` gives 1 - R ~ v^(1/5) at low speeds, as for viscoelastic spheres.
 
     Examples
     --------
@@ -121,17 +121,17 @@ class PowerLaw(Law):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TabulatedRestitution(ByValue, Law):
-    """A coefficient of restitution by a table of approach speeds.
+    """A coefficient of restitution tabulated over the approach speed.
 
-    Between its points R is a monotone cubic with continuous slope; below the first and above the last speed it
-    keeps the value there.
+    Between its points R is a monotone cubic with continuous slope; below the first and above the last speed it is
+    constant.
 
     Parameters
     ----------
     speeds : array_like (m,)
         At least two ascending speeds >= 0.
     values : array_like (m,)
-        R there, 0 to 1.
+        R at these speeds, 0 to 1.
 
     Examples
     --------

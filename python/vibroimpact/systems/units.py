@@ -112,9 +112,9 @@ class Units:
     Parameters
     ----------
     M, K, F0 : float
-        Primary mass, stiffness, load amplitude: numbers in these units, or with their own, as "42 kN/m".
+        Primary mass, stiffness, load amplitude: numbers in these units, or values with a unit, such as "42 kN/m".
     names : str
-        Units of length, force and time in which they are given, as in `Oscillator.from_dimensional`.
+        Units of length, force and time of these values, as in `Oscillator.from_dimensional`.
 
     Raises
     ------
@@ -194,7 +194,7 @@ class Units:
         return self.omega / (2 * math.pi)
 
     def to(self, names: str) -> Units:
-        """The same in other units of length, force and time, as "mm N s"; "SI" is "m N s".
+        """The same in other units of length, force and time, such as "mm N s"; "SI" is "m N s".
 
         Raises
         ------
@@ -259,14 +259,14 @@ class Units:
     def clearance(self, d: Any) -> Any:
         """The dimensionless clearance D = d K/F0 of a clearance d.
 
-        d is the whole travel of the free mass from wall to wall: in the middle it has d/2 to either side, and its
-        position relative to the primary mass stays within |Z - X| <= D/2. Where "4 mm of play" means 4 mm to each
+        d is the whole travel of the free mass from wall to wall: in the middle it has d/2 on either side, and its
+        position relative to the primary mass stays within |Z - X| <= D/2. If "4 mm of play" means 4 mm on each
         side, d is 8 mm.
 
         Parameters
         ----------
         d : float or array_like, or str or pint.Quantity
-            A number in the unit of length, or with its unit, as "4 mm".
+            A number in the unit of length, or a value with its unit, such as "4 mm".
 
         Returns
         -------
@@ -285,7 +285,7 @@ class Units:
         Parameters
         ----------
         frequency : str or pint.Quantity, optional
-            With its unit, Hz, rpm or rad/s, as "19.5 Hz"; either this, `Omega` or `f`.
+            A value with its unit (Hz, rpm or rad/s), such as "19.5 Hz"; give either this, `Omega` or `f`.
         Omega : float or array_like, optional
             Radians per unit of time.
         f : float or array_like, optional
@@ -317,7 +317,7 @@ class Units:
         return number_of(frequency, "frequency", "omega", lambda: self)
 
     def motion(self, motion: Any) -> dict[str, Any]:
-        """The numbers of a motion in physical units.
+        """The values of a motion in physical units.
 
         Parameters
         ----------
