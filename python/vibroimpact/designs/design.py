@@ -477,7 +477,7 @@ def design(
     r : float or (float, float)
         The band of frequency ratios (of a function: of what it takes as r).
     free : dict
-        Ranges (low, high) of what is chosen: ``clearance`` (d K/F0 at load 1, where d is the total travel of the
+        Ranges (low, high) of what is chosen: ``clearance`` (d K/F0 at load 1, where d is the whole travel of the
         free mass), ``mu``, ``xi``, ``restitution`` (the same on both walls), ``R1``, ``R2``. Of a function any
         names; a ``range`` of whole numbers is for a number of units.
     clearance : float, optional

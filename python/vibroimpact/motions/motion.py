@@ -158,7 +158,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
     r : float
         For an oscillator, as all up to `rest_events`: frequency ratio Omega/omega.
     clearance : float
-        D = d K/F0; d is the total travel of the free mass between the walls.
+        D = d K/F0; d is the whole travel of the free mass between the walls.
     pattern : Pattern
     restitution : ndarray (N,)
         Coefficient of restitution of each impact.

@@ -221,7 +221,7 @@ def periodic(
     Returns
     -------
     Motion
-        Of an oscillator the clearance d K/F0 is part of the result; d is the total travel between the walls.
+        Of an oscillator the clearance d K/F0 is part of the result; d is the whole travel between the walls.
 
     Raises
     ------
@@ -348,7 +348,7 @@ def equispaced(
     r : float
         Frequency ratio, as in `periodic`.
     clearance : float
-        D = d K/F0, 1e-12 to 1e12; d is the total travel between the walls.
+        D = d K/F0, 1e-12 to 1e12; d is the whole travel between the walls.
     cycles : int
         Load cycles k in a period, odd.
     precision : {"double", "single"}

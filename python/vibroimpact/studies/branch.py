@@ -670,7 +670,7 @@ def branch(
     max_points : int
         Most points each way.
     progress : callable, optional
-        Called a few times a second with the share done and what is being done: the fraction of the range covered,
+        Called a few times a second with the fraction done and the current task: the fraction of the range covered,
         or of the points if that is more.
     at : float, optional
         For a structure: the value of the parameter at the motion, if it is a function.

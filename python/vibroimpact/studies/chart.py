@@ -312,7 +312,7 @@ def chart(
         129, by default 33.
     r, clearance : array_like, or (float, float)
         Frequency ratios and clearances d K/F0 that rise or fall throughout, at most 1000000 points altogether; d
-        is the total travel of m between the walls. With `points` each is a range (lo, hi), or one number.
+        is the whole travel of m between the walls. With `points` each is a range (lo, hi), or one number.
     symmetric : bool, optional
         True: only motions that are their own mirror image half a period later (of RL these are the
         equispaced ones); False: only the others; None: both.

@@ -116,7 +116,7 @@ def decay(
     ----------
     osc : Oscillator
     clearance : float or array_like (runs,), or (float, float)
-        d K/F0; d is the total travel between the walls. With `points` a range (lo, hi).
+        d K/F0; d is the whole travel between the walls. With `points` a range (lo, hi).
     amplitude : float
         Displacement of the primary mass at the start.
     inverse_clearance : float or array_like (runs,), or (float, float)

@@ -287,7 +287,7 @@ def response(
         Circular frequencies of a structure's load, at least two different ones, in any order; with `points` a
         range (lo, hi).
     clearance, inverse_clearance : float or array_like (n,)
-        d K/F0, or F0/(d K); one of the two. d is the total travel between the walls.
+        d K/F0, or F0/(d K); one of the two. d is the whole travel between the walls.
     states : int
         For an oscillator: initial states at each r, spread evenly.
     sweep : {"up", "down", "both"}

@@ -205,7 +205,7 @@ def uncertainty(
         With the nominal values.
     pattern : Pattern or str
     r, clearance : array_like, or (float, float)
-        Nominal frequency ratios and clearances d K/F0 that rise or fall throughout; d is the total travel of m
+        Nominal frequency ratios and clearances d K/F0 that rise or fall throughout; d is the whole travel of m
         between the walls. With `points` each is a range (lo, hi), or one number. Bands need two of each or more:
         the outermost ones are the window of the nominal zone.
     uncertain : dict
@@ -399,7 +399,7 @@ def limit_probability(
     osc : Oscillator
         With the nominal values.
     r, clearance : array_like
-        Nominal frequency ratios and clearances d K/F0 (d is the total travel of m) of the points, broadcast
+        Nominal frequency ratios and clearances d K/F0 (d is the whole travel of m) of the points, broadcast
         against each other.
     uncertain : dict
         As in `uncertainty`.

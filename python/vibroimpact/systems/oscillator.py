@@ -262,11 +262,11 @@ class Oscillator:
         Parameters
         ----------
         clearance : float, optional
-            d K/F0 > 0; d is the total travel of the free mass between the walls.
+            d K/F0 > 0; d is the whole travel of the free mass between the walls.
         restitution : float, PowerLaw or TabulatedRestitution, or two of them (right wall, left wall), optional
             By default those of the oscillator. The speeds of a law are in F0 omega/K, or in the units of M and K.
         d : float, optional
-            The total travel, in the unit of length of M and K; give either this or `clearance`.
+            The whole travel in the unit of length of M and K; give either this or `clearance`.
 
         Returns
         -------
