@@ -31,10 +31,10 @@ def test_help_has_the_example_and_the_exit_status():
         text = re.sub(r"\s+", " ", parser.format_help())
         assert re.sub(r"\s+", " ", f"example: {EXAMPLES[name]}") in text
         assert (
-            "exit status: 0 done; 1 ran, but something failed or is not there; 2 the input is wrong"
+            "exit status: 0 done; 1 ran, but something failed or was not found; 2 the input is wrong"
             in text
         )
-        assert ("Ctrl-C: what is finished is kept, status 1" in text) == (
+        assert ("Ctrl-C: finished results are kept, status 1" in text) == (
             name == "campaign" or (name in WRITTEN and name != "init")
         )
         assert "--quiet" in text

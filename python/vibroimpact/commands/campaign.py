@@ -30,7 +30,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("file", metavar="FILE", help="a namelist file with one case and its &sweep")
     parser.add_argument(
         "--store", required=True, metavar="DIR",
-        help="folder of the results: a new one, or that of this campaign",
+        help="folder of the results: a new one, or the existing one of this campaign",
     )  # fmt: skip
     parser.add_argument(
         "--cluster", metavar="WHERE",
@@ -38,7 +38,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--chunk", type=int, metavar="N",
-        help="cases that are computed and written together (default: so that there are up to 100 chunks)",
+        help="cases computed and written together (default: chosen to give at most 100 chunks)",
     )  # fmt: skip
     parser.add_argument(
         "--threads",

@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     from _typeshed import SupportsWrite
 
 EXIT_STATUS = (
-    "exit status: 0 done; 1 ran, but something failed or is not there; 2 the input is wrong"
+    "exit status: 0 done; 1 ran, but something failed or was not found; 2 the input is wrong"
 )
-INTERRUPT = "Ctrl-C: what is finished is kept, status 1"
+INTERRUPT = "Ctrl-C: finished results are kept, status 1"
 #: Note on units in the help of the commands that read or write numbers.
 UNITS = (
     "lengths are in F0/K (clearance: d K/F0), time in 1/omega, angles in radians, r = Omega/omega;\n"

@@ -530,7 +530,7 @@ def named_rates(structure: Structure, name: str, places: _Array, values: _Array)
     if kind == LAW:
         rates = rates_of_law(structure, word, places, rates)
     if not rates.any():
-        raise ParameterError(f"parameters: {name!r}: it changes nothing")
+        raise ParameterError(f"parameters: {name!r}: it has no effect")
     if kind == RESTITUTION:
         for j in places[here, 1].tolist():
             if "restitution" not in to_columns(structure.gaps[j].restitution):

@@ -443,7 +443,7 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
         >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
         >>> motion = vi.equispaced(osc, r=1.04, clearance=25.0)[0]
         >>> vi.branch(motion, "clearance", bounds=(22, 28)).prove()
-        <Certificate of RL/1 for clearance 22 to 28 in ... boxes: exists, admissible, stable ...>
+        <Certificate of RL/1 for clearance 22 to 28 in ... box...: exists, admissible, stable ...>
         """
         return ACTIONS["prove_branch"](self, tolerance, progress=progress)
 

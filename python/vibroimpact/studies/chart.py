@@ -157,7 +157,7 @@ class Chart(Followed, study="chart"):
         if self.of_structure:
             names = {axis: str(self.keys[axis]) for axis in "xy"}
             return {
-                "q_min": (("coordinate", *grid), columns["q_min"], "", "least value of each coordinate"),
+                "q_min": (("coordinate", *grid), columns["q_min"], "", "smallest value of each coordinate"),
                 "q_max": (("coordinate", *grid), columns["q_max"], "", "greatest value of each coordinate"),
                 "phases": (("impact", *grid), columns["phases"], "rad", "load phase of each impact"),
                 "speeds": (("impact", *grid), columns["speeds"], "", "approach speed of each impact"),

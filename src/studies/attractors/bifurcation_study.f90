@@ -104,7 +104,7 @@ module vi_bifurcation_study
       column_type('cells', 'impacts', wholes, listed=.false., meaning='impacts of a period'), &
       column_type('cells', 'rests', wholes, listed=.false., meaning='rests of a period'), &
       column_type('cells', 'x_min', unit='F0/K', listed=.false., &
-      meaning='least displacement of the primary mass'), &
+      meaning='smallest displacement of the primary mass'), &
       column_type('cells', 'x_max', unit='F0/K', listed=.false., &
       meaning='greatest displacement of the primary mass'), &
       column_type('cells', 'status', wholes, listed=.false., &

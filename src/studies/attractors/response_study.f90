@@ -56,7 +56,7 @@ module vi_response_study
       column_type('points', 'clearance', unit='F0/K', &
       meaning='clearance d K/F0; d is the whole travel of m between the walls'), &
       column_type('points', 'lowest', &
-      meaning='least max|X|/A of the attractors; nan if all simulations failed'), &
+      meaning='smallest max|X|/A of the attractors; nan if all simulations failed'), &
       column_type('points', 'highest', meaning='greatest max|X|/A of the attractors'), &
       column_type('runs', 'attenuation', meaning='max|X|/A', listed=.false.), &
       column_type('runs', 'cycles', wholes, listed=.false., &
@@ -92,11 +92,11 @@ module vi_response_study
       column_type('cells', 'steady_output_rms', each='output', label='steady_rms_#', &
       meaning='root of the mean square of each output in the steady motion without impacts'), &
       column_type('cells', 'output_min', each='output', listed=.false., &
-      meaning='least value of each output'), &
+      meaning='smallest value of each output'), &
       column_type('cells', 'output_max', each='output', listed=.false., &
       meaning='greatest value of each output'), &
       column_type('cells', 'q_min', each='coordinate', listed=.false., &
-      meaning='least value of each coordinate'), &
+      meaning='smallest value of each coordinate'), &
       column_type('cells', 'q_max', each='coordinate', listed=.false., &
       meaning='greatest value of each coordinate')]
 

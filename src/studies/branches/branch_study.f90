@@ -54,7 +54,7 @@ module vi_branch_study
       meaning='longest step along the branch, with the parameter scaled to 0 at low and &
       &1 at high'), &
       key_type('max_points', a_whole, default='4000', low=10.0_wp, high=1.0e5_wp, &
-      meaning='points in each direction after which the branch is cut short')]
+      meaning='points in each direction after which the branch is cut off')]
 
    type(column_type), parameter :: branch_columns(*) = [ &
       column_type('branches', 'branch', wholes, meaning='number of the branch', &
@@ -100,12 +100,12 @@ module vi_branch_study
       model=of_oscillator), &
       column_type('points', 'residual', meaning='largest relative residual of the equations'), &
       column_type('points', 'x_min', unit='F0/K', &
-      meaning='least displacement of the primary mass', model=of_oscillator), &
+      meaning='smallest displacement of the primary mass', model=of_oscillator), &
       column_type('points', 'x_max', unit='F0/K', &
       meaning='greatest displacement of the primary mass', model=of_oscillator), &
       column_type('points', 'attenuation', meaning='max|X|/A', model=of_oscillator), &
       column_type('points', 'q_min', each='coordinate', label='q_min_#', &
-      meaning='least value of each coordinate', model=of_structure), &
+      meaning='smallest value of each coordinate', model=of_structure), &
       column_type('points', 'q_max', each='coordinate', label='q_max_#', &
       meaning='greatest value of each coordinate', model=of_structure), &
       column_type('points', 'phases', each='impact', label='phase_#', unit='rad', &

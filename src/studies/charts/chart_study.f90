@@ -104,13 +104,13 @@ module vi_chart_study
       column_type('motions', 'multipliers', complexes, each='multiplier', listed=.false., &
       meaning='eigenvalues of [P], in order of decreasing modulus'), &
       column_type('motions', 'x_min', unit='F0/K', listed=.false., &
-      meaning='least displacement of the primary mass', model=of_oscillator), &
+      meaning='smallest displacement of the primary mass', model=of_oscillator), &
       column_type('motions', 'x_max', unit='F0/K', &
       meaning='greatest displacement of the primary mass', model=of_oscillator), &
       column_type('motions', 'tau', unit='rad', listed=.false., meaning='phase of equation (4)', &
       model=of_oscillator), &
       column_type('motions', 'q_min', each='coordinate', label='q_min_#', listed=.false., &
-      meaning='least value of each coordinate', model=of_structure), &
+      meaning='smallest value of each coordinate', model=of_structure), &
       column_type('motions', 'q_max', each='coordinate', label='q_max_#', &
       meaning='greatest value of each coordinate', model=of_structure), &
       column_type('motions', 'phases', each='impact', unit='rad', listed=.false., &

@@ -70,7 +70,7 @@ module vi_find_study
       column_type('search', 'unfinished', wholes, listed=.false., &
       meaning='states whose simulation reached max_events or could not go on'), &
       column_type('search', 'lost', wholes, listed=.false., &
-      meaning='solutions that could not be confirmed, or of which rounding hides whether they are &
+      meaning='solutions that could not be confirmed, or for which rounding hides whether they are &
       &admissible')]
 
    type(column_type), parameter :: find_columns(*) = [motion_columns, &
@@ -103,7 +103,7 @@ module vi_find_study
       meaning='states after which no impacts are left: all gaps stay open, or some rest for &
       &good'), &
       column_type('search', 'chaotic', wholes, listed=.false., &
-      meaning='states whose largest Lyapunov exponent is positive by its error'), &
+      meaning='states whose largest Lyapunov exponent is positive by more than its error'), &
       column_type('search', 'quasi_periodic', wholes, listed=.false., &
       meaning='states whose largest Lyapunov exponent is zero by its error, where no stable &
       &motion is near'), &

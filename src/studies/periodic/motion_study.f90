@@ -97,7 +97,7 @@ module vi_motion_study
       meaning='whether it stays between the walls'), &
       column_type('motions', 'stable', verdicts, meaning='whether disturbances decay'), &
       column_type('motions', 'x_min', unit='F0/K', &
-      meaning='least displacement of the primary mass'), &
+      meaning='smallest displacement of the primary mass'), &
       column_type('motions', 'x_max', unit='F0/K', &
       meaning='greatest displacement of the primary mass'), &
       column_type('motions', 'attenuation', meaning='max|X|/A'), &
@@ -198,7 +198,7 @@ module vi_motion_study
       key_type('settling', a_whole, default='300', low=0.0_wp, high=1.0e6_wp, only=settled, &
       meaning='load cycles simulated first'), &
       key_type('max_cycles', a_whole, default='16', low=1.0_wp, high=100.0_wp, only=settled, &
-      meaning='most load cycles in a period'), &
+      meaning='largest number of load cycles in a period'), &
       key_type('q', most=most_coordinates, may_miss=.true., low=-most_state, high=most_state, &
       only=settled, takes=of_coordinates, &
       meaning='coordinates at the start; 0 if it is left out'), &
@@ -210,11 +210,11 @@ module vi_motion_study
       key_type('duration', low=0.0_wp, above=.true., high=1.0e12_wp, only=settled, &
       may_miss=.true., &
       takes='a number with 0 < duration <= 1e12, without a &load or with a constant one', &
-      meaning='of a self-excited motion: time simulated first, at whose end it must repeat'), &
+      meaning='for a self-excited motion: time to simulate first, after which it must repeat'), &
       key_type('period', low=0.0_wp, above=.true., high=1.0e12_wp, only=settled, &
       may_miss=.true., &
       takes='a number with 0 < period <= 1e12, without a &load or with a constant one', &
-      meaning='of a self-excited motion near the state at the start: its period, nearly')]
+      meaning='for a self-excited motion near the state at the start: its approximate period')]
 
    type(column_type), parameter :: own_structure_columns(*) = [impact_columns, &
       column_type('motion', 'cycles', wholes, listed=.false., meaning='load cycles in a period'), &

@@ -96,7 +96,7 @@ contains
       type(run_type), intent(inout) :: run
       !> Time, coordinates (n) and velocities (n) at the start.
       real(wp), intent(in) :: start, q(:), rate(:)
-      !> Load cycles simulated first, and most load cycles in a period.
+      !> Load cycles simulated first, and largest number of load cycles in a period.
       integer, intent(in) :: settling, most_cycles
       !> Load cycles in a period if they are known: then the state need not be on the motion; 0 if
       !! they are not.

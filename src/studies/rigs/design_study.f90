@@ -36,9 +36,9 @@ module vi_design_study
       meaning='what is minimised (max|X|/A, max|X|, rms, acceleration, force on the base), or&
       & maximised (damping)'), &
       key_type('limit', low=tiny_value, may_miss=.true., takes='a number > 0', &
-      meaning='value of the target that has to be reached'), &
+      meaning='required value of the target'), &
       key_type('quantile', default='0.99', low=0.5_wp, high=1.0_wp, &
-      meaning='share of the units that has to reach it, and by which the search judges'), &
+      meaning='share of the units that must reach it; the search uses the same share'), &
       key_type('over', a_word, default='''worst''', words='worst basins', &
       meaning='whether the worst attractor of a unit counts, or each by its initial states'), &
       key_type('clearance', low=least_gap, high=most_gap, may_miss=.true., unit='F0/K', &
@@ -112,7 +112,7 @@ module vi_design_study
       key_type('evaluations', a_whole, default='96', low=8.0_wp, high=1.0e6_wp, &
       meaning='candidates of each global search'), &
       key_type('searches', a_whole, default='8', low=1.0_wp, high=1000.0_wp, &
-      meaning='independent global searches at most; they end when three agree'), &
+      meaning='maximum number of independent global searches; they end when three agree'), &
       key_type('specimens', a_whole, default='16', low=1.0_wp, high=1.0e5_wp, &
       meaning='units by which the best candidates are judged'), &
       key_type('nodes', a_whole, default='9', low=2.0_wp, high=1.0e4_wp, &
@@ -132,9 +132,9 @@ module vi_design_study
       column_type('chosen', 'high', unit='mixed', meaning='upper end of its range'), &
       column_type('design', 'target', words, listed=.false., meaning='what was minimised'), &
       column_type('design', 'limit', unit='mixed', listed=.false., &
-      meaning='value that had to be reached; NaN if there is none'), &
+      meaning='required value; NaN if there is none'), &
       column_type('design', 'quantile', listed=.false., &
-      meaning='share of the units that had to reach it'), &
+      meaning='required share of the units that reach it'), &
       column_type('design', 'first', listed=.false., meaning='lower end of the band'), &
       column_type('design', 'last', listed=.false., meaning='upper end of the band'), &
       column_type('design', 'level', unit='mixed', listed=.false., &
@@ -146,7 +146,7 @@ module vi_design_study
       column_type('design', 'samples', wholes, listed=.false., &
       meaning='samples of the confirmation'), &
       column_type('design', 'failed', wholes, listed=.false., &
-      meaning='samples whose simulation was given up; they count as bad'), &
+      meaning='samples whose simulation was abandoned; they count as bad'), &
       column_type('design', 'probability', listed=.false., &
       meaning='share of the samples within the limit and all limits'), &
       column_type('design', 'low', listed=.false., &

@@ -37,7 +37,7 @@ module vi_identify_study
       takes='units such as ''N'', ''m/s^2'', ''g'' or ''mm'', one for each channel', &
       meaning='units of the channels; by default those of the record'), &
       key_type('rate', low=tiny_value, high=huge_value, never=with_times, may_miss=.true., &
-      unit='Hz', meaning='sampling rate of a record that does not have it'), &
+      unit='Hz', meaning='sampling rate of a record that does not state it'), &
       key_type('bandwidth', low=0.0_wp, high=huge_value, most=64, never=with_times, &
       may_miss=.true., unit='Hz', takes='one number for the motion, or one for each channel, 0 if &
       &it is not known', meaning='-3 dB frequency of the low-pass (Butterworth, order 4) of a &
@@ -47,7 +47,7 @@ module vi_identify_study
       meaning='delay of a channel in addition to that of its low-pass; by default 0'), &
       key_type('range', low=0.0_wp, high=huge_value, most=64, never=with_times, &
       may_miss=.true., takes='one number for the motion, or one for each channel, 0 if it is not &
-      &known', meaning='largest magnitude that a sensor can show, in the unit of its channel'), &
+      &known', meaning='full scale of a sensor, in the unit of its channel'), &
       key_type('noise', low=0.0_wp, high=huge_value, most=64, never=with_times, &
       may_miss=.true., takes='one number for the motion, or one for each channel, 0 if it is not &
       &known', meaning='root mean square of the noise of a sensor, in the unit of its channel'), &
@@ -126,7 +126,7 @@ module vi_identify_study
       column_type('impacts', 'number', wholes, listed=.false., meaning='number of the record'), &
       column_type('impacts', 'side', words, words='R,L', listed=.false., meaning='wall'), &
       column_type('impacts', 'picked', unit='rad', listed=.false., &
-      meaning='load phase of the impact of a period, as picked, refined below the sample'), &
+      meaning='load phase of the impact of a period, as detected, to a fraction of a sample'), &
       column_type('impacts', 'picked_error', unit='rad', listed=.false., &
       meaning='standard error of it'), &
       column_type('impacts', 'fitted', unit='rad', listed=.false., &

@@ -39,7 +39,7 @@ module vi_decay_study
       meaning='clearance d K/F0; d is the whole travel of m between the walls'), &
       column_type('peaks', 'time', unit='1/omega', meaning='time'), &
       column_type('peaks', 'x', unit='F0/K', &
-      meaning='displacement of the primary mass, the greatest between two zeros'), &
+      meaning='greatest displacement of the primary mass between two zeros'), &
       column_type('peaks', 'decrement', &
       meaning='logarithmic decrement from this peak to the next one on the same side'), &
       column_type('peaks', 'damping', &

@@ -37,7 +37,7 @@ module vi_simulate_study
       meaning='load cycles simulated before the ones that are kept'), &
       load_key, state_keys, &
       key_type('max_events', a_whole, default='10000000', low=1.0_wp, high=most_kept, &
-      meaning='events after which the simulation is cut short')]
+      meaning='events after which the simulation stops')]
 
    type(column_type), parameter :: simulate_columns(*) = [ &
       column_type('events', 'time', unit='1/omega', meaning='time'), &
@@ -93,7 +93,7 @@ module vi_simulate_study
       &time'), &
       start_keys, &
       key_type('max_events', a_whole, default='1000000', low=1.0_wp, high=1.0e8_wp, &
-      meaning='events after which the simulation is cut short')]
+      meaning='events after which the simulation stops')]
 
    type(column_type), parameter :: own_structure_columns(*) = [ &
       column_type('events', 'time', meaning='time'), &
@@ -114,7 +114,7 @@ module vi_simulate_study
       column_type('moments', 'q', each='coordinate', listed=.false., meaning='coordinates'), &
       column_type('moments', 'q_dot', each='coordinate', listed=.false., meaning='velocities'), &
       column_type('rests', 'gap', wholes, listed=.false., &
-      meaning='number of a gap that rests from the start to the end'), &
+      meaning='number of a gap that rests from start to end'), &
       column_type('run', 'frequency', listed=.false., &
       meaning='circular frequency of the load; 0 if there is none'), &
       column_type('run', 'loaded', truths, listed=.false., meaning='whether there is a load'), &

@@ -35,7 +35,8 @@ module vi_structure_gaps
       key_type('cosine', most=most_harmonics, may_miss=.true., meaning=of_wall), &
       key_type('sine', most=most_harmonics, may_miss=.true., meaning=of_wall_sine), &
       key_type('restitution', low=0.0_wp, high=1.0_wp, default='1', never='law=table', &
-      meaning='coefficient of restitution; with law = ''power'' that at low approach speeds'), &
+      meaning='coefficient of restitution; with law = ''power'' its value at low &
+      &approach speeds'), &
       key_type('law', a_word, default='''constant''', words='constant power table', &
       meaning='how the coefficient of restitution depends on the approach speed'), &
       key_type('law_speed', low=0.0_wp, above=.true., only='law=power', &
@@ -62,7 +63,7 @@ module vi_structure_gaps
       key_type('damping', low=0.0_wp, high=most_stop, default='0', &
       meaning='damping of its dashpot'), &
       key_type('preload', low=0.0_wp, high=most_stop, default='0', &
-      meaning='force with which it presses at once where it is touched'), &
+      meaning='preload: the force that acts as soon as contact is made'), &
       key_type('release', a_word, default='''gap''', words='gap force', &
       meaning='contact ends where the gap opens, or where the force vanishes: it cannot pull')]
 

@@ -38,9 +38,9 @@ module vi_structure_loads
       key_type('record_file', a_word, may_miss=.true., or='record', never='frequency', &
       takes='a CSV file, a Matrix Market file (real, general) or a NumPy file (.npy, float64), &
       &with a row for each sample, at least two, and at most 1e7 numbers', &
-      meaning='file with the samples; its path starts at the folder of the namelist'), &
+      meaning='file with the samples; a relative path starts from the folder of the namelist'), &
       key_type('step', low=0.0_wp, above=.true., may_miss=.true., &
-      meaning='time between samples; a CSV file whose first column is named time needs none'), &
+      meaning='time between samples; not needed for a CSV file whose first column is named time'), &
       key_type('acts_on', a_whole, most=most_coordinates, low=0.0_wp, &
       high=most_coordinates - 1.0_wp, may_miss=.true., never='base weights', &
       takes='the number of a coordinate, from 0, for each column, no number twice', &

@@ -44,7 +44,8 @@ module vi_structure_matrices
       may_miss=.true., or='stiffness_file', never='frequencies', &
       meaning='stiffness matrix K, without negative eigenvalues; 0 if it is left out'), &
       key_type('mass_file', a_word, takes=file_takes, may_miss=.true., or='mass', &
-      never='frequencies', meaning='file with M; its path starts at the folder of the namelist'), &
+      never='frequencies', meaning='file with M; a relative path starts from &
+      &the folder of the namelist'), &
       key_type('damping_file', a_word, takes=file_takes, may_miss=.true., or='damping', &
       never='frequencies', meaning='file with C'), &
       key_type('stiffness_file', a_word, takes=file_takes, may_miss=.true., or='stiffness', &

@@ -454,7 +454,7 @@ contains
       ! a factor changes only what is not 0
       if (factor) entries = nonzero(structure, load, entries)
       if (size(entries) == 0) then
-         message = 'it changes nothing'
+         message = 'it has no effect'
          return
       end if
       change%low = bounds(1)

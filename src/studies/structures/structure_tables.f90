@@ -14,7 +14,7 @@ module vi_structure_tables
    type(column_type), parameter, public :: structure_columns(*) = [ &
       column_type('gaps', 'opening', listed=.false., meaning='opening of the gap at q = 0'), &
       column_type('gaps', 'restitution', listed=.false., &
-      meaning='coefficient of restitution, with a law that at approach speed 0'), &
+      meaning='coefficient of restitution; with a law, its value at approach speed 0'), &
       column_type('gaps', 'law', words, words='constant,power,table,stop,pushing,friction', &
       listed=.false., meaning='how it depends on the approach speed; or a stop, one that cannot &
       &pull, or friction'), &
