@@ -117,8 +117,8 @@ class FoundMotions(Noun, Sequence[Any], study="find", formerly="StructureMotions
     settled : tuple of int
         For a structure: how many of the simulated states settle on each motion.
     chaotic, quasi_periodic : int
-        For a structure: simulated states whose largest Lyapunov exponent is positive by its error, and those where
-        it is zero by its error and no stable motion is near.
+        For a structure: simulated states whose largest Lyapunov exponent is positive by more than its error,
+        and those where it is zero by its error and no stable motion is near.
     unsettled : int
         For a structure: simulated states on which none of this is decided within the limits of the search, or
         whose motion is not stable.
