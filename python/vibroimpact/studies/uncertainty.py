@@ -20,6 +20,7 @@ from ..results import door
 from ..results.performance import FIGURES, LEAST, Performance, perform
 from ..systems.distribution import Uncertain, interval, shares, systems, uncertain_parameters
 from ..systems.oscillator import Oscillator, Pattern, of_numbers, pattern_of
+from ..systems.units import value_text
 from ..systems.verbs import physical_arguments
 from .boundary_band import BoundaryBand, bands_of, keeps_symmetry, quantile_pair
 from .chart import compute_chart
@@ -316,6 +317,8 @@ class LimitProbability:
 
     Attributes
     ----------
+    osc : Oscillator
+        The nominal system.
     r, clearance : ndarray
         Nominal values of the points; all arrays have their shape.
     probability : ndarray
@@ -328,8 +331,10 @@ class LimitProbability:
     confidence : float
         Of the interval.
     limit : dict of float
+        The limits, dimensionless.
     """
 
+    osc: Oscillator
     r: _Array
     clearance: _Array
     probability: _Array
@@ -343,7 +348,7 @@ class LimitProbability:
 
     def __repr__(self) -> str:
         shown = ", ".join(
-            f"{name} {'>=' if name in LEAST else '<='} {value:g}"
+            f"{name} {'>=' if name in LEAST else '<='} {value_text(self.osc, name, value)}"
             for name, value in self.limit.items()
         )
         of = f"{self.samples} samples"
@@ -504,7 +509,7 @@ def limit_probability(
     answers += [(np.nan, np.nan, np.nan, 0)] * (points[0].size - len(answers))
     table = np.array(answers, dtype=np.float64).T.reshape(4, *points[0].shape)
     found = LimitProbability(
-        points[0].copy(), points[1].copy(), table[0], table[1], table[2], table[3].astype(np.int64), count,
+        osc, points[0].copy(), points[1].copy(), table[0], table[1], table[2], table[3].astype(np.int64), count,
         tries, share, limits,
     )  # fmt: skip
     if stopped:
