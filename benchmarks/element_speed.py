@@ -1,22 +1,26 @@
-"""Simulation with elastic stops and dry friction: cost of an event, beside SciPy started again at each event.
+"""Simulation with elastic stops and dry friction: cost of an event, beside heyoka, and SciPy started again at each
+event.
 
 The systems are a driven mass that meets a stop of 100 times its stiffness, and a driven mass with dry friction
 strong enough to stick. Both sides must find the same events. A contact with the stop is two events.
 
-Run with `python benchmarks/element_speed.py` (the rows of SciPy need SciPy).
+Run with `python benchmarks/element_speed.py` (the rows of SciPy and heyoka need these).
 """
 
 import math
 import time
 
 import numpy as np
+import taylor_peer
 import vibroimpact as vi
 from table import row, show
 
 ROUNDS = 5
-#: Load cycles: ours, and the first of them by SciPy.
-CYCLES, FEW = 2000, 40
+#: Load cycles: ours, and the first of them by SciPy and by heyoka.
+CYCLES, FEW, MORE = 2000, 40, 400
 STOP, SLIP = 100.0, 0.6
+#: Speed below which heyoka, which knows no departures from a zero, sees a halt.
+ROUNDING = 1e-12
 
 
 def spent(work, rounds):
@@ -34,8 +38,8 @@ def systems():
     stop = vi.Structure([1], [0.1], [1], [vi.Stop([1], 1.0, STOP)])
     slider = vi.Structure([1], [0.02], [1], friction=[vi.Friction([1], SLIP)])
     return {
-        "an elastic stop": (stop, 1.0, scipy_stop),
-        "friction with stick": (slider, 0.4, scipy_friction),
+        "an elastic stop": (stop, 1.0, scipy_stop, heyoka_stop),
+        "friction with stick": (slider, 0.4, scipy_friction, heyoka_friction),
     }
 
 
@@ -97,13 +101,57 @@ def integrated(solve, end, regime, motion, limit, after, start=None):
     return np.array(times)
 
 
+def heyoka_stop():
+    """A function for the times at which the stop is touched and left; in contact the regime is 1, else -1."""
+    import heyoka as hy
+
+    return taylor_peer.switching(
+        lambda x, v, p: (v, hy.cos(hy.time) - 0.1 * v - x - 0.5 * (1.0 + p) * STOP * (x - 1.0)),
+        lambda x, v, p: [p * (x - 1.0)],
+        [lambda t, state, p: -p],
+        start=-1.0,
+    )
+
+
+def heyoka_friction():
+    """A function that gives the times at which the mass halts and slips; the regime is the direction of slip, 0 in
+    stick. An event that cannot happen in a regime is 1 there."""
+    import heyoka as hy
+
+    def drive(t, x):
+        return math.cos(0.4 * t) - x
+
+    def halts(t, state, p):
+        state[1] = 0.0
+        return 0.0 if abs(drive(t, state[0])) <= SLIP else math.copysign(1.0, drive(t, state[0]))
+
+    def force(x):
+        return hy.cos(0.4 * hy.time) - x
+
+    return taylor_peer.switching(
+        lambda x, v, p: (p * p * v, p * p * (force(x) - 0.02 * v - SLIP * p)),
+        lambda x, v, p: [
+            p * v + ROUNDING + (1.0 - p * p), (1.0 - p * p) * (SLIP * SLIP - force(x) * force(x)) + p * p,
+        ],
+        [halts, lambda t, state, p: math.copysign(1.0, drive(t, state[0]))],
+        start=1.0,
+    )  # fmt: skip
+
+
+def agree(times, known, end):
+    """Whether a peer finds the same events, those at the start and near the end left out."""
+    known = known[(known > 1e-9) & (known < end - 1e-3)]
+    times = times[times > 1e-9]
+    return len(times) >= len(known) and bool(np.abs(times[: len(known)] - known).max() < 1e-6)
+
+
 def rows():
     try:
         from scipy.integrate import solve_ivp
     except ImportError:
         solve_ivp = None
     table = []
-    for name, (structure, frequency, peer) in systems().items():
+    for name, (structure, frequency, by_scipy, by_heyoka) in systems().items():
         load = vi.Load(frequency, cosine=[1.0])
         ours, run = spent(
             lambda s=structure, w=load: vi.simulate(
@@ -111,19 +159,21 @@ def rows():
             ),
             ROUNDS,
         )
-        cost, there, same = 1e6 * ours / len(run.events), None, None
+        cost, peers = 1e6 * ours / len(run.events), []
         if solve_ivp:
             end = FEW * 2 * math.pi / frequency
-            slow, times = spent(lambda p=peer, e=end: p(solve_ivp, e), 1)
-            known = run.events["time"]
-            known = known[(known > 0) & (known < end - 1e-3)]
-            same = len(times) >= len(known) and bool(
-                np.abs(times[: len(known)] - known).max() < 1e-6
+            peers.append(("SciPy", end, *spent(lambda p=by_scipy, e=end: p(solve_ivp, e), 1)))
+        if taylor_peer.here():
+            # compiled beforehand
+            end, peer = MORE * 2 * math.pi / frequency, by_heyoka()
+            peers.append(("heyoka", end, *spent(lambda p=peer, e=end: p(e), ROUNDS)))
+        for label, end, seconds, times in peers:
+            same = agree(times, run.events["time"], end)
+            table.append(
+                row(f"{name}: an event", "us", cost, None, 1e6 * seconds / len(times), label, same)
             )
-            there = 1e6 * slow / len(times)
-        table.append(
-            row(f"{name}: an event", "us", cost, None, there, "SciPy" if there else "", same)
-        )
+        if not peers:
+            table.append(row(f"{name}: an event", "us", cost, None, None, "", None))
     return table
 
 

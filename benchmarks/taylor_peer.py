@@ -83,6 +83,45 @@ def simulate(xi, mu, restitution, r, clearance, cycles):
     return run
 
 
+def switching(equations, events, regimes, start=0.0):
+    """Times of events up to an end, by a function that can be called again and again.
+
+    `equations` and `events` are functions of x, v and the regime (`par[0]`). `regimes` are functions of the time,
+    the state and the regime that give the next one, one for each event. A run starts from rest at 0 in the regime
+    `start`.
+    """
+    import heyoka as hy
+
+    x, v = hy.make_vars("x", "v")
+    times = []
+
+    def change(regime):
+        def callback(integrator, *_):
+            integrator.pars[0] = regime(integrator.time, integrator.state, integrator.pars[0])
+            times.append(integrator.time)
+            return True
+
+        return callback
+
+    found = [
+        hy.t_event(event, callback=change(regime), direction=hy.event_direction.negative)
+        for event, regime in zip(events(x, v, hy.par[0]), regimes, strict=True)
+    ]
+    velocity, acceleration = equations(x, v, hy.par[0])
+    integrator = hy.taylor_adaptive(
+        [(x, velocity), (v, acceleration)], [0.0, 0.0], t_events=found, pars=[start]
+    )
+
+    def run(end):
+        times.clear()
+        integrator.pars[0] = start
+        restart(integrator, 0.0, 0.0)
+        integrator.propagate_until(end)
+        return np.array(times)
+
+    return run
+
+
 def restart(integrator, time, state):
     """Set an integrator to a time and a state."""
     integrator.time = time
