@@ -19,7 +19,7 @@ __all__ = [
 
 
 class VibroimpactError(Exception):
-    """Base of every exception that this package raises on purpose."""
+    """Base of all exceptions that this package raises deliberately."""
 
     #: Exit status of the command.
     status = 2
@@ -58,7 +58,7 @@ class MissingExtraError(VibroimpactError, ImportError):
 
 
 class OutOfMemoryError(VibroimpactError, MemoryError):
-    """A case takes more memory, or more room on the stack, than there is; nothing was computed."""
+    """A case needs more memory or stack than is available; nothing was computed."""
 
     status = 1
 
@@ -70,7 +70,7 @@ class ClusterError(VibroimpactError, ConnectionError):
 
 
 class StudyInterrupted(KeyboardInterrupt):
-    """Ctrl-C in a study, as `branch`, `chart` or `basins`; its attribute `result` is what was done."""
+    """Ctrl-C stopped a study; the attribute `result` holds what was finished."""
 
     def __init__(self, result: Any) -> None:
         super().__init__("stopped; what was finished is the attribute `result` of this exception")

@@ -70,7 +70,7 @@ class Workers(Protocol):
         """What a task has given, or its error: MemoryError if the task is to blame, and not the workers."""
 
     def stop(self) -> None:
-        """Give up all tasks."""
+        """Cancel all tasks."""
 
 
 def campaign(
@@ -97,13 +97,13 @@ def campaign(
     threads : int, optional
         Number of threads without a client; by default that of the processors.
     progress : callable, optional
-        Called with the share done and a text; by default a bar on a terminal or in a
+        Called with the fraction done and a text; by default a bar on a terminal or in a
         notebook.
 
     Returns
     -------
     Campaign
-        The results, which are read from the store when they are asked for.
+        The results, which are read from the store on demand.
 
     Raises
     ------
@@ -261,7 +261,7 @@ class Threads:
         return future.result()
 
     def stop(self) -> None:
-        """Give up all tasks."""
+        """Cancel all tasks."""
         for counters in self.running.values():
             counters[2] = 1
         self.pool.shutdown(cancel_futures=True)
@@ -340,7 +340,7 @@ class Cluster:
         return chunk
 
     def stop(self) -> None:
-        """Give up all tasks."""
+        """Cancel all tasks."""
         with contextlib.suppress(Exception):  # the scheduler may be gone
             self.client.cancel(list(self.running))
 

@@ -406,7 +406,7 @@ def checksums(folder: Path) -> dict[str, str]:
 
 
 def remove(path: Path) -> None:
-    """Remove a file or a folder, if it is there."""
+    """Remove a file or a folder, if it exists."""
     if path.is_dir() and not path.is_symlink():
         shutil.rmtree(path)
     else:
@@ -451,7 +451,7 @@ def take(lock: IO[bytes]) -> None:
 
 @contextlib.contextmanager
 def locked(folder: Path) -> Iterator[None]:
-    """Hold the store; the system gives it free when this process ends, however it ends."""
+    """Hold the store; the operating system releases it when this process ends, however it ends."""
     # no link is followed: in a folder of another user it could lead to any file of this one
     flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
     with open(os.open(folder / "lock", flags, 0o666), "r+b", buffering=0) as lock:

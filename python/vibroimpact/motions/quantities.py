@@ -78,9 +78,9 @@ class Signal:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Quantities:
-    """Response quantities over a window of time, exact but for rounding.
+    """Response quantities over a window of time, exact except for rounding.
 
-    In the units of the structure, or, of an oscillator, with lengths in F0/K, time in 1/omega and forces in F0.
+    In the units of the structure, or, for an oscillator, with lengths in F0/K, time in 1/omega and forces in F0.
 
     Attributes
     ----------
@@ -95,21 +95,21 @@ class Quantities:
         has a spike there, whose area is the change of velocity. Coordinates of an oscillator are those of the
         primary and the free mass.
     transmitted : Signal
-        K q + C q', the forces of springs and dashpots on the coordinates; of an oscillator that on the base.
+        K q + C q', the forces of springs and dashpots on the coordinates; for an oscillator that on the base.
     x, x_dot, x_ddot : Signal
-        Displacement, velocity and acceleration of the primary mass, of an oscillator only.
+        Displacement, velocity and acceleration of the primary mass, for an oscillator only.
     impacts : structured ndarray
-        ``time``, ``gap``, ``speed`` (of approach), ``impulse`` (> 0) and ``loss`` (of energy); of an oscillator
+        ``time``, ``gap``, ``speed`` (of approach), ``impulse`` (> 0) and ``loss`` (of energy); for an oscillator
         ``side`` and ``jump`` (of the acceleration of the primary mass), too. Of impacts that accumulate, the last
         and smallest are not listed; energies and harmonics contain them.
     work : float
-        Energy that the load puts in, with its constant part, the belts, and the walls that move: a contact force,
+        Energy supplied by the load (with its constant part), by the belts, and by moving walls: the contact force,
         or the impulse of an impact, times the speed of the wall.
     damping_loss, impact_loss, friction_loss : float
-        Energy that the dashpots (those of stops too), the impacts and dry friction take.
+        Energy dissipated by the dashpots (those of stops too), the impacts and dry friction.
     energy_change : float
-        Energy of masses and springs (those of stops too) at the end less that at the start; 0 for a motion, and in
-        any case ``work - damping_loss - impact_loss - friction_loss``.
+        Energy of masses and springs (those of stops too) at the end minus that at the start; 0 for a motion, and
+        always ``work - damping_loss - impact_loss - friction_loss``.
     of_structure : bool
         Whether its system is a `Structure` with its load, and not an `Oscillator`.
     """

@@ -42,29 +42,29 @@ class Certificate:
         "motion", "branch", "box", "zone" or "all".
     sides : str
     cycles : int
-        The word of the motion and the load cycles in its period; of "all" the words, and the most load cycles.
-        Of a motion of a structure the numbers of the gaps of all impacts.
+        The word of the motion and the load cycles in its period; for "all" the words, and the most load cycles.
+        For a motion of a structure the numbers of the gaps of all impacts.
     symmetric : bool
         Whether the motions are their own mirror images half a period later, and proven by that half.
     system : dict
-        The texts of xi, mu, r, clearance, load, and of restitution, a list with one for each impact; of "all"
-        those of the right and of the left wall. Of a structure mass, damping, stiffness, gaps (direction, opening,
-        restitution), frequency, sine, cosine and constant of the load, and impacts, the gap of each impact.
+        The texts of xi, mu, r, clearance, load, and of restitution, a list with one for each impact; for "all"
+        those of the right and of the left wall. For a structure mass, damping, stiffness, gaps (direction,
+        opening, restitution), frequency, sine, cosine and constant of the load, and impacts, the gap of each impact.
     sheets : list of dict
-        The regions that the boxes cover: (lowest, highest) of each parameter that varies, as texts. Of a motion
-        one that is empty; of a branch one for each part between folds. Of a zone r and
+        The regions that the boxes cover: (lowest, highest) of each parameter that varies, as texts. For a motion
+        one that is empty; for a branch one for each part between folds. For a zone r and
         tan(theta), for cos(theta) > 0 and < 0, where A sin(theta) is the steady motion at an impact on the right.
-        Of "all" the ``sides`` and ``cycles`` of each word.
+        For "all" the ``sides`` and ``cycles`` of each word.
     boxes : list of dict
         ``sheet``, the number of the region, and ``parameters``, the part of it; ``centre``, psi, X, X', Z' just
-        after each impact (of a structure t, q, q'), as coefficients of polynomials of the parameters on [-1, 1],
+        after each impact (for a structure t, q, q'), as coefficients of polynomials of the parameters on [-1, 1],
         and ``radius``, around it, in which there is one and only one motion (with `symmetric` one and only one
         symmetric motion);
         ``exists, admissible, stable``, True, False or None; bounds ``multipliers_below`` or
         ``multipliers_above``, of max|lambda|, and ``attenuation_below``, of max|x|/A; None where they are not
         proven.
     undecided : list of dict
-        ``reason``: what is not proven, and why; ``parameters`` where it is so. Of "all" the ``times`` between
+        ``reason``: what is not proven, and why; ``parameters`` where it is so. For "all" the ``times`` between
         impacts, as parts of the period, with which there may be other motions of the word ``sheet``.
     seconds : float
         Time of the computation.
@@ -120,7 +120,7 @@ class Certificate:
 
     @property
     def complete(self) -> bool:
-        """Of all motions at a point: whether no others of the words, with an approach at each impact, exist."""
+        """For all motions at a point: whether no others of the words, with an approach at each impact, exist."""
         return self.kind == "all" and not any("times" in item for item in self.undecided)
 
     def _bound(self, name: str) -> float | None:
@@ -136,13 +136,13 @@ class Certificate:
         return ACTIONS["plane_of"](self)
 
     def decide(self, r: float, clearance: float) -> bool | None:
-        """Of a zone: True if a stable, admissible motion is proven to exist at a point, False if none does; None
+        """For a zone: True if a stable, admissible motion is proven to exist at a point, False if none does; None
         if neither is proven, and outside the window."""
         found: bool | None = self._plane.decide(r, clearance)
         return found
 
     def shares(self) -> dict[str, float]:
-        """Of a zone: the parts of the window (r, log D) "inside", "outside" and "undecided", added up on lines."""
+        """For a zone: the parts of the window (r, log D) "inside", "outside" and "undecided", summed on lines."""
         found: dict[str, float] = self._plane.shares()
         return found
 
@@ -152,12 +152,12 @@ class Certificate:
 
     @property
     def multiplier_bound(self) -> float | None:
-        """A number that max|lambda| does not reach, of a stable motion."""
+        """An upper bound of max|lambda| of a stable motion; it is not reached."""
         return self._bound("multipliers_below")
 
     @property
     def attenuation_bound(self) -> float | None:
-        """A number that max|x|/A does not exceed, of an admissible motion."""
+        """An upper bound of max|x|/A of an admissible motion."""
         return self._bound("attenuation_below")
 
     def _places(self) -> str:
@@ -216,7 +216,7 @@ class Certificate:
         return facts_html(repr(self), facts)
 
     def to_dict(self) -> dict[str, Any]:
-        """Everything as plain Python values, ready for JSON; exact numbers are texts."""
+        """Everything as plain Python values, ready for JSON; exact numbers are strings."""
         return {"type": "Certificate", "format": FORMAT} | {
             name: getattr(self, name) for name in ITEMS
         }

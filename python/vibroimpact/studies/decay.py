@@ -22,8 +22,8 @@ __all__ = ["Decay", "decay"]
 class Decay(Noun, study="decay"):
     """The peaks of free vibrations, one run for each clearance.
 
-    A peak is the greatest \\|x\\| of the primary mass between two zeros of x. The runs follow each other;
-    `run` gives the run of each peak.
+    A peak is the greatest \\|x\\| of the primary mass between two zeros of x. Runs are stored one after
+    another; `run` gives the run of each peak.
 
     Attributes
     ----------
