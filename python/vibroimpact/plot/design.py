@@ -114,7 +114,7 @@ def _lines(design: Design) -> list[str]:
     if design.samples:
         worst = value_text(osc, design.target, design.worst, 4)
         lines.append(
-            f"Worst of all samples: {worst}; simulations given up, counted as bad: {design.failed}."
+            f"Worst of all samples: {worst}; simulations abandoned, counted as bad: {design.failed}."
         )
     if design.sensitivity:
         slopes = [

@@ -49,7 +49,7 @@ class Certificate:
     system : dict
         The texts of xi, mu, r, clearance, load, and of restitution, a list with one for each impact; for "all"
         those of the right and of the left wall. For a structure mass, damping, stiffness, gaps (direction,
-        opening, restitution), frequency, sine, cosine and constant of the load, and impacts, the gap of each impact.
+        opening, restitution), frequency, sine, cosine and constant of the load, and impacts: the gap of each.
     sheets : list of dict
         The regions that the boxes cover: (lowest, highest) of each parameter that varies, as texts. For a motion
         one that is empty; for a branch one for each part between folds. For a zone r and
