@@ -23,7 +23,7 @@ print(found.verdict)
 
 # %%
 # The candidates over the clearance; the level with tolerances over the nominal one, with the Pareto front; the
-# share of the samples within the limit along the band, with confidence intervals; and the change of max\|X\|/A of
-# the worst unit when a parameter grows by 1 %.
+# share of the samples within the limit along the band, with confidence intervals; the change of max\|X\|/A of
+# the worst unit when a parameter grows by 1 %; and the best level of each independent search so far.
 
 found.plot()
