@@ -336,7 +336,10 @@ def made(group, words):
     with pytest.MonkeyPatch.context() as patch:
         for place in (cases, module):
             patch.setattr(place, "run_kind", lambda *message: found.append(message), raising=False)
-        module.run(options)
+        try:
+            module.run(options)
+        except ParameterError as error:
+            return str(error)
     try:
         ((one,), _) = read_cases(options, found[0][1])
     except ParameterError as error:

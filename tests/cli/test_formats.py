@@ -271,7 +271,7 @@ def test_a_file_for_two_motions(tool):
 
 @pytest.mark.parametrize(("words", "output"), [
     (["-o", "a.json", "--format", "netcdf"], "-o a.json: is the name of a json file; must be used with --format "
-     "json, or without it"),
+     "json, or without --format"),
     (["-o", "a.csv"], "-o a.csv: names a file, and there are 2 cases; must be a folder"),
 ])  # fmt: skip
 def test_a_file_for_several_results(words, output, tool):

@@ -542,7 +542,7 @@ def test_loads_add():
     assert (vi.Load.none() + base) == base
     with pytest.raises(vi.ParameterError, match=r"frequency = 2.0: must be 1.5"):
         base + vi.Load(2.0, sine=[1, 0])
-    with pytest.raises(vi.ParameterError, match="must be for 2 as that"):
+    with pytest.raises(vi.ParameterError, match="must be for 2, like the load"):
         base + vi.Load(1.5, sine=[1])
     with pytest.raises(TypeError):
         base + 1

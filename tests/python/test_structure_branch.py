@@ -270,7 +270,7 @@ def test_restitution_that_depends_on_the_speed():
         ({"parameter": "opening_7"}, ["opening_7", "2 gaps"]),
         ({"parameter": "mass_0"}, ["mass_0", "row and column"]),
         ({"parameter": "frequency_1"}, ["frequency_1", "no numbers"]),
-        ({"parameter": "constant"}, ["constant", "nothing"]),
+        ({"parameter": "constant"}, ["constant", "no effect"]),
         ({"parameter": "restitution", "bounds": (0.5, 1.2)}, ["bounds[1] = 1.2", "between 0 and 1"]),
         ({"parameter": "restitution", "bounds": (-0.1, 1)}, ["bounds[0] = -0.1", "between 0 and 1"]),
         ({"parameter": "frequency", "bounds": (-1, 2)}, ["bounds[0] = -1.0", "above 0"]),
