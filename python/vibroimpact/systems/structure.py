@@ -154,7 +154,7 @@ class Gap(ByValue):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Stop(ByValue):
-    """An elastic stop: a spring and a dashpot that push back once the gap is overclosed.
+    """An elastic stop: a spring and a dashpot that push back once the gap has closed.
 
     At a penetration depth d = direction.q - opening > 0, the force preload + stiffness d + damping d' acts against
     `direction`.
