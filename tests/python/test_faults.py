@@ -448,7 +448,9 @@ def test_a_cluster_that_is_killed(scheduler, tmp_path):
 
     try:
         begin = time.monotonic()
-        with pytest.raises(vi.ClusterError, match="the connection to the scheduler of the cluster was lost"):
+        with pytest.raises(
+            vi.ClusterError, match="the connection to the scheduler of the cluster was lost"
+        ):
             vi.campaign(sweep, tmp_path / "store", address, chunk=8, progress=interrupt)
         assert time.monotonic() - begin < 90
     finally:

@@ -459,7 +459,9 @@ def test_limits_of_a_rig_are_shown_in_its_units():
     """As they were given; dimensionless limits of a system without dimensions stay as they are."""
     rig = vi.Oscillator.from_dimensional(M=2.7, K=42e3, xi=0.011, m=0.11, restitution=0.75, F0=6.0)
     given = {"uncertain": {"xi": (0.01, 0.012)}, "samples": 2, "starts": 1}
-    found = vi.limit_probability(rig, "19.5 Hz", "4 mm", limit={"rms": "1 mm", "multiplier": 0.9}, **given)
+    found = vi.limit_probability(
+        rig, "19.5 Hz", "4 mm", limit={"rms": "1 mm", "multiplier": 0.9}, **given
+    )
     assert "rms <= 1 mm, multiplier <= 0.9:" in repr(found)
     assert found.limit["rms"] == pytest.approx(1e-3 * 42e3 / 6)
     plain = vi.limit_probability(FIGURE6, 1.0, 25.0, limit={"rms": 7.0}, **given)
