@@ -56,6 +56,33 @@ def test_points_are_exact_motions(first, last, share):
     assert judged >= 5 * (last - first)
 
 
+def test_a_point_is_its_own_motion_or_none():
+    """Near other attractors a simulation from a point may settle elsewhere: an error, not another motion."""
+    stops = [
+        vi.Stop(
+            [side], 0.6972788425859135, stiffness=19.178452850140584, damping=0.09041032149400266
+        )
+        for side in (1, -1)
+    ]
+    s = vi.Structure([1], [0.04065131975330451], [1], stops, friction=[vi.Friction([1], 0.1)])
+    load = vi.Load(1.9586661830366296, cosine=[0.6397892985427163])
+    motion = vi.exact(s, load, vi.simulate(s, load, cycles=400))
+    branch = vi.branch(motion, "frequency", bounds=(1.2, 2.0))
+    judged = refused = 0
+    for i in np.flatnonzero(branch.admissible == 1).tolist():
+        try:
+            found = branch[i]
+        except vi.SingularError as error:
+            refused += "another motion" in str(error)
+            continue
+        assert np.abs(found.multipliers).max() == pytest.approx(
+            np.abs(branch.multipliers[:, i]).max(), rel=1e-6
+        )
+        judged += 1
+    assert judged > 10
+    assert refused > 5
+
+
 def test_closed_form_of_den_hartog():
     """Amplitudes along the frequency are those of the closed form."""
     f = 0.3

@@ -394,7 +394,8 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
                 period = float(self.period[i])
                 load = Load(constant=load.constant)
                 run = simulate_structure(structure, load, duration=period, state=state)
-                return self_excited_from(structure, load, run._between_events()[1], period=period)
+                state = run._between_events()[1]
+                return self._same(i, self_excited_from(structure, load, state, period=period))
             if not structure._is_rigid:
                 # just after an event its limit may be reached again by rounding
                 period = 2 * np.pi * self.cycles / load.frequency
@@ -405,6 +406,22 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
             raise SingularError(f"point {i}: simulating from it gives no motion: {error}") from None
         if len(found.rests) != len(self.resting):
             raise SingularError(f"point {i}: the motion simulated from it has different rests")
+        return self._same(i, found)
+
+    def _same(self, i: int, found: Motion) -> Motion:
+        """A motion that was simulated from a point, which may have led to another one: an error if it did.
+
+        Events of both are not compared: one that changes nothing, as a halt with a contact, may be in one alone.
+        """
+        if self.self_excited:
+            same = abs(found.period / float(self.period[i]) - 1) < 1e-6
+        else:
+            sizes = [np.abs(one).max() for one in (found.multipliers, self.multipliers[:, i])]
+            same = not np.isfinite(sizes).all() or abs(sizes[0] - sizes[1]) < 1e-3 * (1 + sizes[1])
+        if not same:
+            raise SingularError(
+                f"point {i}: simulating from it leads to another motion; the columns have this one"
+            )
         return found
 
     def prove(self, tolerance: float = 1e-4, progress: door.Progress | None = None) -> Any:
