@@ -262,7 +262,7 @@ def check_stability(pair, states, box):
     need(all(abs(one) > 0 for one in pair.approach(states)), "an impact without speed")
     text = bounds[0 if stable else 1] or "1"
     bound = number(text) if pair.turn > 0 else number(text).sqrt()
-    need(bound <= 1 if stable else bound >= 1, "the bound does not imply the verdict")
+    need(0 < bound <= 1 if stable else bound >= 1, "the bound does not imply the verdict")
     matrix = [[arb(int(i == j)) for j in range(4)] for i in range(4)]
     last = (pair.length * pair.xi * -2 / pair.r).exp()
     for R, (here, there) in zip(pair.R, pair.blocks(states), strict=True):

@@ -218,7 +218,7 @@ def check_multipliers(system, states, box):
     if stable is None:
         return
     bound = number(bounds[0 if stable else 1] or "1")
-    need(bound <= 1 if stable else bound >= 1, "the bound does not imply the verdict")
+    need(0 < bound <= 1 if stable else bound >= 1, "the bound does not imply the verdict")
     size = system.size
     matrix = arb_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])
     for here, there in system.blocks(states):

@@ -285,7 +285,7 @@ class Varied:
             return
         need(all(abs(one) > 0 for one in speeds), "an impact without speed")
         bound = number(bounds[0 if stable else 1] or "1")
-        need(bound <= 1 if stable else bound >= 1, "the bound does not imply the verdict")
+        need(0 < bound <= 1 if stable else bound >= 1, "the bound does not imply the verdict")
         bound = bound if self.turn > 0 else bound.sqrt()
         size = self.size
         matrix = [[arb(int(i == j)) for j in range(size)] for i in range(size)]

@@ -26,7 +26,7 @@ from .balls import decimal, decimal_text, flint, hexadecimal, upward
 from .boxes import NEAR_CIRCLE, NO_MOTION, NO_SPEED, WITH_REST, Box, Family, cover, sizes_of
 from .certificate import Certificate
 from .equations import System, characteristic, determinant, flights, period_map
-from .structure_boxes import StructureFamily
+from .families import StructureFamily
 from .structures import check_structure, prove_structure
 from .verdicts import between_walls, inside, krawczyk, multiplier_bound
 
