@@ -1,6 +1,6 @@
 """Stable periodic motions of a vibrating system in which a free mass collides with its walls.
 
-The public names are those of `__init__.pyi`, which type checkers read, too.
+The public names are listed in `__init__.pyi`, which type checkers also read.
 """
 
 import re as _re
@@ -65,7 +65,7 @@ _ACTIONS.update(
 
 
 def __getattr__(name: str) -> object:
-    """A public name, from its module."""
+    """Import a public name from its module when it is first used."""
     if name == "__version__":
         from importlib.metadata import version
 

@@ -31,7 +31,7 @@ except ImportError:
 __all__ = ["final_state", "motion", "response"]
 
 _Array = NDArray[np.float64]
-#: The parameters, without R, which sets both coefficients of restitution to one value.
+#: The parameters, without R, which would set both coefficients of restitution to one value.
 NAMES = tuple(name for name in PARAMETERS if name != "R")
 #: Quantities of a motion by default.
 QUANTITIES = (
@@ -53,10 +53,10 @@ def motion(guess: Motion, quantities: Sequence[str] = QUANTITIES) -> Callable[..
     Returns
     -------
     callable
-        Takes any of r, clearance, xi, mu, R1, R2 and load by name; those that are left out have the values of the
-        guess. It returns a dict with an array for each quantity: NaN where there is no motion, where `exact` finds
-        another one beyond a flip or a pitchfork, where it would pass through a wall (unless the guess does), and
-        where a parameter is outside its range; and with derivatives NaN where it has none.
+        Takes any of r, clearance, xi, mu, R1, R2 and load by name; the others have the values of the guess. It
+        returns a dict with an array for each quantity. The array is NaN where there is no motion, where `exact`
+        finds another motion beyond a flip or a pitchfork, where the motion would pass through a wall (unless the
+        guess does), and where a parameter is outside its range. Derivatives that do not exist are NaN.
 
     Raises
     ------
@@ -111,7 +111,7 @@ def response(guess: Motion) -> Callable[..., dict[str, Any]]:
     Returns
     -------
     callable
-        As in `motion`; its dict has the `amplitude` max|X|, and the `attenuation` max|X|/A.
+        As in `motion`, but the dict contains `amplitude`, max|X|, and `attenuation`, max|X|/A.
 
     Raises
     ------
@@ -144,7 +144,7 @@ def final_state(
     Parameters
     ----------
     osc, r, clearance, load
-        As in `simulate`: the values of parameters that are left out later.
+        As in `simulate`: the default values of the parameters.
     cycles : float
         Load cycles to simulate.
 
@@ -196,7 +196,7 @@ def final_state(
 
 
 def filled(given: Mapping[str, Any], own: Mapping[str, float], what: str = "parameter") -> Any:
-    """The given numbers and, where there are none, the own ones, as one array."""
+    """The given numbers, with defaults for missing ones, as one array."""
     if not jax.config.jax_enable_x64:
         raise ParameterError(
             "jax_enable_x64 = False: must be True, since motions need double precision: "
@@ -220,14 +220,14 @@ def differentiable(
     compute: Callable[[_Array], Gradient], names: list[str], shapes: list[tuple[int, ...]],
     parameters: Sequence[str],
 ) -> Callable[[Any], dict[str, Any]]:  # fmt: skip
-    """A function of a point that JAX can differentiate, from one on the host that gives derivatives."""
+    """A function that JAX can differentiate, made from one on the host that returns values and derivatives."""
     sizes = [int(np.prod(shape)) for shape in shapes]
     total = sum(sizes)
 
     def on_host(point: Any) -> tuple[_Array, _Array]:
         try:
             gradient = compute(np.asarray(point, float))
-        # no motion, or parameters outside their range: an error within a compiled function would have JAX's name
+        # no motion, or a parameter outside its range: JAX would hide the name of an error raised in compiled code
         except (SingularError, ParameterError):
             return np.full(total, np.nan), np.full((total, len(parameters)), np.nan)
         values = [np.ravel(gradient.values[name]) for name in names]
@@ -248,7 +248,7 @@ def differentiable(
     flat = jax.custom_vjp(lambda point: called(point)[0])
 
     def pulled(slopes: Any, weights: Any) -> tuple[Any]:
-        # what has no weight may lack derivatives
+        # quantities with zero weight may lack derivatives
         terms = jax.numpy.where(weights[:, None] == 0, 0.0, weights[:, None] * slopes)
         return (terms.sum(axis=0),)
 

@@ -30,7 +30,7 @@ __all__ = ["Physical", "physical"]
 From = TypeVar("From")
 One = TypeVar("One", bound=Savable)
 
-#: The dimensionless units of names that no column of a result has.
+#: The dimensionless units of attributes that are not columns of a result.
 UNITS = {
     "t": "1/omega", "time": "1/omega", "period": "1/omega", "duration": "1/omega",
     "x": "F0/K", "z": "F0/K", "X": "F0/K", "Z": "F0/K", "Y": "F0/K", "clearance": "F0/K",
@@ -66,7 +66,7 @@ def physical(result: Any, units: Units | str | None = None) -> Any:
     ----------
     result : Motion, Trajectory, Zone or another result of an Oscillator, or xarray.Dataset
     units : Units or str, optional
-        Units of length, force and time, as "mm N s" or "SI"; those of the oscillator by default.
+        Units of length, force and time, such as "mm N s" or "SI"; those of the oscillator by default.
         `Oscillator.units` gives Units with another load amplitude F0.
 
     Returns
@@ -115,7 +115,7 @@ def physical(result: Any, units: Units | str | None = None) -> Any:
 
 
 def units_of(osc: Oscillator, units: Units | str | None) -> Units:
-    """The units of an oscillator, or those that were asked for."""
+    """The units of an oscillator, or the requested ones."""
     if isinstance(units, Units):
         return units
     own = osc.units()
@@ -123,7 +123,7 @@ def units_of(osc: Oscillator, units: Units | str | None) -> Units:
 
 
 class Physical(Generic[From]):
-    """A result in physical units. It has the names of the result; what has a dimension is in `units`.
+    """A result in physical units. It has the attributes of the result; values with a dimension are in `units`.
 
     `clearance` is d, the whole travel of the free mass between the walls; `frequency` is that of the load in
     cycles per unit of time. `r` and all other numbers without a dimension are those of the result. `save` and
@@ -162,10 +162,10 @@ class Physical(Generic[From]):
         return self._converted(name, value)
 
     def _converted(self, name: str, value: Any) -> Any:
-        """A value of a name in physical units; an error if its unit is not known."""
+        """An attribute value in physical units; an error if its unit is not known."""
         if isinstance(value, (bool, str, int, Pattern, Oscillator, np.bool_)) or value is None:
             return value
-        if name == "sensitivity":  # derivatives, whose units are quotients
+        if name == "sensitivity":  # derivatives have quotients of units
             raise AttributeError(f"{name}: has no form in physical units; use that of `result`")
         if isinstance(value, np.ndarray) and value.dtype.kind in "biUOS":
             return value
@@ -176,7 +176,7 @@ class Physical(Generic[From]):
             table.flags.writeable = False
             return table
         if isinstance(value, Mapping):
-            # of a state, without what continues it bit for bit
+            # of a state, without the extra keys for a bitwise continuation
             names = units_by_name("design") if self._of.study == "design" else UNITS
             return {key: self._converted(key, item) for key, item in value.items() if key in names}
         if hasattr(value, "study"):
@@ -214,7 +214,7 @@ class Physical(Generic[From]):
 
     @property
     def _of(self) -> Any:
-        """The result, whose attributes depend on its class."""
+        """The result (typed loosely, since its attributes depend on its class)."""
         return self.result
 
     @property
@@ -225,7 +225,7 @@ class Physical(Generic[From]):
     def sample(self, t: ArrayLike) -> Sample:
         """Positions, velocities, accelerations and load at physical times, as `sample` of the result."""
         times = checks.real_array(t, "t", "real times") / self.units.time
-        # the ends of a trajectory, which conversion rounds, are within it
+        # the conversion rounds the ends of a trajectory; they still count as within it
         for name in ("start", "end"):
             end = getattr(self.result, name, math.nan)
             times = np.where(np.isclose(times, end, rtol=1e-14, atol=0), end, times)
@@ -233,7 +233,7 @@ class Physical(Generic[From]):
         return sample
 
     def _with_window(self, options: dict[str, Any]) -> dict[str, Any]:
-        """The options of a method, whose window is in physical times."""
+        """The options of a method, with `window` converted from physical times."""
         if options.get("window") is None:
             return options
         window = checks.real_array(options["window"], "window", "two times")
@@ -260,7 +260,7 @@ class Physical(Generic[From]):
         return animate_result(self.result, *options, units=self.units if units is None else units)
 
     def __bool__(self) -> bool:
-        return True  # most results have no length
+        return True  # most results have no __len__
 
     def __len__(self) -> int:
         return len(self._of)
@@ -276,7 +276,8 @@ class Physical(Generic[From]):
         return draw_result(self.result, *options, units=self.units if units is None else units)
 
     def to_dict(self) -> dict[str, Any]:
-        """`to_dict` of the result with the units; its tables in physical units are in the item `physical`."""
+        """The `to_dict` of the result, with the units; the item `physical` contains the tables in physical
+        units."""
         from .formats.record import encoded
 
         columns = {
@@ -296,11 +297,12 @@ class Physical(Generic[From]):
         return json.dumps(self.to_dict(), allow_nan=False)
 
     def to_xarray(self) -> Any:
-        """`to_xarray` of the result in physical units."""
+        """The result in physical units as a dataset, as `to_xarray` of the result."""
         return dataset(self._of.to_xarray(), self.units)
 
     def to_pandas(self) -> Any:
-        """`to_pandas` of the result in physical units; their names are in ``attrs["units"]`` of the frame."""
+        """The result in physical units as a data frame, as `to_pandas` of the result; ``attrs["units"]`` has the
+        unit names."""
         from .formats.rows import to_pandas
 
         frame = to_pandas(self)
@@ -368,7 +370,7 @@ def tables(result: Result, units: Units) -> Result:
 
 
 def scale_by_row(names: Any, units: Units) -> Any:
-    """Factors of the values of parameters: a chosen clearance becomes d, other parameters have no dimension."""
+    """Factors for the values of design parameters: a clearance becomes d, other parameters have no dimension."""
     return np.where(names == "clearance", units.scale("F0/K"), 1.0)
 
 

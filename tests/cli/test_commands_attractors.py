@@ -213,7 +213,7 @@ def test_lyapunov_without_impacts_says_so(line, tool):
     assert (done.status, done.out) == (1, b"")
     assert done.faults == [
         f"lyapunov: no exponents at {points}: no impacts in a batch",
-        "vibroimpact lyapunov: another start may lead to impacts: --state X X_DOT Z Z_DOT",
+        "vibroimpact lyapunov: another initial state may lead to impacts: --state X X_DOT Z Z_DOT",
     ]
     assert list(contents(tool.cwd)) == []
     head = "&system xi = 0.0114, mu = 0.028, restitution = 0.75, r = 1.04 /\n"
@@ -318,7 +318,7 @@ def test_a_second_interrupt_stops_writing(tool):
     message = [line.rpartition("\r")[2] for line in output.splitlines() if "vibroimpact " in line]
     assert (status, message) == (1, [
         "vibroimpact response: interrupted; writing what is finished ...",
-        "vibroimpact response: interrupted; writing was stopped, nothing half is left",
+        "vibroimpact response: interrupted; writing was stopped, no incomplete file is left",
     ])  # fmt: skip
     assert not (tool.cwd / "results").exists()
 

@@ -180,7 +180,7 @@ def answered(session, sent, message, counts, faults):
     if error is None:
         own = next((text for text in sent if "explorer's own" in text), None)
         if own is not None:
-            at = own.index("a fault of the explorer's own")
+            at = own.index("internal error of the explorer")
             faults.setdefault(own[at : at + 200], (data, ".txt"))
         counts[1] += 1
     elif isinstance(error, VibroimpactError):

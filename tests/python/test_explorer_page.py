@@ -97,7 +97,7 @@ def test_share_link_restores_everything(page):
     page.page.locator("#table input").nth(1).check()
     page.page.wait_for_function("location.search.includes('motion=')")
     page.page.locator("[data-run=discard]").fill("20")
-    page.page.locator("#run").get_by_role("button", name="Let it run").click()
+    page.page.locator("#run").get_by_role("button", name="Simulate").click()
     page.page.wait_for_function("location.search.includes('run=')")
     page.page.locator("#chart").focus()
     page.page.keyboard.press("Shift+L")
@@ -132,7 +132,7 @@ def test_share_link_restores_everything(page):
 def test_saved_and_copied_give_the_digits_of_the_table(page, tmp_path):
     """Saved and copied code gives every digit of the table when it is run."""
     page.open("r=1.04&clearance=20")
-    page.page.locator("#run").get_by_role("button", name="Let it run").click()
+    page.page.locator("#run").get_by_role("button", name="Simulate").click()
     page.page.wait_for_function("document.getElementById('ran').textContent.includes('impacts')")
     table = sorted(row[1:] for row in numbers(page.rows()))
     with page.page.expect_download() as saved:

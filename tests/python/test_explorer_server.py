@@ -290,7 +290,8 @@ EXTREME = [
 
 @pytest.mark.parametrize("message", EXTREME)
 def test_extreme_messages_are_answered_soon(message, caplog):
-    """With a fault that names what is not allowed, or with an answer; never with a fault of the explorer's own."""
+    """With an error that names what is not allowed, or with an answer; never with an internal error of the
+    explorer."""
     sent, turns = [], []
     session = Session("", lambda text, numbers: sent.append(json.loads(text)), turns.append)
     session.background = Idle()

@@ -122,7 +122,7 @@ def test_no_zone_is_said(page):
     """The page gives the reason for an empty chart."""
     page.open("patterns=RRRRRRRL")
     assert page.text("families") == ""
-    assert page.text("status") == "no motion has one here"
+    assert page.text("status") == "no stable motion was found in this window"
 
 
 def test_two_tabs_do_not_know_of_each_other(page, browser, server):

@@ -164,7 +164,7 @@ def rows_of(times):
     ("text", "options", "message"),
     [
         ("load,force\n" + "1,2\n" * 20, {},
-         "channel 'force': is a second load; must be the only one, or give `channels`"),
+         "channel 'force': is a second load channel; must be the only one, or give `channels`"),
         ("load,a\n" + "1,2\n" * 20, {"scale": [1.0]},
          "scale = [1.0]: must be 2 numbers, one for each channel"),
         ("load,a\n" + "1,2\n" * 20, {"units": ["N"]},
@@ -337,7 +337,7 @@ def test_a_rate_does_not_override_times(tmp_path):
         vi.read_record({"name": "load", "data": RECORD.load, "fs": 1000}, rate=500)
     path.write_text("time,load,t\n" + "".join(f"{i},1,{2 * i}\n" for i in range(40)))
     with pytest.raises(
-        vi.ParameterError, match="channel 't': is a second time; must be the only one"
+        vi.ParameterError, match="channel 't': is a second time channel; must be the only one"
     ):
         vi.read_record(path)
     assert vi.read_record(path, channels=["time", "load", "none"]).rate == 1

@@ -1,1 +1,1 @@
-"""What any program needs: checks of arguments, errors, files, progress, interruption, optional libraries."""
+"""General utilities: checks of arguments, errors, files, progress, interruption, optional libraries."""

@@ -1,6 +1,6 @@
-"""What is done with results elsewhere: files, pictures, physical units, derivatives.
+"""Functions on results that other modules provide: files, pictures, physical units, derivatives.
 
-The package registers these functions when it is imported, so that results depend on none of their modules.
+The package registers them when it is imported, so that `results` does not depend on these modules.
 """
 
 from collections.abc import Callable

@@ -31,7 +31,7 @@ RANGES: dict[str, tuple[float, float, bool]] = {
 }
 MAX_IMPACTS = 1000
 MAX_CYCLES = 10_000
-#: What functions take for their random numbers (SPEC 7): a seed, a generator, or None.
+#: The argument `rng` of functions that draw random numbers (SPEC 7): a seed, a generator, or None.
 Rng: TypeAlias = int | np.random.Generator | None
 #: Largest number of values that a study may keep at once.
 MOST_NUMBERS = 12_500_000
@@ -58,7 +58,7 @@ def number(value: Any, name: str, label: str | None = None) -> float:
 
 
 def to_float(value: Any, label: str, wanted: str) -> float:
-    """A float from any real number; bool, str, None and complex are refused."""
+    """A float from any real number; bool, str, None and complex are rejected."""
     if isinstance(value, (bool, str, bytes, complex)) or not hasattr(type(value), "__float__"):
         raise ParameterTypeError(
             f"{label} = {value!r}: must be {wanted}, not {type(value).__name__}"
@@ -71,7 +71,7 @@ def to_float(value: Any, label: str, wanted: str) -> float:
 
 
 def read_number(text: str) -> float:
-    """The number that a text is; ValueError also for one that no float holds, as 1e400 or 1e-400.
+    """The number in a text; ValueError also for numbers that no float can represent, such as 1e400 or 1e-400.
 
     Examples
     --------
@@ -116,7 +116,7 @@ def seed_of(rng: Any, high: int = 2**31 - 1) -> int:
     Parameters
     ----------
     rng : int, numpy.random.Generator or None
-        A Generator is advanced, so that the next call with it gives another seed.
+        A Generator advances, so that the next call with it returns another seed.
     high : int
         The largest seed.
 
@@ -140,7 +140,7 @@ def seed_of(rng: Any, high: int = 2**31 - 1) -> int:
 
 
 def place(index: Any, n: int, what: str) -> int | range:
-    """The place of an item among n ones, or the places of a slice; IndexError beyond them, as of a list."""
+    """The index of an item among n, or the indices of a slice; IndexError outside the range, as for a list."""
     wanted = "a whole number or a slice of whole numbers"
     try:
         if isinstance(index, slice):
@@ -175,7 +175,7 @@ def choice(value: Any, name: str, choices: Sequence[str]) -> str:
 
 
 def path(value: Any, name: str = "path") -> Path:
-    """A path that a file can have."""
+    """A valid path of a file."""
     try:
         text = os.fspath(value)
         if not isinstance(text, str):
@@ -195,7 +195,7 @@ def path(value: Any, name: str = "path") -> Path:
 
 
 def progress(value: Any) -> None:
-    """None, or a function that is told how far a computation is."""
+    """None, or a function that reports the progress of a computation."""
     if value is not None and not callable(value):
         raise ParameterTypeError(f"progress = {value!r}: must be None or callable")
 
@@ -223,7 +223,7 @@ def real_array(values: ArrayLike, name: str, wanted: str) -> NDArray[np.float64]
 
 
 def one_shape(**values: ArrayLike) -> list[NDArray[np.float64]]:
-    """Arrays of real numbers, each as large as all of them together."""
+    """Arrays of real numbers, broadcast to one shape."""
     arrays = [real_array(given, name, "real numbers") for name, given in values.items()]
     try:
         return [np.asarray(array) for array in np.broadcast_arrays(*arrays)]
@@ -235,7 +235,7 @@ def one_shape(**values: ArrayLike) -> list[NDArray[np.float64]]:
 
 
 def has_truth(values: Any) -> bool:
-    """Whether one of some nested lists of numbers is True or False, which NumPy takes as 1 or 0 beside numbers."""
+    """Whether nested lists of numbers contain True or False, which NumPy would convert to 1 or 0."""
     if not isinstance(values, (list, tuple)):
         return getattr(getattr(values, "dtype", None), "kind", "") == "b"
     kinds = set(map(type, values))
@@ -244,18 +244,19 @@ def has_truth(values: Any) -> bool:
     return not kinds <= {float, int} and any(map(has_truth, values))
 
 
-#: 1/A of the motion without impacts below which free and forced vibration cancel to less than four digits; the
-#: core has the same number.
+#: The 1/A of the motion without impacts below which the difference of free and forced vibration keeps less than
+#: four digits; the core has the same number.
 LEAST_INVERSE = 1e-12
 
 
 def at_resonance(xi: float, r: float) -> bool:
-    """Whether r = 1 with hardly any damping."""
+    """Whether r is near 1 with hardly any damping."""
     return math.hypot((1 - r) * (1 + r), 2 * xi * r) < LEAST_INVERSE
 
 
 def frequency_ratio(value: Any, xi: float, near: bool = False) -> float:
-    """A frequency ratio r at which the motion without impacts is finite and, with `near`, keeps some digits."""
+    """Checks a frequency ratio r: the motion without impacts must be finite and, with `near`, accurate to some
+    digits."""
     r = number(value, "r")
     if (near or r == 1.0) and at_resonance(xi, r):
         raise ParameterError(
@@ -265,7 +266,7 @@ def frequency_ratio(value: Any, xi: float, near: bool = False) -> float:
 
 
 def phases(values: Any, n: int, cycles: int) -> NDArray[np.float64]:
-    """Impact phases from the first one on: of n numbers, increasing, within less than 2 pi k of each other."""
+    """Checks n impact phases: increasing, and all within less than 2 pi k."""
     period = 2 * math.pi * cycles
     wanted = f"{n} increasing numbers within less than 2 pi k = {period:.6g}, one for each impact"
     array = real_array(values, "phases", wanted)

@@ -36,7 +36,7 @@ class ParameterTypeError(VibroimpactError, TypeError):
 class SingularError(VibroimpactError, ArithmeticError):
     """The equations have no unique, finite solution for these (allowed) parameters.
 
-    Its attribute `result` is the part of a simulation of a structure before that, or None.
+    The attribute `result` is the part of a simulation of a structure before this point, or None.
     """
 
     result: Any = None
@@ -47,8 +47,8 @@ class OpenBoundaryWarning(UserWarning):
 
 
 class PoorFitWarning(UserWarning):
-    """A fit does not describe the records to their noise, or these contradict what is known: its errors are not
-    valid. `Identification.doubts` lists the reasons."""
+    """A fit deviates from the records by more than their noise, or the records contradict the known values; the
+    errors of the fit are then not valid. `Identification.doubts` lists the reasons."""
 
 
 class MissingExtraError(VibroimpactError, ImportError):
@@ -64,7 +64,8 @@ class OutOfMemoryError(VibroimpactError, MemoryError):
 
 
 class ClusterError(VibroimpactError, ConnectionError):
-    """The scheduler of a cluster is gone, or its workers cannot compute; the finished chunks are kept."""
+    """The connection to the scheduler of a cluster is lost, or its workers cannot compute; finished chunks are
+    kept."""
 
     status = 1
 
@@ -77,6 +78,6 @@ class StudyInterrupted(KeyboardInterrupt):
         self.result = result
 
 
-# tracebacks name them as users import them
+# tracebacks show the names that users import
 for _name in __all__:
     globals()[_name].__module__ = "vibroimpact"

@@ -41,9 +41,10 @@ def write_bytes(path: Path, content: bytes) -> None:
 
 @contextlib.contextmanager
 def replacing(path: Path, ending: str = "") -> Iterator[Path]:
-    """Provide a new, empty file beside `path`, which replaces it if no error occurs; its name ends with `ending`.
+    """Provide a new, empty file beside `path`, which replaces `path` if no error occurs; its name ends with
+    `ending`.
 
-    An error names `path`, which the user knows, and not the temporary file.
+    Errors name `path`, which the user knows, and not the temporary file.
     """
     temporary = None
     try:
@@ -62,8 +63,8 @@ def replacing(path: Path, ending: str = "") -> Iterator[Path]:
 def new_file(path: Path, ending: str = "") -> Path:
     """Make an empty file beside another one, under a name that cannot be predicted.
 
-    It is made only if nothing of this name is there, not even a link, and has the permissions of any new file
-    (`tempfile` would let nobody else read it).
+    It is created only if nothing of this name exists, not even a link, and has the permissions of an ordinary new
+    file (with `tempfile` no other user could read it).
     """
     while True:
         place = path.with_name(f"{path.stem[:40]}.{secrets.token_hex(8)}.part{ending}")

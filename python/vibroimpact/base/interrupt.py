@@ -15,16 +15,16 @@ from numpy.typing import NDArray
 INTERVAL = 0.05
 #: Bytes of the stack of a thread that runs the core, whatever `ulimit -s` and `threading.stack_size` are.
 STACK = 8 * 2**20
-#: The flag to stop that also makes the core give up the file that it writes, `give_up_file` in vi_batch.
+#: The value of the stop flag that also makes the core abandon the file it is writing, `give_up_file` in vi_batch.
 GIVE_UP = 4
-#: In a thread that runs a call: whether its caller no longer waits for it (`event`).
+#: In a thread that runs a call: `event` is set when its caller no longer waits for it.
 _HERE = threading.local()
 
 
 class _Call(NamedTuple):
     """A call in its own thread."""
 
-    #: Set when it has ended, with a result or an exception in these lists.
+    #: Set when the call has ended, with a result or an exception in these lists.
     done: threading.Event
     answer: list[Any]
     fault: list[BaseException]
@@ -33,7 +33,7 @@ class _Call(NamedTuple):
 
 
 class AbandonedError(BaseException):
-    """Raised in a call for whose result nobody waits any more."""
+    """Raised in a call whose result is no longer awaited."""
 
 
 def interruptible(
@@ -42,10 +42,11 @@ def interruptible(
 ) -> Any:  # fmt: skip
     """The result of a function of the core, during which the main thread can react to Ctrl-C.
 
-    Meanwhile `watch`, if given, is called a few times a second. After an interrupt or an exception of `watch`
-    the result is discarded. With `counters`, the progress counters among the arguments, the core is told to stop
-    and to give up the file that it writes, and this function waits until it has. If the function calls `stoppable`
-    with `progress`, that stops the core; otherwise it continues in a thread that ends with the program.
+    Meanwhile `watch`, if given, is called a few times per second. After an interrupt or an exception of `watch`
+    the result is discarded. With `counters`, the progress counters among the arguments, the core is asked to stop
+    and to abandon the file it is writing, and this function waits until the core has stopped. If the function
+    calls `stoppable` with `progress`, that stops the core; otherwise the core continues in a thread that ends with
+    the program.
     """
     if watch is None and threading.current_thread() is not threading.main_thread():
         return function(*arguments)
@@ -67,10 +68,10 @@ def stoppable(
 ) -> tuple[Any, bool]:  # fmt: skip
     """The result of a function of the core, and whether it ran to its end.
 
-    Its last argument holds three progress counters: work done, work known so far, and a flag to stop. Ctrl-C
-    sets the flag; the core then stops within a few load cycles, and its result is what was finished. A second
-    Ctrl-C does not wait for that. `progress` is called a few times a second with the share done and the note;
-    an exception of `progress` also stops the core, and is raised again.
+    The last argument of the function contains three progress counters: work done, work known so far, and a stop
+    flag. Ctrl-C sets the flag; the core then stops within a few load cycles and returns the part that was
+    finished. A second Ctrl-C ends the wait at once. `progress` is called a few times per second with the share
+    done and the note; an exception of `progress` also stops the core, and is raised again.
     """
     if progress is None and threading.current_thread() is not threading.main_thread():
         return function(*arguments, counters), True
@@ -99,9 +100,9 @@ def stoppable(
 
 
 def with_stack(function: Callable[..., Any], *arguments: Any) -> Any:
-    """The result of a function of the core that needs more stack than a caller's thread may have.
+    """The result of a function of the core that needs more stack than the caller's thread may have.
 
-    Some need 100 kB, and a thread can have 64 kB; that of the main thread is large enough.
+    Some functions need 100 kB, and a thread may have only 64 kB; the stack of the main thread is large enough.
     """
     if threading.current_thread() is threading.main_thread() or hasattr(_HERE, "abandoned"):
         return function(*arguments)
@@ -114,10 +115,11 @@ def new_counters() -> NDArray[np.int32]:
 
 
 class _Worker:
-    """A thread that runs one call after another: in a new thread OpenMP would start all its threads again."""
+    """A thread that runs calls one after another; in a new thread for each, OpenMP would start all its threads
+    again."""
 
     idle: ClassVar[list[_Worker]] = []
-    #: Held while a thread starts: the size of its stack is one number for all threads of the process.
+    #: Held while a thread starts: the stack size is one setting for all threads of the process.
     starting: ClassVar[threading.Lock] = threading.Lock()
 
     def __init__(self) -> None:
@@ -135,7 +137,8 @@ class _Worker:
 
 
 def _forget_threads() -> None:
-    """In a child process: it has none of its parent's threads, and none that would release the lock."""
+    """In a child process: drop the threads and locks of the parent, which do not exist or are never released
+    there."""
     _Worker.idle.clear()
     _Worker.starting = threading.Lock()
 
@@ -175,7 +178,7 @@ def _finished(call: _Call, watch: Callable[[], None] | None) -> Any:
         if watch is not None:
             watch()
     if watch is not None:
-        watch()  # the final state of the counters, reached after the last check
+        watch()  # the final state of the counters may have been reached after the last check
     if call.fault:
         raise call.fault[0]
     return call.answer[0]

@@ -1,4 +1,4 @@
-"""Libraries of the extras, which may not be installed."""
+"""Optional libraries of the extras, which may not be installed."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def zarr() -> Any:
 
 
 def need_netcdf() -> None:
-    """An error that says how to get them, if netCDF files cannot be written."""
+    """Raises an error that says what to install, if netCDF files cannot be written."""
     xarray("netCDF files")
     for name in ("h5py", "h5netcdf"):
         need(name)

@@ -1,5 +1,5 @@
-"""Requests that the server refuses: under a foreign host name, of pages of other sites, without a token, and for
-what no page has."""
+"""Requests that the server rejects: with a foreign host name, from pages of other sites, without a token, and for
+paths that do not exist."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tornado.web import Application, OutputTransform, RequestHandler
 
 __all__ = ["protect"]
 
-#: Headers of all answers: no other page may show this one in a frame, or take its files.
+#: Headers of all answers: no other page may show this one in a frame, or load its files.
 HEADERS = {
     "X-Frame-Options": "DENY",
     "Content-Security-Policy": "frame-ancestors 'none'",
@@ -23,19 +23,21 @@ HEADERS = {
 
 
 def protect(application: Application, names: tuple[str, ...], port: int, token: str = "") -> None:
-    """Make a server answer only its own page and links to it, by one of its names; others get status 403.
+    """Make a server answer only its own page and links to it, under one of its names; other requests get status
+    403.
 
-    Paths that lead upwards, and those of Panel's components, which import the module that they name, get 404.
+    Paths that lead upwards get status 404, and so do paths of Panel's components, which would import the module
+    that they name.
 
-    A name of another site can be made to lead to this machine (DNS rebinding), so the name counts that was asked
-    for, not the address that was reached. With a token only a browser is answered that has opened a link with it:
-    the browser keeps it as a cookie, and the page's own address is without it.
+    Another site can make its name resolve to this machine (DNS rebinding), so the requested host name is checked
+    and not the address. With a token, only a browser that has opened a link with the token is answered: the
+    browser keeps the token as a cookie, and the address of the page does not contain it.
 
     Parameters
     ----------
     application : tornado.web.Application
     names : tuple of str
-        Its names, as "localhost" or "[::1]".
+        The names of the server, such as "localhost" or "[::1]".
     port : int
     token : str
         If empty, none is needed.
@@ -51,7 +53,7 @@ def protect(application: Application, names: tuple[str, ...], port: int, token: 
 
 
 class Foreign(Matcher):  # type: ignore[misc]
-    """Matches the requests to be refused."""
+    """Matches the requests to be rejected."""
 
     def __init__(self, hosts: frozenset[str]) -> None:
         self.hosts = hosts
@@ -63,7 +65,7 @@ class Foreign(Matcher):  # type: ignore[misc]
             return {}
         if any(not self.own(origin) for origin in headers.get_list("Origin")):
             return {}
-        # browsers report the site of the page that sends the request; a link that opens this page may be on any
+        # browsers report the site of the page that sends the request; a link to this page may be on any site
         # site
         site = headers.get("Sec-Fetch-Site", "none")
         opened = (headers.get("Sec-Fetch-Mode"), headers.get("Sec-Fetch-Dest")) == (
@@ -72,7 +74,7 @@ class Foreign(Matcher):  # type: ignore[misc]
         return None if site in ("none", "same-origin") or opened else {}
 
     def own(self, origin: str) -> bool:
-        """Whether an Origin is this server."""
+        """Whether an Origin header names this server."""
         try:
             parts = urlsplit(origin.lower())
         except ValueError:
@@ -81,21 +83,21 @@ class Foreign(Matcher):  # type: ignore[misc]
 
 
 class Key:
-    """The token, where a request may hold it: as `token` of the query, or as a cookie."""
+    """The token of a request: `token` in the query, or a cookie."""
 
     def __init__(self, token: str, cookie: str) -> None:
         self.token, self.cookie = token, cookie
 
     def is_token(self, text: bytes) -> bool:
-        """Compare in a time that does not depend on where they differ."""
+        """Compare in constant time."""
         return hmac.compare_digest(text, self.token.encode())
 
     def in_query(self, request: HTTPServerRequest) -> bool:
-        """Whether the query holds it."""
+        """Whether the query contains the token."""
         return any(map(self.is_token, request.query_arguments.get("token", ())))
 
     def in_cookie(self, request: HTTPServerRequest) -> bool:
-        """Whether the cookie holds it."""
+        """Whether the cookie contains the token."""
         held = request.cookies.get(self.cookie)
         return held is not None and self.is_token(held.value.encode())
 
@@ -112,7 +114,7 @@ class Opening(Matcher):  # type: ignore[misc]
 
 
 class Opened(RequestHandler):  # type: ignore[misc]
-    """Gives the token to the browser, and leads to the page without it."""
+    """Gives the token to the browser as a cookie, and redirects to the page without it."""
 
     def initialize(self, key: Key) -> None:
         self.key = key
@@ -153,7 +155,7 @@ class Refusal(RequestHandler):  # type: ignore[misc]
 
 
 class Stray(Matcher):  # type: ignore[misc]
-    """Matches paths that no page has: upwards, with control characters, and those of components."""
+    """Matches paths that do not exist: upwards, with control characters, and those of components."""
 
     def match(self, request: HTTPServerRequest) -> dict[str, Any] | None:
         path = unquote(request.path).replace("\\", "/")

@@ -22,7 +22,7 @@ NUMBERS_OF = {
     1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8",
 }  # fmt: skip
 TEXTS_OF = {1: "latin-1", 2: "latin-1", 4: "utf-16", 16: "utf-8", 17: "utf-16", 18: "utf-32"}
-#: Classes of a matrix: cells, structs, texts, and dense numbers; others hold no numbers or texts of a record.
+#: Classes of a matrix: cells, structs, texts, and dense numbers; the others cannot occur in a record.
 CELLS, STRUCT, CHARACTERS, NUMERIC, COMPLEX = 1, 2, 4, range(6, 16), 0x800
 #: How deeply cells and structs may be nested, and the most dimensions of a matrix.
 DEEPEST, DIMENSIONS = 50, 32
@@ -40,22 +40,21 @@ def scipy_io() -> Any:
 
 
 def read_variables(path: Path) -> dict[str, Any]:
-    """The variables of a MATLAB file of version 5, each of whose tags is checked before it is used.
+    """The variables of a MATLAB file of version 5; each tag is checked before it is used.
 
-    scipy trusts them: a changed byte can end the interpreter. Sizes that compressed parts declare are checked
-    before they are inflated.
+    scipy does not check tags, so that a changed byte can crash the interpreter. The declared sizes of compressed
+    parts are checked before they are inflated.
 
     Returns
     -------
     dict
-        By their names arrays of numbers, texts (lists of texts of several rows), structs as dicts, and lists of
-        structs and cells in MATLAB's order; None for sparse matrices, functions and objects.
+        By name: arrays of numbers, texts (a list of texts if there are several rows), structs as dicts, and lists
+        of structs and cells in MATLAB's order; None for sparse matrices, functions and objects.
 
     Raises
     ------
     ParameterError
-        If a part does not inflate to what its checksum says, is cut, or is not of the type and size that its place
-        needs.
+        If a part does not match its checksum, is truncated, or has the wrong type or size.
     """
     check_file(path, NUMBERS)
     data = path.read_bytes()
@@ -88,7 +87,7 @@ def read_variables(path: Path) -> dict[str, Any]:
 
 
 def inflate(packed: memoryview, size: int) -> bytearray:
-    """What a compressed part holds, which is at most what it declares."""
+    """The content of a compressed part, at most of the declared size."""
     stream, found = zlib.decompressobj(), bytearray()
     for i in range(0, len(packed), 2**14):  # at most 17 MB at a time
         found += stream.decompress(packed[i : i + 2**14])
@@ -102,7 +101,7 @@ def inflate(packed: memoryview, size: int) -> bytearray:
 
 
 def elements(data: memoryview, order: str, align: int = 8) -> Iterator[tuple[int, memoryview]]:
-    """The elements that stand one after the other, each as its type and its content."""
+    """The consecutive elements, each with its type and content."""
     at = 0
     while at + 8 <= len(data):
         kind, size = struct.unpack_from(f"{order}II", data, at)
@@ -131,7 +130,7 @@ def matrix_of(kind: int, body: memoryview, order: str, depth: int = 0) -> tuple[
     parts = elements(body, order)
 
     def part(what: str, *kinds: int) -> tuple[int, memoryview]:
-        """The next part, of one of some types."""
+        """The next part, which must be of one of the given types."""
         found = next(parts, None)
         if found is None:
             raise ParameterError(f"a part is damaged: a matrix has no {what}")
@@ -151,7 +150,7 @@ def matrix_of(kind: int, body: memoryview, order: str, depth: int = 0) -> tuple[
         raise ParameterError(f"a matrix declares {count} entries and has {len(body)} bytes")
 
     def inner(many: int) -> list[Any]:
-        """The matrices that come next."""
+        """The next matrices."""
         found = [part("entries", MATRIX) for _ in range(many)]
         return [matrix_of(*one, order, depth + 1)[1] for one in found]
 
@@ -201,7 +200,7 @@ def text_of(kind: int, body: memoryview, order: str, dims: list[int]) -> Any:
     except UnicodeDecodeError as error:
         raise ParameterError(f"a part is damaged: a text that is not {code}; {error}") from None
     rows, width = dims[0], math.prod(dims[1:])
-    # MATLAB counts units of UTF-16, scipy characters
+    # MATLAB counts UTF-16 code units, scipy counts characters
     if width not in (len(text) // rows, len(text.encode("utf-16-le")) // 2 // rows):
         raise ParameterError(f"a text declares size {dims} and has {len(text)} characters")
     return text if rows == 1 else [text[i::rows] for i in range(rows)]

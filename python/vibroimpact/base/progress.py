@@ -19,9 +19,10 @@ WIDTH = 30
 
 
 class Progress:
-    """A bar on standard error, if that is a terminal or a notebook; used with `with`, it is removed at the end."""
+    """A progress bar on standard error, if that is a terminal or a notebook; with `with`, it is removed at the
+    end."""
 
-    #: How many are in use: calls within one show no bar of their own.
+    #: The number of bars in use: calls within another call show no bar of their own.
     active: ClassVar[int] = 0
 
     def __init__(self, label: str, wanted: bool | None = None, resumed: bool = False) -> None:
@@ -29,7 +30,7 @@ class Progress:
         self.wanted = attended() if wanted is None else wanted
         self.begin = self.last = time.monotonic()
         self.reached = 0.0
-        #: The share that was done before; that of the first call if an earlier run is resumed.
+        #: The share that was done before the start; that of the first call if an earlier run is resumed.
         self.origin = None if resumed else 0.0
         self.shown = False
 
@@ -50,8 +51,8 @@ class Progress:
     def show(self, share: float, note: str = "") -> None:
         """Draw the bar for a share of the work between 0 and 1, with the estimated remaining time.
 
-        The share falls when more work becomes known: the remaining time is then estimated again, and the bar
-        stays.
+        If more work becomes known, the share falls: the remaining time is then estimated again, and the bar does
+        not move back.
         """
         now = time.monotonic()
         if self.origin is None:
@@ -74,7 +75,7 @@ class Progress:
 
 
 def attended() -> bool:
-    """Whether somebody sees what is printed: on a terminal, or in a notebook."""
+    """Whether the output is visible to a user: on a terminal, or in a notebook."""
     # a kernel has loaded IPython, whose shell then has an attribute `kernel`
     shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
     return hasattr(shell, "kernel") or (sys.stderr is not None and sys.stderr.isatty())
@@ -84,9 +85,9 @@ def attended() -> bool:
 def reported(
     progress: Callable[[float, str], None] | None, label: str
 ) -> Iterator[Callable[[float, str], None] | None]:
-    """What is told how far a call is: the caller's function, or a bar.
+    """Provide the function that receives the progress of a call: the caller's own, or a bar.
 
-    A call within another one, and one in another thread than the main one, has no bar.
+    A call within another call, or in a thread other than the main thread, has no bar.
     """
     outer = not Progress.active and threading.current_thread() is threading.main_thread()
     own = progress is None and outer and attended()
@@ -95,7 +96,7 @@ def reported(
 
 
 def with_progress(function: Callable[Given, Found]) -> Callable[Given, Found]:
-    """A decorator: a function with the keyword `progress`, which shows a bar without one."""
+    """A decorator of a function with the keyword `progress`: without this argument a bar is shown."""
 
     @functools.wraps(function)
     def shown(*args: Given.args, **kwargs: Given.kwargs) -> Found:

@@ -1,4 +1,4 @@
-"""How large files may be that are read whole: a small one can claim, or unpack to, any size."""
+"""Limits on the size of files that are read as a whole: a small file can declare, or unpack to, any size."""
 
 from __future__ import annotations
 
@@ -13,12 +13,13 @@ from .errors import OutOfMemoryError, ParameterError, VibroimpactError
 
 #: Bytes of memory that may be needed for each byte of a text, and for each byte of packed numbers.
 TEXT, NUMBERS = 16, 4
-#: Bytes of memory that are always there; to ask the system for each small file would take longer than to read it.
+#: Bytes of memory that are assumed to be always free; asking the system would take longer than reading a small
+#: file.
 SMALL = 2**20
 
 
 def free() -> int:
-    """Bytes of memory that are available, as far as the system tells."""
+    """Bytes of memory available, as reported by the system."""
     try:
         with open("/proc/meminfo", encoding="ascii") as file:
             lines = dict(line.split(":") for line in file)
@@ -32,14 +33,14 @@ def free() -> int:
 
 
 def check_size(size: int, each: int, what: str) -> None:
-    """Refuse to read more than memory can hold, before it is read or unpacked.
+    """Raise an error, before reading or unpacking, if the content would not fit into memory.
 
     Parameters
     ----------
     size : int
         Bytes, as the file declares them.
     each : int
-        Bytes of memory for each of them.
+        Bytes of memory needed for each byte of the file.
     what : str
         What has this size, for the message.
 
@@ -66,7 +67,7 @@ def check_size(size: int, each: int, what: str) -> None:
 
 
 def check_file(path: Path, each: int = TEXT, what: str = "it") -> None:
-    """Refuse to read a file that is larger than memory can hold; `what` names it in the message.
+    """Raise an error if a file does not fit into memory; `what` names it in the message.
 
     Raises
     ------
@@ -78,8 +79,8 @@ def check_file(path: Path, each: int = TEXT, what: str = "it") -> None:
 
 @contextlib.contextmanager
 def memory_for(what: str) -> Iterator[None]:
-    """One error of the package where arrays do not fit into memory; `what` says what they are for, and by which
-    argument they can be smaller.
+    """Turn a MemoryError into an error of the package; `what` says what the arrays are for, and which argument can
+    make them smaller.
 
     Raises
     ------
@@ -102,6 +103,6 @@ def memory_for(what: str) -> Iterator[None]:
 
 
 def unpacked(data: Any) -> int:
-    """Bytes that are needed to read a dataset of h5py: of its values, and of a chunk, which can be larger."""
+    """Bytes needed to read a dataset of h5py: the values, and one chunk, which can be larger."""
     chunk = math.prod(data.chunks or (0,))
     return int((data.size + chunk) * data.dtype.itemsize)

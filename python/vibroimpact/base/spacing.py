@@ -1,4 +1,4 @@
-"""Values along an axis, spaced in the same way as by namelists."""
+"""Values along an axis, spaced as in namelists."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ SPACINGS = ("linear", "geometric")
 
 
 def spaced(low: float, high: float, n: int, spacing: str = "linear") -> _Array:
-    """Numbers from low to high, both included, with the same bits as those of a namelist.
+    """Numbers from low to high, both included, identical to the last bit to those of a namelist.
 
     Parameters
     ----------
     low, high : float
-        low below high, and above 0 if the ratios are to be equal.
+        The ends: low below high, and above 0 for geometric spacing.
     n : int
-        How many, at least 2.
+        Number of values, at least 2.
     spacing : {"linear", "geometric"}
         Equal differences or equal ratios.
 
@@ -64,12 +64,13 @@ def spaced(low: float, high: float, n: int, spacing: str = "linear") -> _Array:
 
 
 def range_values(values: Any, name: str, points: Any, label: str = "points") -> Any:
-    """The values of a sweep: as they are, or, with `points`, this many evenly spaced ones of a range (lo, hi).
+    """The values of a sweep: the given ones, or, with `points`, that number of evenly spaced values in a range
+    (lo, hi).
 
     Parameters
     ----------
     values
-        An array, or with `points` a pair (lo, hi); one number is no range, and is returned as it is.
+        An array, or with `points` a pair (lo, hi); a single number is not a range and is returned unchanged.
     name, label : str
         The caller's names of both, for messages.
     points : int or None
@@ -77,7 +78,7 @@ def range_values(values: Any, name: str, points: Any, label: str = "points") -> 
     Raises
     ------
     ParameterError, ParameterTypeError
-        With `points`, if the values are no pair of different finite numbers, or `points` is below 2.
+        With `points`, if the values are not a pair of different finite numbers, or `points` is below 2.
 
     Examples
     --------
@@ -108,7 +109,7 @@ def range_axes(r: Any, clearance: Any, points: Any) -> tuple[Any, Any]:
 
 
 def ascending(values: Any) -> Any:
-    """Numbers that fall throughout in ascending order, for an axis of a map; others as they are."""
+    """The numbers in ascending order if they fall throughout, for an axis of a map; otherwise unchanged."""
     array = np.asarray(values)
     falls = array.ndim == 1 and array.size > 1 and array.dtype.kind in "fiu"
     return array[::-1].copy() if falls and (np.diff(array) < 0).all() else values
@@ -117,7 +118,7 @@ def ascending(values: Any) -> Any:
 def ends_of(values: Any, name: str, wanted: str) -> tuple[Any, Any]:
     """The ends of a window: a pair (lo, hi), or an array that rises or falls throughout.
 
-    A pair is not checked further. An array that falls gives its last and its first number.
+    A pair is not checked further. For a falling array, the ends are its last and its first number.
 
     Raises
     ------
@@ -146,7 +147,7 @@ def ends_of(values: Any, name: str, wanted: str) -> tuple[Any, Any]:
 
 
 def spacing_of(values: _Array) -> str | None:
-    """The spacing that reproduces the bits of values; None if no namelist can express them."""
+    """The spacing that reproduces values bit for bit; None if no namelist spacing does."""
     if values.size < 2 or not np.isfinite(values).all() or not values[0] < values[-1]:
         return None
     for name in SPACINGS if values[0] > 0 else SPACINGS[:1]:
@@ -158,7 +159,7 @@ def spacing_of(values: _Array) -> str | None:
 def axis_of(given: Any, points: Any, label: str) -> Axis:
     """An axis of a plane: (name, low, high, n), or (name, values) of an array or of a range.
 
-    Values are evenly spaced if they are so to a share of 1e-9 of their range.
+    Values count as evenly spaced if they deviate by less than 1e-9 of their range.
 
     Raises
     ------

@@ -12,7 +12,7 @@ __all__ = ["status_text"]
 
 #: The core's verdicts: 1, 0, and -1 for "not computed".
 VERDICT = {1: True, 0: False, -1: None}
-#: Codes of the core's vi_status that are handled separately.
+#: Codes of the core's vi_status that are handled specially.
 NO_MOTION, MORE_EVENTS, NOT_COMPUTED, DEFECTIVE, GAP_CLOSED = 7, 8, 12, 17, 20
 SHORTER_PERIOD, SYMMETRIC = 31, 32
 EVENT_LIMIT, NARROW_GAP = 13, 37

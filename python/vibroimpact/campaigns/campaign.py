@@ -22,7 +22,7 @@ from .sweep import Sweep
 
 __all__ = ["Campaign"]
 
-#: What becomes of the rows of a case in `Campaign.values`.
+#: How `Campaign.values` reduces the rows of a case to one number.
 REDUCTIONS: dict[str, Any] = {"min": np.minimum, "max": np.maximum, "sum": np.add}
 
 
@@ -87,7 +87,7 @@ class Campaign:
 
     @property
     def failures(self) -> Path:
-        """The folder with the cases that were refused or failed, as namelists."""
+        """The folder with the cases that were rejected or failed, as namelists."""
         return self._store.failures
 
     def __repr__(self) -> str:
@@ -100,7 +100,7 @@ class Campaign:
         return self.size
 
     def _chunks(self) -> Iterator[tuple[int, str]]:
-        """The numbers of the first cases of the chunks that are there, with their names."""
+        """The finished chunks: the number of the first case, and the name."""
         for name in self._store.names():
             yield int(name.partition("-")[0]), name
 
@@ -120,7 +120,7 @@ class Campaign:
 
     @property
     def finished(self) -> NDArray[np.bool_]:
-        """For each case whether its chunk is in the store."""
+        """For each case, whether its chunk is in the store."""
         done = self._array(False)
         for first, _ in self._chunks():
             done[first : first + self._chunk] = True
@@ -128,7 +128,7 @@ class Campaign:
 
     @property
     def refused(self) -> dict[int, str]:
-        """The cases that the study refused, by number, with the reason."""
+        """The cases that the study rejected, by number, with the reason."""
         return {
             first + i: head["error"]
             for first, name in self._chunks()
@@ -136,7 +136,7 @@ class Campaign:
         }  # fmt: skip
 
     def __getitem__(self, number: int) -> Noun:
-        """The result of a case, by number from 0, as its study gives it."""
+        """The result of a case, by number from 0, as its study returns it."""
         if not isinstance(number, (int, np.integer)) or not -self.size <= number < self.size:
             raise IndexError(f"case {number!r}: must be a whole number below {self.size}")
         place = int(number) % self.size
@@ -162,12 +162,12 @@ class Campaign:
             How several rows of a case are reduced: "first", "min", "max", "sum", "mean", or "count" for their
             number. NaN is left out.
         where : mapping, optional
-            Columns of the same table with the value that rows must have: {"stable": True}.
+            Columns of the same table with the value that a row must have to be counted: {"stable": True}.
 
         Returns
         -------
         ndarray
-            NaN for a case that is not finished, was refused, or has no rows.
+            NaN for a case that is not finished, was rejected, or has no rows.
 
         Raises
         ------
@@ -229,11 +229,11 @@ class Campaign:
         self, table: str, column: str | None = None, reduce: str = "first",
         where: Mapping[str, Any] | None = None,
     ) -> Any:  # fmt: skip
-        """`values` as an array of xarray, with the values of the keys along its dimensions.
+        """The `values` as an xarray object with the values of the swept keys along its dimensions.
 
-        Without a column: a dataset of all rows of the table of all finished cases, one after the other, in which
-        `case` is the case of each row, and `owner` the row of the parent table within this case. Lists that are
-        shorter than others are filled with NaN, -1 (verdicts) or 0.
+        Without a column: a dataset of all rows of the table, for all finished cases one after the other, where
+        `case` is the case of each row and `owner` is the row of the parent table within this case. Shorter lists
+        are filled with NaN, -1 (verdicts) or 0.
         """
         if column is None:
             return self._rows(table)
@@ -273,7 +273,7 @@ class Campaign:
                         values = recoded(words[key], values, codes.setdefault(key, {}))
                     whole = values if values.ndim == 2 else values[:, np.newaxis]
                     parts.setdefault(key, []).append((int(cases[-1][0]), whole))
-        if not cases:  # one without columns of its own is not declared
+        if not cases:  # a table without columns of its own is not declared
             checks.choice(table, "table", tuple(dict.fromkeys(one for one, _ in known)))
         row = f"{table}_row"
         data: dict[str, Any] = {}

@@ -25,23 +25,23 @@ from ..results.tables import STORED, Found, Result, Table, declared, declared_co
 
 __all__ = ["Chunk", "compute", "core_digest", "name_of"]
 
-#: Value of a place that a row does not have, because its list is shorter than the longest one of the chunk.
+#: The value that fills lists shorter than the longest one of the chunk.
 FILL = {"real": np.nan, "complex": complex(np.nan, np.nan)}
 
 
 @dataclass(frozen=True)
 class Chunk:
-    """The packed results of some cases.
+    """The packed results of a group of cases.
 
     Attributes
     ----------
     study : str
-        Which all cases share.
+        The study, the same for all cases.
     heads : list of dict
-        For each case its text, and what its result holds besides tables; `error` if it was refused.
+        For each case its text and the parts of its result that are not tables; `error` if it was rejected.
     arrays : dict
-        For each table the columns by their names, all rows of all cases; `case` is the case of each row, from 0
-        in the chunk, and `owner` the row of the parent within this case.
+        For each table the columns by name, with all rows of all cases; `case` is the case of each row (from 0
+        within the chunk), and `owner` the row of the parent within this case.
     words : dict
         The words of a column (table, name), in the order of their codes from 1.
     """
@@ -53,11 +53,11 @@ class Chunk:
 
     @property
     def errors(self) -> dict[int, str]:
-        """Why cases were refused, by their number in the chunk."""
+        """The reasons for which cases were rejected, by their number in the chunk."""
         return {i: head["error"] for i, head in enumerate(self.heads) if "error" in head}
 
     def noun(self, number: int) -> Noun:
-        """The result of one case; its error is raised if it was refused."""
+        """The result of one case; the error of a rejected case is raised."""
         head = self.heads[number]
         if "error" in head:
             raise ParameterError(head["error"])
@@ -90,9 +90,9 @@ def compute(
     study: str, texts: Sequence[str], digest: str = "", threads: int = 1,
     counters: NDArray[np.int32] | None = None,
 ) -> Chunk:  # fmt: skip
-    """The results of some cases; `digest` is that of the core that the caller has.
+    """The results of some cases; `digest` identifies the caller's core.
 
-    Another thread stops it by the flag of the progress counters: KeyboardInterrupt.
+    Another thread can stop it by the flag of the progress counters; it then raises KeyboardInterrupt.
     """
     counters = new_counters() if counters is None else counters
     if digest and core_digest() != digest:
@@ -101,17 +101,18 @@ def compute(
         )
 
     def found() -> Iterator[Result | str]:
-        """The results, or errors; none is kept, since each holds all that the core computed."""
+        """Yields the results, or errors; none is kept, since each one holds everything that the core computed for
+        it."""
         for text in texts:
             counters[:2] = 0
             result: Result | str
             try:
                 result = result_of(study, text, threads, counters)
-            except MemoryError:  # another call may have more
+            except MemoryError:  # a later call may have more memory
                 raise
             except VibroimpactError as error:
                 result = str(error)
-            except Exception as error:  # a defect costs its case alone
+            except Exception as error:  # a defect affects only its own case
                 result = f"{type(error).__name__}: {error}"
             if counters[2]:
                 raise KeyboardInterrupt
@@ -131,7 +132,7 @@ def result_of(study: str, text: str, threads: int, counters: NDArray[np.int32]) 
 
 
 def packed(study: str, texts: Sequence[str], found: Iterable[Result | str]) -> Chunk:
-    """The results, or errors, of cases in one set of arrays."""
+    """The results, or errors, of several cases in one set of arrays."""
     heads: list[dict[str, Any]] = []
     rows: dict[str, dict[str, list[Any]]] = {}
     words: dict[tuple[str, str], dict[str, int]] = {}
@@ -172,7 +173,7 @@ def packed(study: str, texts: Sequence[str], found: Iterable[Result | str]) -> C
 
 
 def recoded(words: Sequence[str], values: NDArray[Any], codes: dict[str, int]) -> NDArray[np.int32]:
-    """The codes of words in a list of several tables, which grows."""
+    """The codes of words in a list that several tables share; new words are appended to it."""
     new = [0, *(codes.setdefault(word, len(codes) + 1) for word in words)]
     return np.asarray(np.array(new, "<i4")[values.astype(int)])
 
@@ -188,7 +189,7 @@ def joined(
     kind = STORED.get(item["kind"], "<i4")
     widths = {values.shape[1] for _, values in parts}
     width = max(widths)
-    if len(widths) == 1 and len(parts) == len(cases):  # nothing is to be filled
+    if len(widths) == 1 and len(parts) == len(cases):  # no list is shorter
         whole = np.concatenate([values for _, values in parts]).astype(kind, copy=False)
         return whole if item["each"] else whole[:, 0]
     sizes = [len(part) for part in cases]
@@ -208,11 +209,11 @@ def joined(
 
 @cache
 def core_digest() -> str:
-    """Identifies the compiled core, so that results of another version are never taken for those of this one."""
+    """Identifies the compiled core, so that results of different versions are not mixed."""
     return hashlib.sha256(Path(_core.__file__).read_bytes()).hexdigest()
 
 
 def name_of(study: str, first: int, texts: Sequence[str]) -> str:
-    """The name of a chunk: the number of its first case, and a hash of the core and of its cases."""
+    """The name of a chunk: the number of its first case, and a hash of the core and of the cases."""
     body = json.dumps([core_digest(), study, *texts]).encode()
     return f"{first:012d}-{hashlib.sha256(body).hexdigest()[:40]}"

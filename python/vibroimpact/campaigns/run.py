@@ -1,4 +1,4 @@
-"""A campaign: the cases that its store lacks are computed, on threads or on a cluster."""
+"""Runs a campaign: computes the cases that are missing from its store, on threads or on a cluster."""
 
 from __future__ import annotations
 
@@ -36,18 +36,19 @@ from .sweep import CaseList, Sweep
 
 __all__ = ["campaign"]
 
-#: If their size is not given: most chunks of a campaign, cases of the smallest ones, and of the largest.
+#: Without a given chunk size: the largest number of chunks, and the smallest and largest number of cases in a
+#: chunk.
 CHUNKS, SMALLEST, LARGEST = 100, 4, 10_000
 #: Seconds between two looks at progress.
 INTERVAL = 0.2
-#: Chunks that wait for each worker.
+#: Number of chunks queued for each worker.
 AHEAD = 2
 
 Progress = Callable[[float, str], None]
 
 
 class Task(NamedTuple):
-    """Some cases that are to be computed."""
+    """A group of cases to be computed."""
 
     name: str
     first: int
@@ -55,7 +56,7 @@ class Task(NamedTuple):
 
 
 class Workers(Protocol):
-    """Threads, or a cluster."""
+    """Threads or a cluster, on which tasks run."""
 
     def capacity(self) -> int:
         """How many tasks they should have at a time."""
@@ -85,7 +86,7 @@ def campaign(
     Parameters
     ----------
     cases : Sweep or iterable of str or Case
-        The cases, all of one study.
+        The cases; all must be of one study.
     store : path
         A folder: a new one, an empty one, or that of this campaign.
     client : distributed.Client or str, optional
@@ -108,15 +109,15 @@ def campaign(
     Raises
     ------
     ParameterError, ParameterTypeError
-        For a store that contains something else, or to which another process writes, or for bad cases.
+        If the store contains something else, or another process is writing to it, or a case is invalid.
     MissingExtraError
-        If zarr, or with a client distributed, is not installed.
+        If zarr is not installed, or with a client, distributed.
     StudyInterrupted
         After Ctrl-C, with the results so far.
     ClusterError
-        If the scheduler is lost, or the workers cannot compute; the chunks so far are kept.
+        If the connection to the scheduler is lost, or the workers cannot compute; finished chunks are kept.
     OSError
-        If the store cannot be written; the chunks so far are kept.
+        If the store cannot be written; finished chunks are kept.
 
     Examples
     --------
@@ -160,13 +161,13 @@ def _run(
     workers: Workers, store: Store, study: str, plan: Sweep | CaseList, size: int,
     progress: Progress | None,
 ) -> bool:  # fmt: skip
-    """Compute what the store lacks; whether Ctrl-C stopped it."""
+    """Compute the cases missing from the store; returns whether Ctrl-C stopped it."""
     number = len(plan)
     done = sum(min(size, number - int(name.partition("-")[0])) for name in store.names())
     running: dict[Any, Task] = {}
 
     def missing() -> Iterator[Task]:
-        """The tasks, in order; of those that are not computed yet a few are there at a time."""
+        """Yields the tasks in order; only a few that are not yet computed exist at a time."""
         nonlocal done
         for first in range(0, number, size):
             texts = [plan.text(i) for i in range(first, min(first + size, number))]
@@ -208,7 +209,7 @@ def _run(
 
 
 def _kept(store: Store, task: Task, workers: Workers, future: Any) -> int:
-    """Write what a task has given, or its cases as namelists if it failed; how many cases are finished."""
+    """Write the result of a task, or its cases as namelists if it failed; returns how many cases are finished."""
     try:
         chunk = workers.result(future)
     except MemoryError as error:
@@ -217,7 +218,7 @@ def _kept(store: Store, task: Task, workers: Workers, future: Any) -> int:
         return 0
     for i, message in chunk.errors.items():
         store.fail(task.first + i, task.texts[i], message)
-    store.write(task.name, chunk)  # after these: a chunk that is there is not computed again
+    store.write(task.name, chunk)  # written first: a chunk that exists is not computed again
     store.clear(task.first + i for i in range(len(task.texts)) if i not in chunk.errors)
     return len(task.texts)
 
@@ -229,8 +230,8 @@ class Threads:
         self.number = number
         self.pool = ThreadPoolExecutor(number)
         self.running: dict[Future[Chunk], NDArray[np.int32]] = {}
-        #: Those that have ended. A queue is in order after Ctrl-C at any instant, unlike the locks of
-        #: `concurrent.futures.wait`, which are written in Python.
+        #: Finished tasks. A queue stays consistent if Ctrl-C interrupts it at any instant; the locks of
+        #: `concurrent.futures.wait`, written in Python, do not.
         self.ended: SimpleQueue[Future[Chunk]] = SimpleQueue()
 
     def capacity(self) -> int:
@@ -269,7 +270,7 @@ class Threads:
 
 @contextlib.contextmanager
 def _trouble() -> Iterator[None]:
-    """One error for all that a lost scheduler gives."""
+    """One error for all exceptions that a lost scheduler causes."""
     from distributed import CancelledError
     from distributed.comm import CommClosedError
 
@@ -289,7 +290,7 @@ class Cluster:
         self.client = client
         self.running: set[Any] = set()
         link = None
-        with contextlib.suppress(Exception):  # a scheduler without it
+        with contextlib.suppress(Exception):  # a scheduler that does not report it
             link = client.dashboard_link
         if link:
             print(f"dashboard: {link}", file=sys.stderr)
@@ -327,7 +328,9 @@ class Cluster:
             chunk: Chunk = future.result()
         except (VibroimpactError, MemoryError):
             raise
-        except KilledWorker as error:  # several times, so probably by this task
+        except (
+            KilledWorker
+        ) as error:  # workers died several times, so probably because of this task
             raise MemoryError(f"each worker that computed it was killed: {error}") from error
         except (CancelledError, CommClosedError) as error:
             with _trouble():
@@ -347,7 +350,7 @@ class Cluster:
 
 @contextlib.contextmanager
 def _workers(client: Any, threads: int | None) -> Iterator[Workers]:
-    """Threads, or the cluster of a client."""
+    """Threads of this process, or the cluster of a client."""
     if client is None:
         number = checks.integer(
             os.cpu_count() or 1 if threads is None else threads, "threads", 1, 1024
@@ -379,11 +382,11 @@ def _workers(client: Any, threads: int | None) -> Iterator[Workers]:
         )
     with contextlib.ExitStack() as stack:
         if client == "local":
-            # other users of this machine reach its ports, and would have their code run: TLS keeps them out; its
-            # files are in a folder of its own, since dask's is known and shared
+            # other users of this machine can reach its ports and could run code there, so TLS keeps them out; its
+            # files are in a separate folder, since the folder of dask is known and shared
             folder = stack.enter_context(tempfile.TemporaryDirectory(ignore_cleanup_errors=True))
             dashboard = "127.0.0.1:0" if find_spec("bokeh") else None
-            # workers have no pages
+            # workers serve no dashboard pages
             stack.enter_context(dask.config.set({"distributed.worker.http.routes": []}))
             try:
                 address: Any = stack.enter_context(
@@ -404,7 +407,7 @@ def _workers(client: Any, threads: int | None) -> Iterator[Workers]:
             here = stack.enter_context(
                 distributed.Client(address, timeout=10, set_as_default=False)
             )
-        except Exception as error:  # an address of no known form is an AssertionError
+        except Exception as error:  # dask raises an AssertionError for an address of unknown form
             raise ParameterError(
                 f"client = {client!r}: no scheduler answers there; must be an address such as tcp://node1:8786"
                 + (f" ({error})" if str(error) else "")

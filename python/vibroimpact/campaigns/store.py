@@ -1,4 +1,4 @@
-"""The store of a campaign: a folder with Zarr groups, which are written once and can be read while it runs."""
+"""The store of a campaign: a folder with Zarr groups, each written once and readable while the campaign runs."""
 
 from __future__ import annotations
 
@@ -28,31 +28,31 @@ from .chunk import Chunk
 
 __all__ = ["Store"]
 
-#: The campaign that a store holds.
+#: The file that describes the campaign of a store.
 PLAN = "campaign.json"
-#: What each plan has.
+#: The keys that every plan has.
 PARTS = {"study", "size", "chunk", "core", "vibroimpact"}
-#: All that a plan holds besides its sweep; earlier versions told the model by the name of the study.
+#: All keys of a plan besides its sweep; in earlier versions the name of the study implied the model.
 OWN = PARTS | {"of_structure"}
 #: The name of a chunk: its first case, and a hash.
 NAME = re.compile(r"\d{12,}-[0-9a-f]{40}")
-#: The name of what is being written.
+#: The name of a folder that is being written.
 PART = re.compile(r"[0-9a-f]{16}\.part")
-#: The array of a chunk with what is not in its tables, as JSON in UTF-8.
+#: The array of a chunk with all data that are not in its tables, as JSON in UTF-8.
 HEADS = "heads"
 #: The metadata of a Zarr group.
 GROUP = {"attributes": {}, "zarr_format": 3, "node_type": "group"}
-#: Names of types in Zarr, with the value of what is not written; everything is.
+#: Names of types in Zarr, with their fill values (never used: all values are written).
 TYPES: dict[str, tuple[str, Any]] = {
     "|u1": ("uint8", 0), "<i4": ("int32", 0), "<f8": ("float64", 0.0), "<c16": ("complex128", [0.0, 0.0]),
 }  # fmt: skip
 
 
 class Store:
-    """A folder with the chunks of one campaign, each a Zarr group of results.zarr, whose checksums are in sums.
+    """A folder with the chunks of one campaign: each is a Zarr group in results.zarr, with its checksums in sums.
 
-    A chunk is written into a temporary folder and renamed, after its checksums: it is there as a whole, or not at
-    all. Its name has a hash of its cases and of the core.
+    A chunk is written into a temporary folder, which is renamed after the checksums are written: a chunk exists
+    completely or not at all. Its name contains a hash of its cases and of the core.
     """
 
     def __init__(self, folder: str | os.PathLike[str]) -> None:
@@ -64,7 +64,7 @@ class Store:
         self.failures = self.folder / "failures"
 
     def plan(self) -> dict[str, Any]:
-        """The plan of the campaign: its cases, their study, and how many make a chunk."""
+        """The plan of the campaign: its cases, their study, and the number of cases in a chunk."""
         path = self.folder / PLAN
         try:
             found = read_json(path)
@@ -86,7 +86,7 @@ class Store:
 
     @contextlib.contextmanager
     def writing(self, plan: dict[str, Any]) -> Iterator[None]:
-        """Hold the store for one writer of this plan; parts of files from a writer that was killed are removed."""
+        """Lock the store for one writer of this plan; incomplete files left by a killed writer are removed."""
         zarr()
         make_folder(self.folder)
         with locked(self.folder):
@@ -113,7 +113,7 @@ class Store:
             yield
 
     def _compare(self, plan: dict[str, Any]) -> None:
-        """An error if the store holds another campaign."""
+        """Raises an error if the store holds another campaign."""
         held = self.plan()
         for key, value in plan.items():
             if key in ("core", "vibroimpact") and held.get(key) != value:
@@ -128,13 +128,13 @@ class Store:
                 )
 
     def names(self) -> list[str]:
-        """The chunks that are there, in the order of their cases."""
+        """The existing chunks, in the order of their cases."""
         if not self.chunks.is_dir():
             return []
         return sorted(filter(NAME.fullmatch, os.listdir(self.chunks)))
 
     def state(self, name: str) -> str:
-        """Whether a chunk is 'done', 'missing', or 'damaged', by the checksums of its files."""
+        """The state of a chunk, 'done', 'missing' or 'damaged', according to the checksums of its files."""
         place = self.chunks / name
         if not place.is_dir():
             return "missing"
@@ -161,7 +161,7 @@ class Store:
                 remove(self._sums(name))
             write_whole(self._sums(name), json.dumps(dict(sorted(sums.items())), indent=1))
             place = self.chunks / name
-            remove(place)  # what is damaged
+            remove(place)  # remove a damaged chunk
             os.replace(part, place)
         except BaseException as error:
             shutil.rmtree(part, ignore_errors=True)
@@ -179,7 +179,7 @@ class Store:
         return Contents(place, os.path.realpath(place), sums)
 
     def columns(self, name: str, table: str, keys: Iterable[str]) -> dict[str, NDArray[Any]]:
-        """Some columns of a chunk; nothing if it lacks one, since none of its cases has it."""
+        """Some columns of a chunk; None if the chunk lacks one of them because none of its cases has it."""
         files = self._contents(name)
         wanted = tuple(dict.fromkeys(keys))
         if not all(f"{table}/{key}/zarr.json" in files.sums for key in wanted):
@@ -190,7 +190,7 @@ class Store:
     def table(
         self, name: str, table: str, coded: Container[str]
     ) -> tuple[dict[str, NDArray[Any]], dict[str, tuple[str, ...]]]:
-        """All columns of a table of a chunk, and the words of those that have codes of words."""
+        """All columns of a table of a chunk, and the words of the columns that contain codes of words."""
         files = self._contents(name)
         keys = [
             path.split("/")[1] for path in files.sums
@@ -201,7 +201,7 @@ class Store:
         return dict(zip(keys, arrays, strict=True)), words
 
     def heads(self, name: str) -> dict[str, Any]:
-        """What a chunk holds besides its tables."""
+        """The data of a chunk that are not in its tables."""
         (text,) = self._contents(name).arrays([HEADS])
         check_size(text.size, TEXT, f"{self.chunks / name}: its {HEADS}")
         with foreign(self.chunks / name):
@@ -211,7 +211,7 @@ class Store:
         return held
 
     def read(self, name: str) -> Chunk:
-        """A chunk; an error if a file of it is damaged."""
+        """Read a chunk; an error if one of its files is damaged."""
         held = self.heads(name)
         files = self._contents(name)
         arrays: dict[str, dict[str, NDArray[Any]]] = {}
@@ -227,21 +227,22 @@ class Store:
         return Chunk(present(held["study"]), held["heads"], arrays, words)
 
     def fail(self, number: int, text: str, message: str) -> None:
-        """Keep a case that failed as a namelist that runs."""
+        """Save a case that failed as a namelist that can be run."""
         self.failures.mkdir(exist_ok=True)
         lines = "".join(f"! {line}\n" for line in message.splitlines())
         write_whole(self.failures / f"case_{number}.nml", lines + text)
 
     def failed(self) -> int:
-        """How many cases were refused or failed."""
+        """How many cases were rejected or failed."""
         return sum(1 for _ in self.failures.glob("case_*.nml"))
 
     def clear(self, numbers: Iterable[int]) -> None:
-        """Remove the namelists of cases that failed before, as on a worker without memory, and now have not."""
+        """Remove the namelists of cases that failed earlier, for instance on a worker short of memory, and now
+        succeeded."""
         if self.failures.is_dir():
             for number in numbers:
                 (self.failures / f"case_{number}.nml").unlink(missing_ok=True)
-            with contextlib.suppress(OSError):  # others are there
+            with contextlib.suppress(OSError):  # it contains other files
                 self.failures.rmdir()
 
 
@@ -253,7 +254,8 @@ class Contents(NamedTuple):
     sums: dict[str, str]
 
     def bytes(self, path: str) -> bytes:
-        """A file; an error if it is damaged or elsewhere, or KeyError if the chunk has none of this name."""
+        """The content of a file; an error if it is damaged or outside the chunk, KeyError if the chunk has no such
+        file."""
         if path not in self.sums:
             raise KeyError(path)
         file = Path(os.path.realpath(os.path.join(self.real, path)))
@@ -271,7 +273,8 @@ class Contents(NamedTuple):
         return content
 
     def arrays(self, paths: Iterable[str]) -> list[NDArray[Any]]:
-        """Arrays that `array_files` gave; an error before any is unpacked if they do not fit into memory."""
+        """Read arrays that `array_files` wrote; if they do not fit into memory, an error is raised before any is
+        unpacked."""
         with foreign(self.place):
             about = {path: self.declared(path) for path in paths}
             together = sum(
@@ -289,13 +292,13 @@ class Contents(NamedTuple):
         return kind, about["shape"]
 
     def words(self, path: str) -> tuple[str, ...]:
-        """The words whose codes from 1 an array has."""
+        """The words that the codes (from 1) in an array refer to."""
         with foreign(self.place):
             about = json.loads(self.bytes(f"{path}/zarr.json"))
             return tuple(map(str, about["attributes"].get("words", ())[1:]))
 
     def unpacked(self, path: str, kind: str, shape: list[int]) -> NDArray[Any]:
-        """An array of this kind and shape."""
+        """Unpack an array of this kind and shape."""
         if 0 in shape:
             return np.empty(shape, kind)
         packed = self.bytes(f"{path}/{'.'.join('0' * len(shape))}")
@@ -318,7 +321,7 @@ def unpacked_size(packed: bytes) -> int:
 
 
 def damaged(place: Path) -> ParameterError:
-    """The error of a chunk that is not as it was written."""
+    """The error for a chunk that has changed since it was written."""
     return ParameterError(
         f"{place}: is damaged; run the campaign again, which computes this part anew"
     )
@@ -326,7 +329,7 @@ def damaged(place: Path) -> ParameterError:
 
 @contextlib.contextmanager
 def foreign(place: Path) -> Iterator[None]:
-    """One error for whatever files have that no campaign wrote, although their checksums are right."""
+    """One error for any content that no campaign wrote, even if the checksums are right."""
     try:
         yield
     except ParameterError:
@@ -336,9 +339,9 @@ def foreign(place: Path) -> Iterator[None]:
 
 
 def codec() -> Any:
-    """What packs the arrays."""
+    """The compressor of the arrays."""
     zarr()
-    return import_module("numcodecs.zstd").Zstd(level=3, checksum=True)  # zarr depends on it
+    return import_module("numcodecs.zstd").Zstd(level=3, checksum=True)  # zarr requires it
 
 
 def codecs(kind: str) -> list[dict[str, Any]]:
@@ -353,7 +356,7 @@ def codecs(kind: str) -> list[dict[str, Any]]:
 def files_of(chunk: Chunk) -> Iterator[tuple[str, bytes]]:
     """The files of a chunk as a Zarr group, in which each table is a group.
 
-    They are written here, and not by the library, whose files depend on its release, and which takes 0.2 s for
+    They are written here and not by the zarr library: its files depend on its release, and it takes 0.2 s for
     these small arrays.
     """
     group = json.dumps(GROUP).encode()
@@ -373,7 +376,7 @@ def files_of(chunk: Chunk) -> Iterator[tuple[str, bytes]]:
 def array_files(
     path: str, values: NDArray[Any], dims: list[str], words: tuple[str, ...] | None = None
 ) -> Iterator[tuple[str, bytes]]:
-    """An array of Zarr in one piece: its metadata, and its values."""
+    """The files of a Zarr array in one piece: metadata and values."""
     name, fill = TYPES[values.dtype.str]
     shape = [max(1, size) for size in values.shape]
     about = {
@@ -389,7 +392,7 @@ def array_files(
 
 
 def read_json(path: Path) -> dict[str, Any]:
-    """An object that a file holds."""
+    """Read a JSON object from a file."""
     check_file(path, TEXT, str(path))
     found = json.loads(path.read_text())
     if not isinstance(found, dict):
@@ -414,7 +417,7 @@ def remove(path: Path) -> None:
 
 
 def write_whole(path: Path, text: str, lasting: bool = False) -> None:
-    """Write a text file, completely or not at all; `lasting` also where the power fails."""
+    """Write a text file completely or not at all; with `lasting`, also in case of a power failure."""
     part = path.with_name(f"{secrets.token_hex(8)}.part")
     try:
         with open(part, "w", encoding="utf-8") as file:
@@ -451,8 +454,8 @@ def take(lock: IO[bytes]) -> None:
 
 @contextlib.contextmanager
 def locked(folder: Path) -> Iterator[None]:
-    """Hold the store; the operating system releases it when this process ends, however it ends."""
-    # no link is followed: in a folder of another user it could lead to any file of this one
+    """Lock the store; the operating system releases the lock when this process ends, however it ends."""
+    # links are not followed: in a folder of another user, a link could point to any file of this user
     flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
     with open(os.open(folder / "lock", flags, 0o666), "r+b", buffering=0) as lock:
         try:
@@ -469,7 +472,7 @@ def locked(folder: Path) -> Iterator[None]:
             ) from None
         lock.truncate(0)
         lock.seek(0)
-        with contextlib.suppress(OSError):  # a full disk is told by what needs the room
+        with contextlib.suppress(OSError):  # a full disk is reported by the next write of data
             lock.write(f"process {os.getpid()} on {socket.gethostname()}".encode())
         try:
             yield

@@ -1,4 +1,4 @@
-"""The cases of a campaign: one case in which some keys take many values."""
+"""The cases of a campaign: a base case in which some keys take many values."""
 
 from __future__ import annotations
 
@@ -27,27 +27,27 @@ METHODS = ("sobol", "latin_hypercube")
 #: Largest number of cases of a grid, and of points by each method.
 MOST = 10**12
 MOST_POINTS = {"sobol": 2**30, "latin_hypercube": 2**20}
-#: Points that are held at a time.
+#: Number of points kept in memory at a time.
 BLOCK = 2**20
 
 
 class Sweep:
-    """Cases that differ in the values of some keys: a grid of these, or points in a box.
+    """Cases that differ in the values of some keys: a grid of values, or points in a box.
 
     Parameters
     ----------
     case : str or Case
-        A complete case as a namelist, as `to_namelist` of each result gives it; its keys have the values that
-        are not swept.
+        A complete case as a namelist, as returned by `to_namelist` of any result; keys that are not swept keep
+        their values.
     values : mapping
-        For each key its values: numbers, texts, or tuples for a key with several values. A key has the name
-        of the namelist, such as "xi", or with its group where two groups have it: "system.r".
-        With `samples` for each key its lowest and largest value.
+        The values of each key: numbers, texts, or tuples for a key with several values. A key is named as in the
+        namelist, such as "xi", or with its group if two groups have it: "system.r". With `samples`, the lowest and
+        the largest value of each key.
     samples : int, optional
-        Number of points in the box between these: at most 2^30, or 2^20 of a Latin hypercube. Without it the
-        cases are all combinations of the values, in the order of a C array.
+        Number of points in the box between these values: at most 2^30, or 2^20 for a Latin hypercube. Without it
+        the cases are all combinations of the values, in the order of a C array.
     method : str
-        How the points are chosen: "sobol" (scrambled, for which powers of 2 are best) or "latin_hypercube".
+        How the points are chosen: "sobol" (scrambled; use a power of 2 of samples) or "latin_hypercube".
     rng : int, numpy.random.Generator or None
         Seed of the points, or a generator from which a seed is drawn; None: another seed in each call. The same
         seed gives the same points.
@@ -59,7 +59,7 @@ class Sweep:
     ParameterError, ParameterTypeError
         For a key that the case does not have, or values that it cannot take.
     MissingExtraError
-        Points in a box need scipy.
+        If scipy is not installed, for points in a box.
 
     Examples
     --------
@@ -90,10 +90,10 @@ class Sweep:
                 raise ParameterError(f"values: {key} is given twice; must be given once")
         names = dict(zip(values, self.keys, strict=True))
         given = {full: _listed(values[key], full) for key, full in names.items()}
-        #: Plain values that give the same sweep.
+        #: Plain values from which the same sweep can be created.
         self.record: dict[str, Any] = {"template": self.template, "values": given}
         self._parts = _split(self.template, self.keys)
-        #: Sizes of the grid of the cases: of each key, or of all.
+        #: Shape of the grid of cases: one size per key, or the number of all cases.
         self.shape: tuple[int, ...]
         self._points: Points | None = None
         if samples is None:
@@ -136,7 +136,7 @@ class Sweep:
         Raises
         ------
         ParameterError
-            If it has none, or its lists do not fit together.
+            If it has none, or its lists are inconsistent.
         """
         checks.instance(case, "case", Case)
         parts = dict(namelist.parts_of(case.text))
@@ -150,7 +150,7 @@ class Sweep:
 
     @classmethod
     def of_record(cls, record: Mapping[str, Any]) -> Sweep:
-        """The sweep with this record."""
+        """The sweep from its record."""
         options = {
             "rng" if key == "seed" else key: record[key]
             for key in ("samples", "method", "seed", "geometric") if key in record
@@ -282,13 +282,13 @@ class CaseList:
 
 
 def _groups(text: str, name: str = "case") -> list[str]:
-    """The groups of a case; an error unless it is written with one key a line, as results give it."""
+    """The groups of a case; an error unless it is written with one key per line, as `to_namelist` does."""
     groups = re.findall(r"(?m)^&(\w+)$", text)
     try:
         whole = len(namelist.parts_of(text)) == len(groups) > 1 and language()["groups"].keys() >= {
             *groups
         }
-    except ValueError:  # a value with a comment, or with another key
+    except ValueError:  # a line with a comment or a second key
         whole = False
     inside = re.sub(r"(?m)^!.*$|'[^'\n]*'", "", text)
     if not whole or "!" in inside:
@@ -329,7 +329,7 @@ def _full_name(key: Any, groups: Sequence[str]) -> str:
 
 
 def _split(template: str, keys: Sequence[str]) -> list[str | tuple[str, str]]:
-    """The template as texts, and (group, key) in place of the lines that change."""
+    """The case as pieces of text, with (group, key) in place of each line that changes."""
     parts: list[str | tuple[str, str]] = []
     group, fixed, left = "", "", list(keys)
     for line in template.splitlines(keepends=True):
@@ -350,7 +350,7 @@ def _split(template: str, keys: Sequence[str]) -> list[str | tuple[str, str]]:
 
 
 def _plain(value: Any, key: str) -> Any:
-    """A value that a namelist can hold."""
+    """Checks a value for a namelist."""
     if isinstance(value, (list, tuple, np.ndarray)):
         return [_plain(item, key) for item in np.asarray(value, dtype=object).ravel().tolist()]
     if isinstance(value, (bool, np.bool_)) or value is None:
@@ -389,7 +389,7 @@ def _box(ends: list[Any], key: str, geometric: bool) -> tuple[float, float]:
 
 
 class Points:
-    """Points in a box. They are made in blocks, of which one is held."""
+    """Points in a box, generated in blocks; only one block is kept in memory."""
 
     def __init__(
         self, boxes: Sequence[tuple[float, float]], logs: Sequence[bool], samples: int, method: str, seed: int
@@ -400,11 +400,11 @@ class Points:
         self.seed = seed
         self.boxes, self.logs, self.method = boxes, logs, method
         self._engine()
-        #: A block, its number, and what gives the next one.
+        #: The current block, its number, and the generator of the next one.
         self._held: tuple[int, NDArray[np.float64], Any] = (-1, np.empty(0), None)
 
     def _engine(self) -> Any:
-        """A source of points in the unit cube, before its first one."""
+        """A new generator of points in the unit cube."""
         qmc = scipy("stats.qmc", "samples", "campaign")
         kind = qmc.Sobol if self.method == "sobol" else qmc.LatinHypercube
         return kind(len(self.boxes), seed=np.random.default_rng(self.seed))
@@ -419,7 +419,7 @@ class Points:
             if number:
                 engine.fast_forward(number * BLOCK)
         left = min(BLOCK, self.size - number * BLOCK)
-        # Sobol's sequence in powers of 2, of which the rest is left out
+        # the Sobol sequence is generated in powers of 2; surplus points are dropped
         unit = engine.random(
             left if self.method != "sobol" else 1 << max(0, left - 1).bit_length()
         )[:left]

@@ -42,22 +42,22 @@ class Case(NamedTuple):
     Attributes
     ----------
     name : str
-        Of the result.
+        Name of the result.
     kind : str
-        That of a &motion ("periodic", "equispaced", "exact"), else the name of the group.
+        The kind of a &motion ("periodic", "equispaced", "exact"), otherwise the name of the group.
     osc : Oscillator or None
         None for a case of a structure.
     r : float or None
-        Of a case that has several, None.
+        The frequency ratio; None for a case that has several.
     keys : dict
-        All other keys of its groups, with the values of those that were missing; of a branch also
-        motion_kind, the kind of its &motion. Of a structure those of the study and of &output.
+        All other keys of its groups, with defaults filled in; for a branch also motion_kind, the kind of its
+        &motion. For a structure, the keys of the study and of &output.
     text : str
         The complete case as a namelist, as the header of its result has it.
     structure : Structure or None
-        Of a &structure, with its gaps.
+        The structure of a &structure, with its gaps.
     load : Load, Record or None
-        Its &load, if it has one.
+        The load of its &load, if it has one.
     """
 
     name: str
@@ -71,7 +71,7 @@ class Case(NamedTuple):
 
     @property
     def motion_kind(self) -> str:
-        """The kind of the motion, also of that which a branch starts from."""
+        """The kind of the motion, including the motion from which a branch starts."""
         kind: str = self.keys.get("motion_kind", self.kind)
         return kind
 
@@ -82,13 +82,13 @@ class Case(NamedTuple):
 
     @property
     def in_python(self) -> bool:
-        """Whether the Python package computes it, and not the core."""
+        """Whether the Python package computes the case, and not the core."""
         computed: bool = language()["results"][self.study]["in_python"]
         return computed
 
     def compute(self, progress: Callable[[float, str], None] | None = None) -> Noun:
-        """The result of the case as one object, with what is not there and what failed; `progress` is as of
-        `atlas`."""
+        """The result of the case as one object, including motions that do not exist or failed; `progress` is as
+        in `atlas`."""
         noun = result_class(self.study)
         if self.in_python:
             return noun.computed(self, progress)
@@ -140,8 +140,8 @@ def read_namelist(path: str | os.PathLike[str]) -> list[Case]:
     Returns
     -------
     list of Case
-        Each with `run`, which gives the motions, branches, trajectory, zone, atlas or chart with the
-        digits that `run_namelists` writes.
+        Their method `run` returns the motions, branches, trajectory, zone, atlas or chart with the digits that
+        `run_namelists` writes.
 
     Raises
     ------
@@ -174,7 +174,7 @@ def read_namelist(path: str | os.PathLike[str]) -> list[Case]:
 
 
 def case_of(text: str) -> Case:
-    """A case that is complete and checked, with one `key = value` a line."""
+    """A case from a complete and checked text with one `key = value` per line."""
     return _structure_case(text) if text.startswith("&structure") else _case(text)
 
 
@@ -194,7 +194,7 @@ def _structure_case(text: str) -> Case:
 
 
 def path_bytes(path: str | os.PathLike[str], name: str = "path") -> bytes:
-    """A path as the compiled reader takes it; `name` is that of the argument."""
+    """A path in the form for the compiled reader; `name` is the name of the argument."""
     try:
         found = os.fsencode(path)
     except TypeError:

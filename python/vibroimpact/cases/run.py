@@ -1,4 +1,4 @@
-"""Run namelist files by the compiled reader and writer, which the batch program uses too."""
+"""Runs namelist files with the compiled reader and writer that the batch program also uses."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def run_namelists(
     only: str | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> RunLog:
-    """Run namelist files and write one result a case into a folder.
+    """Run namelist files and write one result per case into a folder.
 
     Parameters
     ----------
@@ -50,9 +50,9 @@ def run_namelists(
     folder : path
         Created if it does not exist.
     only : str, optional
-        The kind of cases to run; a file without such a case is then a wrong input.
+        The kind of cases to run; a file without such a case is then an invalid input.
     progress : callable, optional
-        Called a few times a second with the share done of the cases begun.
+        Called a few times per second with the fraction done of the cases begun so far.
 
     Returns
     -------

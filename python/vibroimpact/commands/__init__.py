@@ -1,8 +1,8 @@
 """The subcommands of `vibroimpact`, one module each.
 
-A module has DESCRIPTION, EXAMPLE (works as pasted, in the folder of the project), `arguments(parser)`, which adds
-its arguments, and `run(options)`, which gives the exit status; `HELPS` has what each does in one line. A study
-whose command needs no text or option of its own needs no module, see `study.py`.
+A module has DESCRIPTION, EXAMPLE (which works as pasted, in the folder of the project), `arguments(parser)`, which
+adds its arguments, and `run(options)`, which returns the exit status; `HELPS` describes each command in one line.
+A study whose command needs no text or option of its own needs no module, see `study.py`.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ from typing import Any
 from ..base.errors import ParameterError
 from ..results.tables import language
 
-#: The studies that have a command, and what each does, as the core declares them; motions have none.
+#: The studies that have a command, with the core's description of each; motions have none.
 STUDIES: dict[str, str] = {
     name: study["meaning"]
     for name, study in language()["results"].items() if name != "motion"
 }  # fmt: skip
-#: What each command does, in the order of the help text, so that this needs none of their modules.
+#: A description of each command, in the order of the help text, so that the help does not import their modules.
 HELPS = {
     "run": "run namelist files",
     **STUDIES,
@@ -52,33 +52,34 @@ SEPARATORS = tuple(filter(None, (os.sep, os.altsep)))
 
 
 class Record:
-    """What a command did, for scripts: `--json` prints it in place of what people read."""
+    """What a command did, for scripts: `--json` prints this record in place of the normal output."""
 
     def __init__(self, command: str) -> None:
         self.command = command
         self.faults: list[str] = []
         self.files: list[str] = []
         self.results: dict[str, Any] = {}
-        #: Whether Ctrl-C came while a result was written.
+        #: Whether Ctrl-C was pressed while a result was written.
         self.halted = False
 
     def fault(self, line: str) -> None:
-        """Say what went wrong."""
+        """Report an error."""
         self.faults.append(line)
         print(line, file=sys.stderr)
 
     def wrote(self, name: str, path: Path) -> None:
-        """Say what was written."""
+        """Report a written file."""
         self.files.append(str(path))
         print(f"{name}: {path}")
 
     def add(self, name: str, result: Any) -> None:
-        """A result, as plain values or as one of the package's own objects; of one name, the latest."""
+        """Add a result, as plain values or as an object of the package; a later result replaces one of the same
+        name."""
         self.results[name] = result
 
     def interrupted(self, writes: bool) -> None:
-        """Say what Ctrl-C left, of a command that writes files or does not."""
-        left = "; writing was stopped, nothing half is left" if self.halted else ""
+        """Report what remains after Ctrl-C, for commands that write files and for others."""
+        left = "; writing was stopped, no incomplete file is left" if self.halted else ""
         if self.files:
             some = ", ".join(self.files[:3]) + ", ..." * (len(self.files) > 3)
             left += f"; what was finished is kept: {some}"
@@ -121,7 +122,7 @@ def add_files(parser: argparse.ArgumentParser, count: str = "+") -> None:
 
 
 def add_folder(parser: argparse.ArgumentParser, file: str = "", on_request: bool = False) -> None:
-    """The folder that a command writes to, if it is asked to or in any case."""
+    """The folder that a command writes to, always or only if requested."""
     without = (
         "without -o, --format and --plot nothing is written" if on_request else "default: results"
     )
@@ -132,28 +133,28 @@ def add_folder(parser: argparse.ArgumentParser, file: str = "", on_request: bool
 
 
 class Fresh:
-    """Which of some files have come to be, or been replaced, since it was made."""
+    """Finds which of some files have been created or replaced since this object was made."""
 
     def __init__(self, paths: Iterable[Path]) -> None:
         self.before = {path: self.stamp(path) for path in paths}
 
     @staticmethod
     def stamp(path: Path) -> tuple[int, int] | None:
-        """What a new file of this name has otherwise; None if there is none."""
+        """Properties that differ for a new file of this name; None if there is no such file."""
         with contextlib.suppress(OSError):
             state = path.stat()
             return state.st_ino, state.st_mtime_ns
         return None
 
     def paths(self) -> list[Path]:
-        """Those that are there now."""
+        """The files that were created or replaced."""
         stamps = ((path, self.stamp(path)) for path in self.before)
         return [path for path, now in stamps if now not in (None, self.before[path])]
 
 
 @contextlib.contextmanager
 def not_left_empty(folder: Path) -> Iterator[None]:
-    """A folder, and those above it, that is not there yet goes again if it stays empty."""
+    """Remove a new folder, and new folders above it, at the end if it is still empty."""
     new = [path for path in (folder, *folder.parents) if not path.exists()]
     try:
         yield
@@ -165,7 +166,8 @@ def not_left_empty(folder: Path) -> Iterator[None]:
 
 @contextlib.contextmanager
 def ready(folder: Path) -> Iterator[None]:
-    """A folder that can be written to, before anything is computed; if it stays empty it goes again."""
+    """Make sure, before anything is computed, that a folder can be written to; a new one is removed if it stays
+    empty."""
     with not_left_empty(folder):
         folder.mkdir(parents=True, exist_ok=True)
         try:
@@ -176,10 +178,10 @@ def ready(folder: Path) -> Iterator[None]:
 
 
 def name_file(options: argparse.Namespace) -> None:
-    """Take `-o DIR/NAME.json` as the folder, the form and the name of the one result.
+    """Split `-o DIR/NAME.json` into the folder, the format and the name of the single result.
 
-    Any other name that ends like that of a file is refused, unless a folder of this name is there, or it ends
-    with a slash.
+    Any other name that looks like a file name is rejected, unless a folder of this name exists, or it ends with a
+    slash.
     """
     options.stem = ""
     folder = getattr(options, "folder", None)
@@ -213,14 +215,14 @@ def name_file(options: argparse.Namespace) -> None:
 
 
 def need_folder(folder: str, path: Path) -> None:
-    """An error before anything is computed, where a file is in the place of the folder or above it."""
+    """Raises an error, before anything is computed, if a file is in place of the folder or of one above it."""
     for place in (path, *path.parents):
         if place.exists() and not place.is_dir():
             raise ParameterError(f"-o {folder}: {place} is a file; must be a folder")
 
 
 def add_forms(parser: argparse.ArgumentParser, on_request: bool = False) -> None:
-    """The folder and the form of the results, and of pictures beside them."""
+    """Options for the folder and the format of the results, and of pictures beside them."""
     add_folder(parser, ", or DIR/NAME.csv, .json, .nc or .mat for a single one", on_request)
     parser.add_argument(
         "--format",
@@ -234,15 +236,16 @@ def add_forms(parser: argparse.ArgumentParser, on_request: bool = False) -> None
 
 
 def add_units(parser: argparse.ArgumentParser) -> None:
-    """The units of results."""
+    """The option for the units of results."""
     parser.add_argument(
         "--units", metavar="UNITS",
-        help="units of the results, as 'mm N s' or SI, or dimensionless (default: those of the &system, mm for m)",
+        help="units of the results, such as 'mm N s' or SI, or dimensionless "
+        "(default: those of the &system, mm for m)",
     )  # fmt: skip
 
 
 def need_extras(options: argparse.Namespace) -> None:
-    """An error before anything is computed, if a library is missing by which the result is to be written."""
+    """Raises an error, before anything is computed, if a library needed to write the result is missing."""
     form = getattr(options, "format", None)
     if form == "netcdf":
         from ..base.libraries import need_netcdf
@@ -257,7 +260,7 @@ def need_extras(options: argparse.Namespace) -> None:
 
 
 def picture_writer() -> Callable[[Any, Path], Path]:
-    """What writes the figure of some axes to a file; an error where matplotlib is missing."""
+    """The function that writes the figure of some axes to a file; an error if matplotlib is missing."""
     from ..plot import style
 
     style.pyplot().switch_backend("agg")  # no window

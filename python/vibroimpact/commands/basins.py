@@ -20,10 +20,11 @@ EXAMPLE = (
 
 
 def details(result: Any) -> list[str]:
-    """How fractal the boundaries are."""
+    """Lines on how fractal the boundaries are."""
     if result.of_structure or result.axes is None or not result.complete:
         return []
-    if any(axis.listed for axis in result.axes):  # pairs at equal distances need even steps
+    # the exponent compares pairs at equal distances, so it needs even steps
+    if any(axis.listed for axis in result.axes):
         return []
     return [f"uncertainty exponent {result.uncertainty_exponent:.3f}"]
 

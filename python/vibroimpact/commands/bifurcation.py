@@ -21,7 +21,7 @@ EXAMPLE = (
 
 
 def details(result: Any) -> list[str]:
-    """The windows."""
+    """Lines on the windows."""
     if result.of_structure:
         return []
     return [

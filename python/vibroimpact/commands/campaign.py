@@ -34,7 +34,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--cluster", metavar="WHERE",
-        help="local (one process for each processor), or the address of a scheduler of dask, as tcp://node1:8786",
+        help="local (one process for each processor), or the address of a scheduler of dask, "
+        "such as tcp://node1:8786",
     )  # fmt: skip
     parser.add_argument(
         "--chunk", type=int, metavar="N",
@@ -49,7 +50,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Compute what the store lacks."""
+    """Compute the cases missing from the store."""
     cases = read_namelist(options.file)
     if len(cases) != 1:
         raise ParameterError(
@@ -73,7 +74,7 @@ def run(options: argparse.Namespace) -> int:
 
 @contextlib.contextmanager
 def terminable() -> Iterator[None]:
-    """SIGTERM, which batch systems send before they kill, has the effect of Ctrl-C."""
+    """Give SIGTERM, which batch systems send before they kill a job, the effect of Ctrl-C."""
     try:
         before = signal.signal(signal.SIGTERM, signal.default_int_handler)
     except ValueError:  # in another thread
@@ -86,7 +87,7 @@ def terminable() -> Iterator[None]:
 
 
 def describe(found: Campaign, name: str) -> int:
-    """Print how far it is; the exit status."""
+    """Print the progress of the campaign; returns the exit status."""
     done, refused = found._done(), found._store.failed()
     print(f"{name}: {done} of {found.size} cases of {found.study} finished")
     if refused:

@@ -1,4 +1,4 @@
-"""Cases of namelist files, or the one that the options define: run, written in any format, and drawn, once."""
+"""Runs the cases of namelist files, or the one that the options define, and writes and draws the results."""
 
 from __future__ import annotations
 
@@ -23,16 +23,17 @@ from ..systems.units import units_to_show
 from . import FORMATS, Fresh, not_left_empty, picture_writer, ready
 from .request import Request, read_cases
 
-#: Writes the figure of some axes to a file, if a picture is wanted.
+#: Writes the figure of some axes to a file; None if no picture is requested.
 Save = Callable[[Any, Path], Path] | None
-#: The lines that a command prints on a result in addition to those of the compiled program.
+#: The lines that a command prints about a result in addition to those of the compiled program.
 Details = Callable[[Any], list[str]]
 
 
 def run_kind(options: argparse.Namespace, request: Request, details: Details | None = None) -> int:
-    """Run all cases of a kind (or of any), write and draw them; gives the exit status.
+    """Run all cases of a kind (or of any kind), write and draw the results; returns the exit status.
 
-    Tables alone of cases of any kind are left to the compiled program, whose words and tables are the same.
+    If only tables of cases of any kind are requested, the compiled program does everything; its messages and
+    tables are the same.
     """
     folder = Path(options.folder)
     animated = getattr(options, "animate", None)
@@ -59,7 +60,8 @@ def run_kind(options: argparse.Namespace, request: Request, details: Details | N
 
 
 def needs_python(file: str) -> bool:
-    """Whether a file has a case that the compiled program leaves to Python; a pipe, read only once, has none."""
+    """Whether a file has a case that only the Python package computes; for a pipe, which can be read only once,
+    False."""
     groups = [name for name, about in language()["results"].items() if about["in_python"]]
     if not os.path.isfile(file):
         return False
@@ -68,12 +70,12 @@ def needs_python(file: str) -> bool:
 
 
 def tables(options: argparse.Namespace, folder: Path) -> int:
-    """Leave all to the compiled program."""
+    """Run everything in the compiled program."""
     with not_left_empty(folder), Progress("run") as bar:
         written = Fresh(results_of(options.files, folder))
 
         def show(share: float) -> None:
-            """As many results as there are, and a share of the next one."""
+            """Progress: the number of finished results, and the share of the next one."""
             done = len(written.paths())
             bar.show(min(share * (done + 1), done + 1) / max(1, len(written.before)))
 
@@ -87,10 +89,10 @@ def tables(options: argparse.Namespace, folder: Path) -> int:
 
 
 def print_log(log: RunLog) -> None:
-    """Print what was said while namelist files ran, faults to standard error."""
+    """Print the messages of a run of namelist files, errors to standard error."""
     for fault, line in log.lines:
         stream = sys.stderr if fault else sys.stdout
-        # a path need not be valid text: its bytes are printed unchanged
+        # a path need not be valid text; its bytes are printed unchanged
         buffer = getattr(stream, "buffer", None)
         if buffer is None:
             print(line, file=stream)
@@ -101,7 +103,7 @@ def print_log(log: RunLog) -> None:
 
 
 def results_of(files: Sequence[str], folder: Path) -> list[Path]:
-    """Where the compiled program writes, as far as it can be told: a pipe is read only once."""
+    """The paths that the compiled program will write, as far as they are known: a pipe can be read only once."""
     found = []
     for file in filter(os.path.isfile, files):
         with contextlib.suppress(ParameterError):
@@ -112,8 +114,8 @@ def results_of(files: Sequence[str], folder: Path) -> list[Path]:
 
 
 def renamed(options: argparse.Namespace, cases: list[Case]) -> list[Case]:
-    """The cases; the only one with the name of the file that -o names."""
-    if not options.stem or not cases:  # nothing more is printed for files that only have faults
+    """The cases; a single case gets the name of the file that -o names."""
+    if not options.stem or not cases:  # nothing more is printed for files that have only errors
         return cases
     if len(cases) != 1:
         raise ParameterError(
@@ -125,7 +127,7 @@ def renamed(options: argparse.Namespace, cases: list[Case]) -> list[Case]:
 
 
 def spare_inputs(options: argparse.Namespace, case: Case, folder: Path) -> None:
-    """An error if a table would take the place of an input that is none."""
+    """Raises an error if a table would overwrite an input that is not an earlier result."""
     path = folder / f"{case.name}.csv"
     for file in options.files if path.is_file() and options.format == "csv" else ():
         if os.path.isfile(file) and path.samefile(file):
@@ -140,7 +142,7 @@ def spare_inputs(options: argparse.Namespace, case: Case, folder: Path) -> None:
 def finish(
     options: argparse.Namespace, case: Case, folder: Path, save: Save, details: Details | None
 ) -> int:
-    """Compute a case, say what came out, write and draw it."""
+    """Compute a case, report the outcome, write and draw the result."""
     stopped, record = False, options.record
     with Progress(case.name) as bar:
         try:
@@ -169,7 +171,7 @@ def deliver(
     options: argparse.Namespace, case: Case, found: Noun, stopped: bool, folder: Path, save: Save,
     details: Details | None,
 ) -> int:  # fmt: skip
-    """Say what came out of a case; write and draw it."""
+    """Report the outcome of a case; write and draw the result."""
     result = found._result
     cut = [f"cut short: {result.cut}"] if result.cut else []
     for line in [*(text for fault, text in result.notes if not fault), *cut]:
@@ -185,7 +187,8 @@ def deliver(
 
 
 def put(options: argparse.Namespace, case: Case, found: Noun, folder: Path, save: Save) -> None:
-    """Write the result of a case, all in one table or each part in the form that is wanted, and draw the parts."""
+    """Write the result of a case, in one table or each part separately in the requested format, and draw the
+    parts."""
     folder.mkdir(parents=True, exist_ok=True)
     record = options.record
     if options.format == "csv":
@@ -214,7 +217,7 @@ def put(options: argparse.Namespace, case: Case, found: Noun, folder: Path, save
 
 
 def written(result: Any, path: Path) -> Path:
-    """Write a result in the form that the name ends with."""
+    """Write a result in the format given by the extension."""
     result.save(path)
     return path
 
@@ -227,14 +230,14 @@ def picture(result: Any, options: argparse.Namespace, case: Case) -> Any:
 
 
 def units_of(case: Case) -> dict[str, str]:
-    """The units that a case asks for, as an argument of pictures."""
+    """The units that a case requests, as an argument of pictures."""
     return {"units": case.keys["units"]} if case.keys.get("units") else {}
 
 
 def shown(result: Any, case: Case) -> Any:
-    """A result in the units in which people read it, if its system has them."""
+    """A result in the units in which it is shown, if its system has units."""
     own, wanted = units_to_show(getattr(result, "osc", None)), case.keys.get("units")
-    # what is identified has the units of the sensors
+    # identified parameters are in the units of the sensors
     if own is None or wanted == "dimensionless" or case.study == "identify":
         return result
     return result.physical(wanted or own)

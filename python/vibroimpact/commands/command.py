@@ -1,4 +1,4 @@
-"""The command `vibroimpact`; its subcommands are in the folder `commands`."""
+"""The command `vibroimpact`; its subcommands are the other modules of this folder."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ INTERRUPT = "Ctrl-C: finished results are kept, status 1"
 #: Note on units in the help of the commands that read or write numbers.
 UNITS = (
     "lengths are in F0/K (clearance: d K/F0), time in 1/omega, angles in radians, r = Omega/omega;\n"
-    "values may also have units, as '19.5 Hz' and '4 mm', with --mass, --stiffness and --force"
+    "values may also have units, such as '19.5 Hz' and '4 mm', with --mass, --stiffness and --force"
 )
 WITHOUT_UNITS = ("explore", "identify", "reproduce", "init", "doctor", "completion")
 #: Commands that compute nothing that is saved.
@@ -40,7 +40,7 @@ NEGATIVE = re.compile(r"-(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$|-(inf|infinity|nan)$", r
 
 
 class Version(argparse.Action):
-    """Prints the version; that of argparse ignores a full disk."""
+    """Prints the version; unlike the action of argparse, it reports a full disk."""
 
     def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> NoReturn:
         print(f"vibroimpact {version('vibroimpact')}")
@@ -54,7 +54,7 @@ class Parser(argparse.ArgumentParser):
     in_json = False
 
     def __init__(self, **options: Any) -> None:
-        #: What stands outside groups, in order.
+        #: The arguments outside groups, in order.
         self.added: list[argparse.Action] = []
         super().__init__(**options)
         self.register("type", int, whole)
@@ -66,17 +66,18 @@ class Parser(argparse.ArgumentParser):
         return self.added[-1]
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """As in the base class; also -1e-3 and -inf are values, not options: a blank before each makes them so."""
+        """As in the base class, but -1e-3 and -inf are also values and not options: a blank is put before each of
+        them."""
         return super().parse_known_args(
             [f" {word}" if NEGATIVE.match(word) else word for word in args], namespace
         )
 
     def print_help(self, file: SupportsWrite[str] | None = None) -> None:
-        """As in the base class, but without ignoring a full disk."""
+        """As in the base class, but a full disk is an error."""
         print(self.format_help(), end="", file=file)
 
     def error(self, message: str) -> NoReturn:
-        """Report an error, and end."""
+        """Report an error and exit."""
         message = re.sub(r"^argument ([^:]+): (?=.*: must be )", r"\1 ", message)
         if not self.in_json:
             self.print_usage(sys.stderr)
@@ -88,7 +89,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def whole(text: str) -> int:
-    """The value of an option that is a whole number."""
+    """The value of an option for a whole number."""
     try:
         if "_" in text or not text.isascii():
             raise ValueError
@@ -98,7 +99,7 @@ def whole(text: str) -> int:
 
 
 def parsers() -> tuple[Parser, dict[str, Parser]]:
-    """The argument parser, and that of each subcommand."""
+    """The main argument parser, and the parser of each subcommand."""
     parser, each = main_parser()
     for name in NAMES:
         fill(each[name], name)
@@ -142,7 +143,7 @@ def fill(parser: Parser, name: str) -> None:
 
 
 def module_of(name: str) -> Any:
-    """The module of a subcommand, or what takes its place for a study without one."""
+    """The module of a subcommand, or a generated replacement for a study without one."""
     place = f"{__package__}.{name}"
     if name in STUDIES and find_spec(place) is None:
         from .study import plain_command
@@ -169,16 +170,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
             try:
                 options = parser.parse_intermixed_args(_separated(words[1:]))
             except AttributeError as error:
-                # argparse restores in the end what Ctrl-C may have kept it from saving
+                # argparse restores at its end a state that Ctrl-C may have prevented it from saving
                 if isinstance(error.__context__, KeyboardInterrupt):
                     raise KeyboardInterrupt from None
                 raise
             options.record = Record(name)
             return said_or_told(name, options)
         finally:
-            sys.stdout.flush()  # including the output of the parser
+            sys.stdout.flush()  # the parser may also print
     except OSError as error:
-        # the reader has closed the pipe, or the disk is full: leave nothing to be flushed at the end
+        # the reader has closed the pipe, or the disk is full: leave nothing to be flushed at exit
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         if not isinstance(error, BrokenPipeError):
             print(f"{parser.prog}: standard output: {error.strerror or error}", file=sys.stderr)
@@ -186,7 +187,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def said_or_told(name: str, options: argparse.Namespace) -> int:
-    """Run a command with normal output, quietly, or with its output in one JSON document."""
+    """Run a command with normal output, quietly, or with all output in one JSON document."""
     heard = options.quiet or options.json
     with redirect_stdout(StringIO()) if heard else nullcontext() as printed:
         status = outcome(name, options)
@@ -196,7 +197,7 @@ def said_or_told(name: str, options: argparse.Namespace) -> int:
 
 
 def outcome(name: str, options: argparse.Namespace) -> int:
-    """Run a command and return the exit status, also after an error."""
+    """Run a command and return the exit status, even after an error."""
     status = 2
     try:
         name_file(options)
@@ -219,9 +220,10 @@ def outcome(name: str, options: argparse.Namespace) -> int:
 
 
 def _separated(words: list[str]) -> list[str]:
-    """The arguments with the value of --plot made explicit; otherwise the option would take a file as its value.
+    """The arguments with the value of --plot written as --plot=VALUE; otherwise the option would take a file as
+    its value.
 
-    A word after it that is not a file is taken as a format, even if that is unknown.
+    A word after --plot that is not a file counts as a format, even if it is unknown.
     """
     plain = [*words]
     for i, word in enumerate(words):

@@ -32,7 +32,7 @@ PURPOSES = {
     "data": "labelled tables (chart, to_xarray, to_pandas) and netCDF files",
     "design": "designs (`vibroimpact design`)",
     "explorer": "the explorer in a browser (`vibroimpact explore`)",
-    "film": "MP4 films, where the program ffmpeg is missing",
+    "film": "MP4 films, if the program ffmpeg is missing",
     "identify": "identification from records (`vibroimpact identify`)",
     "jax": "derivatives in JAX (`vibroimpact.jax`)",
     "matlab": "MATLAB files",
@@ -44,11 +44,11 @@ PURPOSES = {
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    """None of its own."""
+    """It has no arguments."""
 
 
 def run(options: argparse.Namespace) -> int:
-    """Look at everything, and print it."""
+    """Check everything, and print the results."""
     facts: dict[str, Any] = {
         "vibroimpact": metadata.version("vibroimpact"),
         "python": f"{platform.python_version()} ({platform.machine()} {platform.system()})",
@@ -89,13 +89,13 @@ def built() -> dict[str, str]:
 
 
 def threads() -> str:
-    """How many threads OpenMP takes, of how many processors."""
+    """How many threads OpenMP uses, and the number of processors."""
     processors = f"{os.cpu_count()} processors"
     if not built()["openmp"]:
         return f"1 of {processors} (built without OpenMP)"
     try:
         most = ctypes.CDLL(_core.__file__).omp_get_max_threads()
-    except (OSError, AttributeError):  # a library in which the symbol is hidden
+    except (OSError, AttributeError):  # the symbol is hidden in this library
         return processors
     chosen = os.environ.get("OMP_NUM_THREADS")
     setting = f" (OMP_NUM_THREADS = {chosen})" if chosen else ""
@@ -103,7 +103,7 @@ def threads() -> str:
 
 
 def program() -> str:
-    """The version that the stand-alone program tells."""
+    """The version that the stand-alone program reports."""
     with as_file(files("vibroimpact") / "_bin" / "vibroimpact-batch") as path:
         try:
             done = subprocess.run(
@@ -115,7 +115,7 @@ def program() -> str:
 
 
 def computes() -> str:
-    """Whether the motion beside the third column of Table 1 satisfies its equations, and det[P] its law."""
+    """Whether the motion of the third column of Table 1 satisfies its equations, and det[P] its law."""
     try:
         osc = Oscillator(xi=0.005, mu=0.042, restitution=0.75)
         motion = exact(osc, 0.94, 37.0, ([0, 1.37 * math.pi], Pattern("RL")))
@@ -129,7 +129,7 @@ def computes() -> str:
 
 
 def extras() -> dict[str, dict[str, str | None]]:
-    """The libraries of each extra with their versions, None where one is missing."""
+    """The libraries of each extra with their versions, or None for a missing library."""
     found: dict[str, dict[str, str | None]] = {}
     for line in metadata.requires("vibroimpact") or []:
         match = re.match(r"([\w.-]+).*;.*\bextra\s*==\s*['\"](\w+)['\"]", line)
@@ -145,21 +145,23 @@ def extras() -> dict[str, dict[str, str | None]]:
 
 
 def counsel(facts: dict[str, Any]) -> list[str]:
-    """What to do about what is slow or broken."""
+    """Advice on anything slow or broken."""
     lines = []
     if not built()["openmp"]:
         lines.append(
             "charts and atlases would be faster with OpenMP: build with a compiler that has it"
         )
     if "openblas" in facts["lapack"].lower() and os.environ.get("OPENBLAS_NUM_THREADS") != "1":
-        lines.append("the systems are small: set OPENBLAS_NUM_THREADS=1, more threads only wait")
+        lines.append(
+            "the systems are small: set OPENBLAS_NUM_THREADS=1, since more threads only wait"
+        )
     if facts["buildtype"] not in ("release", "debugoptimized"):
         lines.append(
             f"a build of type {facts['buildtype']} is slow: build with -Dbuildtype=release"
         )
     if facts["program"] == MISSING or facts["computes"] != "yes":
         lines.append(
-            "install the package anew, in a copy of the project: "
+            "reinstall the package, in a copy of the project: "
             f"{sys.executable} -m pip install --force-reinstall ."
         )
     return lines

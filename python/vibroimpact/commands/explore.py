@@ -17,15 +17,15 @@ EXAMPLE = "vibroimpact explore --port 5006 --no-browser"
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    """What to begin with, where to serve, and whether to open a browser."""
+    """The initial contents, where to serve, and whether to open a browser."""
     parser.add_argument(
         "file", nargs="?", metavar="FILE",
         help="a saved motion, identification or design (.json, .nc or .mat)",
     )  # fmt: skip
     parser.add_argument(
         "--units", metavar="TEXT",
-        help="physical units to show: M, K and F0 and their units of length, force and time, as "
-        "'2.7 42000 6 m N s'",
+        help="physical units to show: M, K and F0 and their units of length, force and time, "
+        "such as '2.7 42000 6 m N s'",
     )  # fmt: skip
     parser.add_argument(
         "--port", type=int, default=5006, metavar="N",
@@ -33,8 +33,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--address", default="127.0.0.1", metavar="A",
-        help="where to listen (default: 127.0.0.1, this machine alone); elsewhere the page needs the token in "
-        "the printed link",
+        help="address to listen on (default: 127.0.0.1, this machine only); on others the page needs the token "
+        "in the printed link",
     )  # fmt: skip
     browser = parser.add_mutually_exclusive_group()
     browser.add_argument(
@@ -46,7 +46,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Serve until Ctrl-C, which is how it ends: status 0."""
+    """Serve until Ctrl-C, the normal end, with status 0."""
     from ..explorer.opening import state_of
     from ..explorer.server import serve
     from ..explorer.state import State
@@ -62,7 +62,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def print_address(url: str) -> None:
-    """Say where the page is."""
+    """Print the address of the page."""
     print(f"explorer: {url}   (Ctrl-C ends it)", flush=True)
     if "token=" in url:
         print(

@@ -31,12 +31,12 @@ EXAMPLE = (
     "vibroimpact find --xi .005 --mu .042 --restitution .75 --r .94 --clearance 37 --max-impacts 3 "
     "--plot -o results"
 )
-#: Keys of a search other than those of its point.
+#: Keys of a search, other than those of the point.
 LIMITS = ("max_impacts", "max_cycles", "guesses", "states", "settling", "releases", "max_events")
 
 
 class Point(NamedTuple):
-    """Where to search, and within which limits."""
+    """A point, and the limits of the search there."""
 
     osc: Oscillator
     r: float
@@ -46,7 +46,7 @@ class Point(NamedTuple):
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    """Files, or a point; and the limits of the search, which may stand beside files too."""
+    """Files, or a point; and the limits of the search, which may also be given with files."""
     add_files(parser, "*")
     for name, option in options_of("find").items():
         parser.add_argument(f"--{name}", **option.how())
@@ -59,7 +59,7 @@ def request(options: argparse.Namespace) -> Request:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Search at each point; what is wrong with an option is said in its words."""
+    """Search at each point; errors in options are reported in terms of the options."""
     try:
         return search(options)
     except ParameterError as error:
@@ -71,7 +71,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def search(options: argparse.Namespace) -> int:
-    """Search at each point once, print, write and draw the motions."""
+    """Search once at each point; print, write and draw the motions."""
     if options.files and any(
         case.structure for file in options.files for case in read_namelist(file)
     ):
@@ -87,7 +87,7 @@ def search(options: argparse.Namespace) -> int:
 
 
 def run_structures(options: argparse.Namespace) -> int:
-    """Run the &find cases of files with structures; the limits of the search are theirs."""
+    """Run the &find cases of files with structures, with the limits given there."""
     for name, option in options_of("find").items():
         if option.typed(options) is not None:
             raise ParameterError(beside_files(name, options.files))
@@ -97,7 +97,7 @@ def run_structures(options: argparse.Namespace) -> int:
 
 
 def search_at(options: argparse.Namespace, points: dict[Point, str]) -> int:
-    """The same at points that are good."""
+    """Search at points that have been checked."""
     if options.units not in (None, "dimensionless"):
         options.units = checked_names(options.units, "--units")
     save, status, stopped = picture_writer() if options.plot else None, 0, False
@@ -151,7 +151,7 @@ def search_at(options: argparse.Namespace, points: dict[Point, str]) -> int:
 
 
 def table(found: Sequence[Motion], units: Units | None = None) -> str:
-    """The motions one a line: pattern, multipliers, extreme positions, which are in units if they are given."""
+    """The motions, one per line: pattern, multipliers, extreme positions (in units, if given)."""
     if not found:
         return "no periodic motion was found"
     length = 1.0 if units is None else units.length
@@ -193,7 +193,7 @@ def point_of(case: Case) -> Point:
 
 
 def _add_points(file: str, points: dict[Point, str], record: Record) -> int:
-    """The points of the cases of a file; given phases determine their own clearance."""
+    """The points of the cases of a file; given phases determine the clearance."""
     status = 0
     for case in read_namelist(file):
         if case.r is None or (case.kind != "branch" and "parameter" in case.keys):

@@ -1,4 +1,4 @@
-"""`vibroimpact identify`: the parameters of a rig from records of it."""
+"""`vibroimpact identify`: the parameters of a rig from its records."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ EXAMPLE = (
     "--primary-mass 2.7 --spring 42000 --free-mass .11 --load-amplitude 6 --xi .01143 --restitution .75 .65 "
     "--fixed xi R1 R2 -o results"
 )
-#: Where a fit starts if the options do not say it.
+#: The initial guesses of a fit, if the options do not give them.
 START = {"xi": 0.01, "mu": 0.05, "restitution": [0.7]}
 
 
@@ -38,7 +38,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def is_case(file: str) -> bool:
-    """Whether a file is a namelist, or an earlier result, and not a record."""
+    """Whether a file is a namelist or an earlier result, and not a record."""
     if file.endswith(".nml"):
         return True
     if not file.endswith(".csv"):

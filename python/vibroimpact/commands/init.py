@@ -21,7 +21,7 @@ DESCRIPTION = """Write NAME.nml, a namelist of one kind of case in which every k
 be run unchanged. An existing file is not overwritten."""
 EXAMPLE = "vibroimpact init zone"
 
-#: For each &motion its meaning and the keys to start from; for studies the commands have both.
+#: For each kind of &motion, a description and the keys of the example; the commands have both for studies.
 SYSTEM = {"xi": 0.005, "mu": 0.042, "restitution": 0.75, "r": 0.94}
 PHASES = {"sides": "RL", "phases_over_pi": [0, 1.37]}
 MOTIONS: Mapping[str, tuple[str, Mapping[str, Any]]] = {
@@ -31,11 +31,11 @@ MOTIONS: Mapping[str, tuple[str, Mapping[str, Any]]] = {
         {"clearance": 37},
     ),
     "exact": (
-        "compute an exact motion from phases that are about right",
+        "compute an exact motion from approximate phases",
         {"clearance": 37, **PHASES},
     ),
 }
-#: The groups of a structure to start from, and what its template does.
+#: The groups of the example of a structure, and a description of its template.
 STRUCTURE: Sequence[tuple[str, Mapping[str, Any]]] = (
     ("structure", {"mass": [1, 0.1], "damping": [0.02, 0], "stiffness": [1, 0]}),
     ("gap", {"direction": [-1, 1], "opening": 0.5, "restitution": 0.8}),
@@ -43,7 +43,7 @@ STRUCTURE: Sequence[tuple[str, Mapping[str, Any]]] = (
     ("load", {"frequency": 1.04, "sine": [0.1, 0]}),
     ("simulate", {"cycles": 50}),
 )
-#: How a file begins, and how it ends.
+#: The beginning and the end of a file.
 HEAD = """! {title}.
 ! Run it:   vibroimpact run {file} -o results     (or, without Python, vibroimpact-batch)
 ! Draw it:  vibroimpact plot {file} -o results
@@ -60,7 +60,7 @@ def kinds() -> tuple[str, ...]:
 
 
 def example(kind: str) -> tuple[str, Groups]:
-    """What a kind of case does, and the groups to start from: those of the example of its command."""
+    """The description of a kind of case, and the groups of the example of its command."""
     if kind in MOTIONS:
         title, keys = MOTIONS[kind]
         return title, {"system": SYSTEM, "motion": {"kind": kind, **keys}}
@@ -72,7 +72,7 @@ def example(kind: str) -> tuple[str, Groups]:
 
 
 def template(kind: str, file: str) -> str:
-    """The namelist to start from."""
+    """The template of a namelist."""
     if kind == "structure":
         title, groups, units = title_of(kind), STRUCTURE, OWN_UNITS
     else:
@@ -89,16 +89,16 @@ def template(kind: str, file: str) -> str:
 
 
 def title_of(kind: str) -> str:
-    """What a template does."""
+    """The title of a template."""
     if kind == "structure":
         return "simulate a structure with gaps from an initial state"
     return example(kind)[0]
 
 
 def key_lines(keys: Sequence[Mapping[str, Any]], given: Mapping[str, Any]) -> Iterator[str]:
-    """Each key of a group: its value, or commented out its default, and what it means.
+    """Each key of a group with its meaning: with its value, or commented out with its default.
 
-    Behind the name of a key that has no default, or that is wrong beside those that are given, stands a colon.
+    The name of a key is followed by a colon if it has no default or cannot be combined with the given keys.
     """
     known = {key["name"]: key["default"] for key in keys} | {
         name: shown(x) for name, x in given.items()
@@ -118,7 +118,7 @@ def key_lines(keys: Sequence[Mapping[str, Any]], given: Mapping[str, Any]) -> It
         if name in given:
             line = f"  {name} = {known[name]}"
             about += [f"default: {key['default']}"] * bool(key["default"])
-        elif name == "r" and "xi" in known:  # of &system, which the case does not need
+        elif name == "r" and "xi" in known:  # keys of &system that the case does not need
             continue
         else:
             plain = key["default"] and not wrong
@@ -131,7 +131,7 @@ def key_lines(keys: Sequence[Mapping[str, Any]], given: Mapping[str, Any]) -> It
 
 
 def shown(value: Any) -> str:
-    """A value as a person writes it."""
+    """A value as a user would write it."""
     if isinstance(value, list):
         return ", ".join(map(shown, value))
     return repr(value) if isinstance(value, str) else f"{value:g}"
@@ -152,7 +152,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Write it, or list what there is."""
+    """Write the template, or list the kinds."""
     if options.list:
         for name in kinds():
             title = title_of(name)
@@ -166,7 +166,7 @@ def run(options: argparse.Namespace) -> int:
         raise ParameterError(f"{path}: already exists; must be another file, or --force")
     if not path.parent.is_dir():
         raise ParameterError(
-            f"-o {path}: there is no folder {path.parent}; must be in an existing one"
+            f"-o {path}: there is no folder {path.parent}; must be in an existing folder"
         )
     write_text(path, template(options.name, str(path)))
     options.record.files.append(str(path))

@@ -21,10 +21,10 @@ by volume, or in another format; --plot also writes a picture. NAME is "lyapunov
 case of the options."""
 EXAMPLE = "vibroimpact lyapunov --xi .0114 --mu .028 --restitution .75 --r 1.04 --clearance 10 30 5 -o results"
 
-#: The options of which one may be a line of points, and their text in the help.
+#: The options of which one may be a line of points, and their help texts.
 LINES = {
-    "r": "frequency ratio: a number, or LOW HIGH N for N of them",
-    "clearance": "clearance d K/F0 (d is the whole travel of m): a number, or LOW HIGH N for N of them",
+    "r": "frequency ratio: a number, or LOW HIGH N for N values",
+    "clearance": "clearance d K/F0 (d is the whole travel of m): a number, or LOW HIGH N for N values",
 }
 #: The keys of such a line.
 SPAN = ("low", "high", "values")
@@ -56,18 +56,18 @@ def request(options: argparse.Namespace) -> Request:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Compute, print, write and draw them."""
+    """Compute, print, write and draw the exponents."""
     status = run_kind(options, request(options), details)
     named = options.files or options.state
     if not named and any(": no exponents" in line for line in options.record.faults):
         options.record.fault(
-            "vibroimpact lyapunov: another start may lead to impacts: --state X X_DOT Z Z_DOT"
+            "vibroimpact lyapunov: another initial state may lead to impacts: --state X X_DOT Z Z_DOT"
         )
     return status
 
 
 def details(result: Any) -> list[str]:
-    """The exponents of each point, or of a structure."""
+    """Lines with the exponents of each point, or of a structure."""
     if result.of_structure:
         values = zip(result.per_cycle, result.error_per_cycle, strict=True)
         unit = f"per {result.cycle}"

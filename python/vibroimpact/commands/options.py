@@ -20,18 +20,18 @@ TEXTS = {"state": "displacement and velocity of the primary mass, then of the fr
 
 
 class Option(NamedTuple):
-    """An option with the keys that it gives, each with its group; of several keys each takes a word."""
+    """An option with the keys that it sets, each with its group; with several keys, each takes one word."""
 
     name: str
     keys: list[tuple[str, Mapping[str, Any]]]
 
     @property
     def metavars(self) -> tuple[str, ...]:
-        """What stands for each value."""
+        """The placeholder of each value in the help."""
         return tuple(metavar(key, len(self.keys) > 1) for _, key in self.keys)
 
     def typed(self, options: argparse.Namespace) -> Any:
-        """What was typed; None if the option was not given."""
+        """The words as typed; None if the option was not given."""
         return getattr(options, self.name.replace("-", "_"))
 
     def values(self, options: argparse.Namespace) -> Iterator[tuple[str, str, Any]]:
@@ -62,7 +62,7 @@ class Option(NamedTuple):
         return int(value) if key["kind"] == "whole" and value.is_integer() else value
 
     def in_words(self, text: str, which: str) -> str:
-        """A text in which the values of several keys are called what the help calls them."""
+        """A text in which the keys are replaced by the placeholders of the help."""
         several = zip(self.keys, self.metavars, strict=True) if len(self.keys) > 1 else ()
         for (_, key), word in several:
             if "_" in key["name"] and word != key["name"].upper():
@@ -88,12 +88,12 @@ class Option(NamedTuple):
 
 
 def quantity(text: str) -> float | str:
-    """The value of an option that is a number, or a text with a unit, which the namelist takes as it is."""
+    """The value of an option for a number, or for a text with a unit, which the namelist accepts unchanged."""
     return text.strip() if is_quantity(text) else number(text)
 
 
 def is_quantity(text: str) -> bool:
-    """Whether a text is a number with a unit, which follows after a blank or is known; "1e400" is no such text."""
+    """Whether a text is a number with a unit: the unit follows a blank or is known; "1e400" is not such a text."""
     found = QUANTITY.fullmatch(with_u(text))
     if found is None or re.match("[eE][-+]?[0-9]", found[2]):
         return False
@@ -102,7 +102,7 @@ def is_quantity(text: str) -> bool:
 
 
 def number(text: str) -> float:
-    """The value of an option that is a number."""
+    """The value of an option for a number."""
     try:
         return checks.read_number(text)
     except ValueError as error:
@@ -115,7 +115,7 @@ TYPES: Mapping[str, Callable[[str], Any]] = {"number": quantity, "whole": int, "
 
 
 def metavar(key: Mapping[str, Any], with_others: bool) -> str:
-    """What stands for the value of a key."""
+    """The placeholder of the value of a key."""
     name: str = key["name"]
     if with_others:
         plain = "N" if key["kind"] == "whole" else name.upper()
@@ -124,7 +124,7 @@ def metavar(key: Mapping[str, Any], with_others: bool) -> str:
 
 
 def explained(option: Option) -> str:
-    """Meaning, unit, range and default."""
+    """The help text: meaning, unit, range and default."""
     keys = [key for _, key in option.keys]
     about = unit_and_range(keys[0], option.metavars[0]) if len(keys) == 1 else []
     defaults = dict.fromkeys(key["default"].strip("'") for key in keys if key["default"])
@@ -134,14 +134,14 @@ def explained(option: Option) -> str:
 
 
 def unit_and_range(key: Mapping[str, Any], word: str) -> list[str]:
-    """What there is of them; `word` stands for the value."""
+    """Unit and range, as far as there are any; `word` is the placeholder of the value."""
     found = re.match(r"a (?:whole )?number with ([^,]*)", key["takes"])
     unit = [f"in {key['unit']}"] * (key["unit"] != "")
     return unit + ([re.sub(rf"\b{key['name']}\b", word, found[1])] if found else [])
 
 
 def takes(key: Mapping[str, Any]) -> list[str]:
-    """Unit and range, the words that it takes, or what else the core says of it."""
+    """Unit and range, the allowed words, or the core's other description of the value."""
     about = unit_and_range(key, key["name"])
     if key["words"]:
         about.append(", ".join(map(repr, key["words"].split())))
@@ -154,7 +154,7 @@ def options_of(
     study: str, before: Mapping[str, Sequence[str]] = MappingProxyType({})
 ) -> dict[str, Option]:
     """The options of a study by name: of &system, of some keys of groups before its own, and of its own."""
-    # those whose frequency ratio the study finds or does not need have no --r
+    # studies that find the frequency ratio themselves, or do not need it, have no --r
     takes_r = language()["results"][study]["takes_r"]
     keys = [("system", key) for key in keys_for("system") if takes_r or key["name"] != "r"]
     keys += [
@@ -167,19 +167,17 @@ def options_of(
         name = name_of(key)
         if name != "-" and not (group == "system" and name in own):
             found.setdefault(name, Option(name, [])).keys.append((group, key))
-            if (
-                key["name"] == "axes"
-            ):  # of values that are listed, in place of the option of its ends
+            if key["name"] == "axes":  # a list of values, in place of the option for its ends
                 found["axes"] = Option("axes", [(group, key)])
     return found
 
 
 def name_of(key: Mapping[str, Any]) -> str:
-    """Name of the option that gives a key."""
+    """Name of the option that sets a key."""
     name: str = key["option"] or key["name"].replace("_", "-")
     return name
 
 
 def shown(words: Sequence[Any]) -> str:
-    """The words of an option as they may have been typed."""
+    """The words of an option, as they could be typed."""
     return " ".join(f"{word:g}" if isinstance(word, float) else str(word) for word in words)

@@ -33,7 +33,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Draw all cases of all files; nothing is drawn unless every file is right."""
+    """Draw all cases of all files; nothing is drawn if any file has an error."""
     save = picture_writer()
     cases = [(file, case) for file in options.files for case in read_namelist(file)]
     with ready(Path(options.folder)):
@@ -45,7 +45,7 @@ def draw_all(
     cases: Sequence[tuple[str, Case]],
     save: Callable[[Any, Path], Path],
 ) -> int:
-    """Draw the cases, each with the name of its file; after one that has no picture the others follow."""
+    """Draw the cases, each with the name of its file; a case without a picture does not stop the others."""
     status = 0
     drawn: set[Path] = set()
     for file, case in cases:
@@ -81,10 +81,10 @@ def draw_all(
 
 
 def pictured(case: Case, units: str | None) -> Sequence[Callable[..., Any]]:
-    """What draws a case, each picture of its own, in physical units if they are given."""
+    """The functions that draw the pictures of a case, in physical units if they are given."""
     if units == "dimensionless":
         return [partial(draw, units=units) for draw in pictured(case, None)]
-    if units is not None:  # refuses what has none before anything is computed
+    if units is not None:  # rejects a case without a picture before anything is computed
         checked_names(units, "--units")
         if case.osc is None or case.osc.F0 is None:
             raise ParameterError(

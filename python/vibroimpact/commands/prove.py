@@ -15,24 +15,24 @@ from ..proofs.certificate import VERDICTS
 from . import PICTURES, add_files, add_folder, picture_writer, ready
 from .request import Request, read_cases
 
-DESCRIPTION = """Prove in ball arithmetic what is true of the motions, branches and zones of namelist files: that
+DESCRIPTION = """Prove properties of the motions, branches and zones of namelist files in ball arithmetic: that
 each motion exists, meets no other wall, and is stable or not. Each certificate is written to
 DIR/NAME_proof.json (NAME_1_proof, NAME_2_proof if a case has several motions or branches), which
-vibroimpact.load reads and tests/proof/check_certificate.py checks without vibroimpact. What is
-not decided is printed with the reason; where nothing is, the status is 1. It needs the extra
+vibroimpact.load reads and tests/proof/check_certificate.py checks without vibroimpact. Undecided properties are
+printed with the reason; if nothing is decided, the exit status is 1. It needs the extra
 `proof`: pip install 'vibroimpact[proof]'."""
 EXAMPLE = "vibroimpact init exact && vibroimpact prove exact.nml -o results"
 
 #: The studies whose results can be proven.
 STUDIES = ("motion", "branch", "zone")
-#: Those whose proofs have a smallest box, with the least and the greatest one.
+#: The studies whose proofs have a smallest box, with the limits of its size.
 IN_BOXES = {"branch": ("1e-13", "1"), "zone": ("1e-5", "0.1")}
-#: Reasons that are printed of a certificate, which may have hundreds.
+#: Number of reasons that are printed for a certificate, which may have hundreds.
 SHOWN = 5
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    """Files, folder, and how far boxes are halved."""
+    """Files, folder, and the smallest box."""
     add_files(parser)
     add_folder(parser)
     parser.add_argument(
@@ -48,7 +48,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Prove all cases of all files; nothing is proven unless every case can have a proof."""
+    """Prove all cases of all files; nothing is computed if any case cannot have a proof."""
     flint()
     save = picture_writer() if options.picture else None
     cases, faults = read_cases(options, Request())
@@ -64,7 +64,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def check(case: Case, tolerance: float | None) -> None:
-    """An error before anything is computed, if a case has no proof."""
+    """Raises an error, before anything is computed, if a case cannot have a proof."""
     if case.study not in STUDIES:
         allowed = ", ".join(f"&{study}" for study in STUDIES)
         raise ParameterError(f"{case.name}: &{case.study}: must be one of {allowed} for a proof")
@@ -86,7 +86,7 @@ def check(case: Case, tolerance: float | None) -> None:
 
 
 def finish(options: argparse.Namespace, case: Case, save: Any) -> int:
-    """Compute a case, prove its results, say what is proven and write it."""
+    """Compute a case, prove its results, report what is proven and write the certificates."""
     status, record = 0, options.record
     with Progress(case.name) as bar:
         try:
@@ -114,7 +114,7 @@ def finish(options: argparse.Namespace, case: Case, save: Any) -> int:
 
 
 def deliver(options: argparse.Namespace, name: str, proof: Any, save: Any) -> int:
-    """Say what is proven, write and draw it."""
+    """Report what is proven; write and draw it."""
     print(f"{name}: {proof!r}")
     for gap in proof.undecided[:SHOWN]:
         print(f"{name}: not decided: {told(gap)}")
@@ -133,7 +133,7 @@ def deliver(options: argparse.Namespace, name: str, proof: Any, save: Any) -> in
 
 
 def told(gap: dict[str, Any]) -> str:
-    """A reason, with the parameters where it holds."""
+    """A reason, with the parameters for which it holds."""
     spans = [
         f"{name} {float(exact(low)):.10g} to {float(exact(high)):.10g}"
         for name, (low, high) in gap.get("parameters", {}).items()

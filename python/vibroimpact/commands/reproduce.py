@@ -25,7 +25,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Recompute what is named."""
+    """Recompute the named tables and figures."""
     folder = Path(options.folder)
     written = Fresh(folder / output for task in TASKS.values() for output in task.outputs)
     try:

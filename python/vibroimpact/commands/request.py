@@ -1,4 +1,4 @@
-"""The cases that a command has to run: those of files, or the one that its options define.
+"""The cases that a command has to run: the cases of files, or the case that its options define.
 
 The case of the options is written as a namelist and read like any other.
 """
@@ -27,14 +27,14 @@ MISSING = "must be given, or a namelist file instead of the options"
 
 
 class Request(NamedTuple):
-    """What a command asks for if it is given options and no files.
+    """The case that a command runs if it is given options and no files.
 
     Attributes
     ----------
     kind : str or None
-        The one kind of cases that the command runs, and the name of the result; None for all kinds.
+        The kind of cases that the command runs, and the name of the result; None for all kinds.
     groups
-        The namelist that the options make.
+        The namelist made from the options.
     known
         The options.
     """
@@ -47,12 +47,12 @@ class Request(NamedTuple):
 def request_of(
     options: argparse.Namespace, study: str, known: Mapping[str, Option], **more: Mapping[str, Any]
 ) -> Request:
-    """The case that the options name, with more keys of its groups."""
+    """The case that the options define, with further keys of its groups."""
     groups: dict[str, dict[str, Any]] = {"system": {}, **{group: {} for group in more}, study: {}}
     wanted = getattr(options, "units", None)
     for option in known.values():
         if option.name == "units" and (options.files or wanted == "dimensionless"):
-            continue  # of the results, see `in_units`
+            continue  # the units of the results, see `in_units`
         if options.files and option.typed(options) is not None:
             raise ParameterError(beside_files(option.name, options.files))
         for group, name, value in option.values(options):
@@ -78,9 +78,9 @@ def beside_files(name: str, files: Sequence[str]) -> str:
 
 
 def read_cases(options: argparse.Namespace, request: Request) -> tuple[list[Case], list[str]]:
-    """The cases that are asked for, without running them, and what is wrong with files.
+    """The requested cases, not yet run, and the errors in files.
 
-    A file with anything wrong is left out. Options with anything wrong are an error in their own words.
+    A file with an error is left out. An error in the options is raised, in terms of the options.
     """
     cases: dict[str, Case] = {}
     faults: list[str] = []
@@ -132,7 +132,7 @@ def _cases_of(file: str, kind: str | None, others: Mapping[str, Case]) -> list[C
 def case_files(
     options: argparse.Namespace, request: Request
 ) -> Iterator[tuple[Sequence[str], str]]:
-    """The files to run, and the one that is made of the options ("" if there are files)."""
+    """The files to run, and the file made from the options ("" if there are files)."""
     if options.files:
         yield options.files, ""
         return
@@ -143,11 +143,11 @@ def case_files(
 
 
 def in_options(line: str, made: str, request: Request, options: argparse.Namespace) -> str:
-    """A message in terms of options, without the namelist that they were written to, which nobody knows."""
+    """A message in terms of options, without the name of the temporary namelist, which the user does not know."""
     line = re.sub(rf"^{re.escape(made)}(:\d+)?: ", "", line)
     match = re.match(r"&(\w+) (\w+)\S*(?: = (.*?))?: (.*)", line)
     owners: dict[tuple[str, str], Option] = {}
-    # of two options that give a key, the one that was typed, else the first
+    # of two options for a key, the one that was typed, otherwise the first
     for option in sorted(request.known, key=lambda option: option.typed(options) is None):
         for group, key in option.keys:
             owners.setdefault((group, key["name"]), option)
@@ -161,7 +161,7 @@ def in_options(line: str, made: str, request: Request, options: argparse.Namespa
         text = other.in_words(text, "" if other == owner else f" of --{other.name}")
 
     def flag(found: re.Match[str]) -> str:
-        """Another key, with its word if it has one, as an option."""
+        """Another key, with its value if it has one, as an option."""
         other = owners.get((match[1], found[2]))
         word = (found[3] or "").replace("'", "")
         return f"{found[1]} --{other.name}{word}" if other else found[0]

@@ -20,7 +20,7 @@ add_keys, request, run = command("simulate")
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    """The keys, and a film."""
+    """The keys, and an animation."""
     add_keys(parser)
     parser.add_argument(
         "--animate", choices=ANIMATIONS,

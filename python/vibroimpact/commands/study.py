@@ -1,4 +1,4 @@
-"""The commands of the studies: the keys that the core declares are their options."""
+"""The commands of the studies; the keys that the core declares are their options."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ from .request import Request, request_of
 def add_study(
     parser: argparse.ArgumentParser, known: Mapping[str, Option], **own: Mapping[str, Any]
 ) -> None:
-    """Files, or options; the folder, and the forms of the results. `own` is what the command says of an option."""
+    """Files or options, the folder, and the formats of the results. `own` has the command's own help texts of
+    options."""
     add_files(parser, "*")
     for name, option in known.items():
         parser.add_argument(f"--{name}", **(option.how() | dict(own.get(name, {}))))
@@ -31,7 +32,7 @@ def command(
     Callable[[argparse.Namespace], Request],
     Callable[[argparse.Namespace], int],
 ]:
-    """`arguments`, `request` and `run` of a command whose options are the keys of a study."""
+    """The functions `arguments`, `request` and `run` of a command whose options are the keys of a study."""
 
     def arguments(parser: argparse.ArgumentParser) -> None:
         add_study(parser, options_of(study), **own)
@@ -48,7 +49,7 @@ def command(
 
 
 def plain_command(study: str) -> SimpleNamespace:
-    """The command of a study that has no module here; its example is the one that its class names."""
+    """The command of a study that has no module here; its example comes from the class of its result."""
     arguments, request, run = command(study)
     does = STUDIES[study]
     return SimpleNamespace(

@@ -1,1 +1,1 @@
-"""Derivatives of motions and trajectories by parameters."""
+"""Derivatives of motions and trajectories with respect to parameters."""

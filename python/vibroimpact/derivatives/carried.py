@@ -1,4 +1,5 @@
-"""Derivatives of motions and trajectories of structures by their parameters, which the core carries along."""
+"""Derivatives of motions and trajectories of structures with respect to parameters; the core carries them
+along."""
 
 from __future__ import annotations
 
@@ -44,14 +45,16 @@ if TYPE_CHECKING:
 __all__: list[str] = []
 
 _Array = NDArray[Any]
-#: Condition number at a fold; cosine between the eigenvectors of a double multiplier.
+#: Condition number that counts as a fold; cosine between left and right eigenvectors that counts as a double
+#: multiplier.
 SINGULAR, DEFECT = 1e10, 1e-5
-#: Approach speed, over the largest velocity, at a graze, as in the core; distance from a wall, over the largest
-#: coordinate, at a touch; instants of a flight between which it is sought.
+#: Approach speed, relative to the largest velocity, below which an impact is a graze, as in the core; distance
+#: from a wall, relative to the largest coordinate, below which it is touched; number of instants of a flight
+#: between which a touch is sought.
 TOUCHING, TOUCH, NODES = 1e-9, 1e-12, 32
 #: Codes of the core's vi_status.
 NOT_EXACT, COINCIDENT = 27, 28
-#: The kinds of entries by the words of names.
+#: The kinds of entries by their names.
 WORDS = {name: kind for kind, name in MATRICES.items()} | {
     "opening": OPENING, "restitution": RESTITUTION, "frequency": FREQUENCY, "constant": CONSTANT, "load": COSINE,
     "contact": LAW, "slip": LAW, "stick": LAW, "speed": LAW, "wall": min(WALLS),
@@ -59,7 +62,7 @@ WORDS = {name: kind for kind, name in MATRICES.items()} | {
 
 
 def plain_load(structure: Structure, load: Load | Record | None) -> Load:
-    """The part of a load that has entries."""
+    """The part of a load whose entries can be parameters."""
     if isinstance(load, Load):
         return load
     zero = np.zeros(structure.coordinates)
@@ -67,14 +70,14 @@ def plain_load(structure: Structure, load: Load | Record | None) -> Load:
 
 
 class Along:
-    """A trajectory along which the core carries changes of its start and of parameters."""
+    """A trajectory along which the core carries changes of the initial state and of parameters."""
 
     def __init__(
         self, run: Trajectory, parameters: Sequence[Wanted], first: int = -1, free: bool = False
     ) -> None:
-        """`first`: the gap of the impact just before a period, the clock of which shows the load phase.
+        """`first`: the gap of the impact just before the period; its instant defines the load phase.
 
-        `free`: of a self-excited motion, whose frequency is a last parameter.
+        `free`: whether the motion is self-excited; its frequency is then the last parameter.
         """
         plain = plain_load(run.structure, run.load)
         frequency = plain.frequency
@@ -100,7 +103,8 @@ class Along:
         ]  # fmt: skip
 
     def carried(self, changes: _Array) -> tuple[_Array, _Array, _Array, _Array, _Array]:
-        """The core's arrays for derivatives of the start (2n, 1 + parameters), of which the first are 0."""
+        """The core's arrays for derivatives with respect to the initial state (2n, 1 + parameters); the first
+        column is 0."""
         count = len(self.run.events)
         found = interruptible(_core.structure_gradient, *self.before, changes, *self.after)
         values, finals, products, slopes, rates, self.opens, self.good, self.code, status = found
@@ -109,7 +113,8 @@ class Along:
 
 
 def checked(structure: Structure, load: Load | Record | None, parameters: Any) -> list[Wanted]:
-    """A list of parameters; by default frequency, load, and those of all gaps, stops and friction."""
+    """A list of parameters; by default the frequency, the load, and the parameters of all gaps, stops and
+    friction."""
     if parameters is None:
         each = range(len(structure.gaps))
         driven = isinstance(load, Record) or len(plain_load(structure, load).sine) > 0
@@ -144,7 +149,8 @@ def names_of(parameters: Sequence[Wanted]) -> tuple[str, ...]:
 
 
 def motion_gradient(motion: Motion, parameters: Sequence[Wanted] | None) -> Gradient:
-    """The derivatives of a motion of a structure: a fixed point of its period from just after the first impact."""
+    """The derivatives of a motion of a structure, as a fixed point of the map over a period from just after the
+    first impact."""
     structure, load, n, count = (
         motion.structure, motion.load, motion.structure.coordinates, len(motion.gaps),
     )  # fmt: skip
@@ -180,7 +186,7 @@ def motion_gradient(motion: Motion, parameters: Sequence[Wanted] | None) -> Grad
         changes = inverse @ (finals / scale[:, None])
     values, _, products, *_ = along.carried(scale[:, None] * changes)
     if free:
-        # the frequency changes, too, and phases are those from the first event
+        # the frequency changes, too, and phases are measured from the first event
         values, products = (
             np.append(part[..., :1], part[..., 1:-1] + part[..., -1:] * pace, axis=-1)
             for part in (values, products)
@@ -214,10 +220,10 @@ def motion_gradient(motion: Motion, parameters: Sequence[Wanted] | None) -> Grad
 
 
 def period_of(motion: Motion) -> tuple[Trajectory, NDArray[np.int64]]:
-    """A period of a motion, and the places of its events there.
+    """A period of a motion, and the indices of its events in the period.
 
-    It begins just after the first impact, and with stops or friction in the middle of the longest flight, where no
-    function of an event is near its limit.
+    It begins just after the first impact or, with stops or friction, in the middle of the longest flight, where no
+    event condition is near its limit.
     """
     if motion.structure._is_rigid:
         run = motion._run()
@@ -251,7 +257,7 @@ def by_name(columns: _Array, n: int, names: Sequence[str]) -> dict[str, _Array]:
 
 
 def _refuse_meetings(run: Trajectory) -> None:
-    """SingularError if impacts of coupled gaps at one instant leave a trajectory without derivatives."""
+    """Raises SingularError if simultaneous impacts of coupled gaps leave a trajectory without derivatives."""
     hits = run.events[run.events["kind"] == "impact"]
     directions = np.array([part.direction for part in run.structure._parts])
     coupling = np.abs(directions @ np.linalg.solve(run.structure.mass, directions.T))
@@ -283,7 +289,8 @@ def trajectory_gradient(run: Trajectory, parameters: Any) -> Gradient:
     names = names_of(wanted)
     along = Along(run, wanted)
     values_by, finals, products, by_start, rates = along.carried(np.zeros((2 * n, 1 + len(names))))
-    # of the start, by the initial quantities; of the time at the end, a number of cycles or a duration
+    # derivatives of the start with respect to the initial quantities; the end time is a number of cycles or a
+    # duration
     changes = np.zeros((2 * n, len(initial)))
     for i, name in enumerate(initial):
         changes[:, i] = -rates[:, 0] if name == "start" else np.eye(2 * n)[own.index(name) - 1]
@@ -328,7 +335,7 @@ def trajectory_gradient(run: Trajectory, parameters: Any) -> Gradient:
 
 
 def opening_at_start(along: Along, initial: Sequence[str]) -> _Array:
-    """Whether a gap that rests at the start would not stay closed if a quantity of it or a parameter changed."""
+    """Whether a gap that rests at the start would not stay closed if the initial state or a parameter changed."""
     structure = along.run.structure
     rows = [structure.gaps[j].direction for j in along.run._resting()]
     used = np.any(np.reshape(rows, (-1, structure.coordinates)), axis=0)
@@ -346,8 +353,8 @@ def opening_at_start(along: Along, initial: Sequence[str]) -> _Array:
 
 
 def touch_of(run: Trajectory) -> tuple[int, _Array]:
-    """Number of the event after the first flight in which a gap closes without an impact, -1 if none does; and the
-    largest coordinate and velocity at the events and between them: at impacts all coordinates may be 0."""
+    """Number of the event after the first flight in which a gap is touched without an impact, or -1; and the
+    largest coordinate and velocity at events and between them, since all coordinates may be 0 at impacts."""
     gaps, times = run.structure.gaps, run.events["time"]
     directions = np.reshape(
         [gap.direction for gap in gaps], (len(gaps), run.structure.coordinates)
@@ -363,7 +370,7 @@ def touch_of(run: Trajectory) -> tuple[int, _Array]:
     ])  # fmt: skip
     closing = (directions @ q_dot).reshape(len(gaps), *nodes.shape)
     distance = (openings - directions @ q).reshape(closing.shape)
-    # from approach to departure, so near that the gap may close between
+    # the gap changes from closing to opening, so close to zero that it may be touched in between
     reach = np.diff(nodes) * np.maximum(closing[..., :-1], -closing[..., 1:])
     # impacts at one instant have flights of the size of rounding between them
     long = (np.diff(edges) > TOUCHING * np.abs(edges).max())[:, None]
@@ -401,9 +408,9 @@ def resting_in(run: Trajectory) -> list[set[int]]:
 
 
 def inverse_of(structure: Structure, motion: Motion, matrix: _Array, scale: _Array) -> _Array:
-    """The inverse of 1 - matrix, of the derivative of a period in units `scale`.
+    """The inverse of 1 - matrix, where matrix is the derivative of the map over a period, scaled by `scale`.
 
-    A body that hits nothing may rest anywhere: a shift of it, which changes no gap that closes, is left out.
+    A body that hits nothing may rest anywhere: shifts of it, which change no gap that closes, are excluded.
     """
     left, sizes, right = np.linalg.svd(np.eye(len(matrix)) - matrix)
     shifts = sizes < sizes[0] / SINGULAR
@@ -420,10 +427,11 @@ def inverse_of(structure: Structure, motion: Motion, matrix: _Array, scale: _Arr
 
 
 def free_changes(matrix: _Array, finals: _Array) -> tuple[_Array, _Array]:
-    """The changes of the start (2n, parameters) and of the frequency (parameters) of a self-excited motion.
+    """The changes of the initial state (2n, parameters) and of the frequency (parameters) of a self-excited
+    motion.
 
-    In (1 - P) ds - dF/dOmega dOmega = dF/dp the start moves at right angles to the flow, which P keeps; the last
-    of the derivatives of the end F at fixed phases is that by Omega.
+    In (1 - P) ds - dF/dOmega dOmega = dF/dp, ds is orthogonal to the flow direction, which is an eigenvector of P;
+    the last of the derivatives of the end F at fixed phases is that with respect to Omega.
     """
     m = len(matrix)
     _, _, right = np.linalg.svd(np.eye(m) - matrix)
@@ -442,7 +450,7 @@ def free_changes(matrix: _Array, finals: _Array) -> tuple[_Array, _Array]:
 def multiplier_slopes(
     matrix: _Array, by_matrix: _Array, multipliers: _Array
 ) -> tuple[_Array, dict[str, str]]:
-    """The derivatives of the eigenvalues of a matrix next to given ones; NaN for double ones."""
+    """The derivatives of the eigenvalues of a matrix closest to given ones; NaN for double eigenvalues."""
     values, vectors = np.linalg.eig(matrix)
     found = np.full((len(multipliers), len(by_matrix)), np.nan, complex)
     status: dict[str, str] = {}
@@ -463,7 +471,7 @@ def multiplier_slopes(
 
 
 def margin_slopes(multipliers: _Array, slopes: _Array, status: dict[str, str]) -> _Array:
-    """The derivatives of 1 - max|lambda|; NaN where two multipliers are the largest and change differently."""
+    """The derivatives of 1 - max|lambda|; NaN if two multipliers are the largest and change differently."""
     sizes = np.maximum(np.abs(multipliers), 1e-300)
     leading = np.flatnonzero(sizes >= sizes.max() * (1 - 1e-10))
     by = (np.conj(multipliers[leading, None]) * slopes[leading]).real / sizes[leading, None]
@@ -476,7 +484,7 @@ def margin_slopes(multipliers: _Array, slopes: _Array, status: dict[str, str]) -
 
 
 def rates_of(structure: Structure, load: Load, parameter: Wanted) -> _Array:
-    """The derivatives of all entries of a structure and its load by a parameter."""
+    """The derivatives of all entries of a structure and its load with respect to a parameter."""
     places, values = entries_of(structure, load)
     if isinstance(parameter, str):
         return named_rates(structure, parameter, places - (0, 1, 1), values)
@@ -497,7 +505,7 @@ def rates_of(structure: Structure, load: Load, parameter: Wanted) -> _Array:
 
 
 def named_rates(structure: Structure, name: str, places: _Array, values: _Array) -> _Array:
-    """The derivatives of all entries by a parameter of a name as in `branch`, or the factor 'mass'."""
+    """The derivatives of all entries with respect to a parameter named as in `branch`, or to the factor 'mass'."""
     parts = re.fullmatch(r"([a-z]+)((?:_\d+)*)", name)
     word = parts[1] if parts else ""
     numbers = [int(part) for part in parts[2].split("_")[1:]] if parts else []
@@ -543,8 +551,8 @@ def named_rates(structure: Structure, name: str, places: _Array, values: _Array)
 def rates_of_law(
     structure: Structure, word: str, places: NDArray[np.int64], rates: _Array
 ) -> _Array:
-    """The derivatives of numbers of stops by a stiffness, or of friction by a slip level, with its stick level, by
-    a stick level or by the speed of a belt."""
+    """The derivatives of the numbers of stops with respect to a stiffness, or of friction with respect to a slip
+    level (with its stick level in proportion), a stick level or the speed of a belt."""
     found = np.zeros(len(rates))
     for i, (_, j, number) in enumerate(places.tolist()):
         part = structure._parts[j] if rates[i] else None

@@ -30,13 +30,14 @@ OF_MOTION = (
     "A", "tau", "load_phase", "x_max", "x_min", "attenuation", "x_rms", "fundamental_amplitude",
     "fundamental_phase", "stability_margin",
 )  # fmt: skip
-#: Most impacts in a period whose derivatives the core computes at once, and most events of a trajectory.
+#: Largest number of impacts in a period for which the core computes derivatives in closed form, and of events of a
+#: trajectory.
 MOST_IMPACTS, MOST_EVENTS = 24, 1_000_000
-#: What is differentiated at each event of a trajectory.
+#: The quantities that are differentiated at each event of a trajectory.
 OF_EVENTS = ("time", "x", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after")
 #: Codes of the core's vi_status.
 NOT_FINITE, FOLD, GRAZE, NOT_EXACT, NOT_SMOOTH = 6, 25, 26, 27, 29
-#: Condition number from which a motion counts as one at a fold.
+#: Condition number above which a motion counts as being at a fold.
 SINGULAR = 1e10
 
 
@@ -78,7 +79,7 @@ def trajectory_gradient(run: Trajectory) -> Gradient:
     if n > MOST_EVENTS:
         raise ParameterError(f"{run!r}: must have at most {MOST_EVENTS} events to have derivatives")
     start, finish = (moments_of(state)[0] for state in (run.initial_state, run.final_state))
-    # an array without columns does not pass f2py
+    # f2py does not accept an array without columns
     values, labels = event_arrays(run.events if n else np.zeros(1, EVENT_TYPE))
     by_events, by_final, good = _core.trajectory_gradient(
         n, run.osc.xi, run.osc.mu, run.osc.restitution, run.r, run.load, run.clearance,
@@ -112,7 +113,8 @@ def trajectory_gradient(run: Trajectory) -> Gradient:
 
 
 def with_both(slopes: NDArray[Any]) -> NDArray[Any]:
-    """The derivatives of a trajectory with those by a common R of both walls, before the last one."""
+    """The derivatives of a trajectory, with those with respect to a common R of both walls inserted before the
+    last one."""
     both = slopes[..., 9:10] + slopes[..., 10:11]
     return frozen(np.concatenate([slopes[..., :11], both, slopes[..., 11:]], axis=-1))
 
@@ -120,7 +122,7 @@ def with_both(slopes: NDArray[Any]) -> NDArray[Any]:
 def split(
     values: NDArray[Any], slopes: NDArray[Any], codes: NDArray[Any], sizes: Mapping[str, int]
 ) -> tuple[dict[str, NDArray[Any]], dict[str, NDArray[Any]], dict[str, str]]:
-    """Values, derivatives and status by name, from the core's lists; size 0 is a single number."""
+    """Values, derivatives and status by name, from the core's lists; size 0 means a single number."""
     tables: tuple[dict[str, NDArray[Any]], dict[str, NDArray[Any]]] = ({}, {})
     status: dict[str, str] = {}
     start = 0

@@ -37,12 +37,12 @@ _Array = NDArray[Any]
 STATE = ("x", "x_dot", "z", "z_dot")
 #: Relative distance at which a simulated period counts as closed; largest number of events of a period.
 CLOSED, MOST_EVENTS = 1e-8, 20_000
-#: Points in a radian of the faster of load and free vibration, between which extremes are enclosed.
+#: Number of points per radian of the faster of load and free vibration, between which extremes are bracketed.
 POINTS = 8
-#: Relative differences at which extremes count as equal, and their derivatives by a parameter.
+#: Relative differences below which extremes count as equal, and their derivatives with respect to a parameter.
 ALIKE, SAME = 1e-9, 1e-6
-#: What rounding may leave of a derivative, over those of the state by the same parameter, and over the position:
-#: where R is 0 no derivative by it remains.
+#: Largest rounding error of a zero derivative, relative to the derivatives of the state with respect to the same
+#: parameter, and relative to the position (used if R is 0, where all derivatives with respect to R vanish).
 ROUNDING, NOTHING = 1e-10, 1e-12
 #: The quantities by impact, and those of the events of a trajectory.
 OF_IMPACTS = {
@@ -52,10 +52,10 @@ OF_IMPACTS = {
 
 
 class Period:
-    """A period from the middle of the longest flight on, a fixed point of the simulation."""
+    """A period from the middle of the longest flight, as a fixed point of the simulation."""
 
     def __init__(self, motion: Motion) -> None:
-        """Simulate it, and differentiate its state at the start."""
+        """Simulate the period, and differentiate its initial state."""
         times, kinds = motion.events["time"], motion.events["kind"]
         lengths = np.diff(times, append=times[0] + motion.period)
         lengths[kinds == "stick"] = 0.0
@@ -99,18 +99,18 @@ class Period:
         return gradient, np.array([run.final_state[name] for name in STATE])
 
     def direct(self, slopes: _Array) -> _Array:
-        """Derivatives by the parameters at a fixed state and load phase of the start."""
+        """Derivatives with respect to the parameters for a fixed initial state and load phase."""
         found: _Array = slopes[..., 5:].copy()
         found[..., 0] -= slopes[..., 0] * self.start["t"] / self.motion.r
         return found
 
     def total(self, slopes: _Array) -> _Array:
-        """Derivatives by the parameters along the motion."""
+        """Derivatives with respect to the parameters along the family of motions."""
         found: _Array = self.direct(slopes) + slopes[..., 1:5] @ self.state
         return found
 
     def within(self, t: Any) -> Any:
-        """The same time of the motion after the start, as time of the simulation."""
+        """A time of the motion, shifted by whole periods into the simulated period."""
         start = self.start["t"]
         return start + np.mod(
             t + self.motion.load_phase / self.motion.r - start, self.motion.period
@@ -118,7 +118,7 @@ class Period:
 
     def extremes(self, side: int) -> list[_Array]:
         """The derivatives of the greatest (side 1) or least (side -1) position of the primary mass, one for each
-        instant at which it is reached: where the velocity passes through 0, or changes its sign by an impact."""
+        instant at which it is reached: where the velocity passes through 0, or changes its sign at an impact."""
         motion, events = self.motion, self.motion.events
         starts = events["time"]
         lengths = np.diff(starts, append=starts[0] + motion.period)
@@ -150,14 +150,15 @@ class Period:
         return found
 
     def place(self, t: float) -> int:
-        """Number of the event of the simulated period at a time of the motion."""
+        """Index of the event of the simulated period at a time of the motion."""
         return int(np.abs(self.whole.values["time"] - self.within(t)).argmin())
 
     def common(self, slopes: list[_Array]) -> _Array:
-        """The derivatives of an extreme that is reached several times; NaN by parameters by which these part.
+        """The derivatives of an extreme that is reached several times; NaN for parameters for which these
+        derivatives differ.
 
-        They are compared for each parameter alone: those by the restitution of a wall may be small beside others,
-        and part all the same.
+        They are compared separately for each parameter: derivatives with respect to the restitution of a wall may
+        be small compared with others, and still differ.
         """
         table = np.array(slopes)
         limit = SAME * np.abs(table).max(axis=0) + ROUNDING * np.abs(self.state).max(axis=0)
@@ -166,7 +167,7 @@ class Period:
 
 
 def multiplier_gradient(period: Period) -> tuple[dict[str, _Array], dict[str, str]]:
-    """The derivatives of multipliers, which are those of the same motion of a structure of two masses."""
+    """The derivatives of multipliers, computed for the same motion of a structure of two masses."""
     motion = period.motion
     osc, walls = motion.osc, motion.osc.restitution
     gaps = [
@@ -208,13 +209,13 @@ def multiplier_gradient(period: Period) -> tuple[dict[str, _Array], dict[str, st
 
 
 def oscillator_gradient(motion: Motion) -> Gradient:
-    """The derivatives of a motion: in closed form, or from those of a simulated period."""
+    """The derivatives of a motion, in closed form or from a simulated period."""
     simulated = motion.pattern.has_rest or len(motion.pattern) > MOST_IMPACTS
     return period_gradient(motion) if simulated else motion_gradient(motion)
 
 
 def period_gradient(motion: Motion) -> Gradient:
-    """The derivatives of a motion, from those of a simulated period."""
+    """The derivatives of a motion from those of a simulated period."""
     period = Period(motion)
     whole = period.whole
     r, xi = motion.r, motion.osc.xi

@@ -1,1 +1,1 @@
-"""The design of impact dampers: hosts, the problem, its search and the confirmation of what was found."""
+"""The design of impact dampers: hosts, the problem, its search, and the confirmation of the result."""

@@ -1,4 +1,4 @@
-"""Confirmation of a design by independent samples, and the search with more units where it fails."""
+"""Confirmation of a design by independent samples, and a search with more units if it is not confirmed."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from .order import Order
 from .problem import Problem
 from .search import Archive, explored, grids, part_of, refined
 
-#: Confidence of all intervals, and parts of the band whose shares are stated.
+#: Confidence of all intervals, and number of parts of the band for which shares are stated.
 CONFIDENCE, BANDS = 0.95, 10
-#: Samples that are simulated at once.
+#: Number of samples that are simulated together.
 CHUNK = 10_000
-#: Samples by which the choice of units in the search is checked, and how often more units are taken.
+#: Number of samples that check the choice of units in the search, and how often the number of units is increased.
 FEW, ROUNDS = 2000, 2
-#: Their seed, which no confirmation has.
+#: The seed of these samples, which no confirmation uses.
 CHECK = 2**32
 #: The core's codes of verdicts.
 CODE_OF = {verdict: code for code, verdict in VERDICT.items()}
@@ -47,7 +47,7 @@ def confirmed(
         units, load = problem.units(candidate, rng.random((problem.dimensions, n)))
         place = rng.uniform(first, last, n)
         starts = rng.uniform(-1, 1, (4, n, states))
-        # the runs of a unit follow each other: the core keeps what depends on it alone
+        # the runs of a unit are consecutive: the core keeps the data that depend only on the unit
         found = problem.host.outcome(
             {name: np.repeat(each, states) for name, each in units.items()}, np.repeat(place, states),
             np.repeat(load, states), starts.reshape(4, -1), part_of(progress, begin, n, samples), "confirmation",
@@ -62,7 +62,7 @@ def confirmed(
         np.maximum.at(worst, part[~bad], target[~bad])
     total = int(good.sum())
     low, high = interval(total, samples)
-    # at a confidence that holds for all parts at once
+    # at a confidence that holds for all parts simultaneously
     each_part = [
         interval(int(g), int(n), 1 - (1 - CONFIDENCE) / parts)
         for g, n in zip(good, count, strict=True)
@@ -86,9 +86,9 @@ def confirmed(
 
 
 def firmer(problem: Problem, order: Order, archive: Archive) -> tuple[Archive, Order]:
-    """The candidates judged by more units, frequencies and states, where those of the search were too few.
+    """The candidates judged by more units, frequencies and states, if those of the search were too few.
 
-    They were if the chosen candidate meets the limit in the search, but too few of some samples meet it.
+    They were too few if the chosen candidate meets the limit in the search, but too few samples meet it.
     """
     for turn in range(ROUNDS):
         best = archive.best
@@ -100,7 +100,7 @@ def firmer(problem: Problem, order: Order, archive: Archive) -> tuple[Archive, O
         shares = bands["good"] / np.maximum(1, bands["samples"])
         if min(tried["probability"], shares.min()) >= problem.quantile:
             break
-        # the first units and states, and all frequencies, are among the new ones
+        # the new sets contain the previous units, states and frequencies
         order = replace(
             order, specimens=3 * order.specimens, nodes=2 * order.nodes - 1, states=order.states + 1
         )
@@ -109,7 +109,7 @@ def firmer(problem: Problem, order: Order, archive: Archive) -> tuple[Archive, O
         judged = Archive()
         refined(problem, fine, values, levels, None, judged)
         if judged.excess[judged.best] > 1:
-            # what met the limits by fewer units does not meet them: the search begins again
+            # a candidate that met the limits with fewer units does not meet them now: the search is repeated
             number = order.searches + turn
             found = explored(problem, coarse, order.evaluations, number, None, Archive())
             further = Archive()

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 __all__ = ["Design", "design"]
 
 _Array = NDArray[np.float64]
-#: Arguments that have no meaning for free vibration, and under a load: they must have their defaults.
+#: Arguments without meaning for free vibration, and for a load: they must have their defaults.
 DRIVEN = {"load": [1.0], "settling": 400, "keep": 32}
 FREE = {"cycles": 5}
 EXAMPLE = (
@@ -46,7 +46,7 @@ EXAMPLE = (
 
 
 class Design(Noun, study="design", example=EXAMPLE):
-    """A design, and what it achieves.
+    """A design and its performance.
 
     Attributes
     ----------
@@ -62,32 +62,34 @@ class Design(Noun, study="design", example=EXAMPLE):
     excess : float
         The same quantile of the largest ratio of a quantity to its limit; above 1, no candidate met all limits.
     converged : bool or None
-        Whether the three best of the independent searches ended at the same level, to within 2 %; None with fewer
-        than three searches, and if samples contradicted them and candidates were judged again by more units.
+        Whether the three best of the independent searches ended at the same level within 2 %; None with fewer than
+        three searches, or if samples contradicted the searches and candidates were judged again by more units.
     searches : dict of ndarray
-        Of each search: the number of its ``candidates`` judged by all units, and the best ``level``.
+        For each search: the number of its ``candidates`` judged by all units, and the best ``level``.
     worst : float
-        The worst target of all samples of the confirmation, and of the units of the search.
+        The worst target among all samples of the confirmation and all units of the search.
     samples, failed : int
-        Samples of the confirmation, and those whose simulation was abandoned; the latter count as bad.
+        Number of samples of the confirmation, and of those whose simulation was abandoned; the latter count as
+        bad.
     probability : float
         Share of the samples within the limit and all other limits; NaN without samples.
     interval : (float, float)
-        Its 95 % confidence interval, by Clopper and Pearson.
+        The 95 % confidence interval of the probability (Clopper–Pearson).
     bands : dict of ndarray
-        The same for parts of the band: ``from, to, samples, good, probability, low, high, worst``. These intervals
-        hold for all parts at once with 95 %. Shares of parts without samples are NaN.
+        The results for parts of the band: ``from, to, samples, good, probability, low, high, worst``. The
+        intervals hold for all parts simultaneously at 95 %. Shares of parts without samples are NaN.
     feasible : bool or None
         True if the lower ends of `interval` and of the intervals of all parts of the band are at least `quantile`,
         False if one of the upper ends is below it, None if the samples do not decide.
     spread : dict
-        Least, middle and greatest clearance, xi, mu, R1 and R2 of the units; an error for a host that is a
+        Smallest, median and largest clearance, xi, mu, R1 and R2 of the units; an error for a host that is a
         function.
     sensitivity : dict
-        Derivatives of the target of the worst unit by its parameters; empty where it has no periodic motion.
+        Derivatives of the target of the worst unit with respect to its parameters; empty if it has no periodic
+        motion.
     candidates, front : ndarray
-        Structured arrays of all candidates that were judged by all units, and of those that no other one beats
-        both in ``nominal`` (level of the unit without deviations) and ``level``.
+        Structured arrays of all candidates that were judged by all units, and of the Pareto front: those that no
+        other candidate beats both in ``nominal`` (level of the unit without deviations) and in ``level``.
     case : str
         The case as a namelist; empty for a host that is a function.
     """
@@ -191,9 +193,9 @@ class Design(Noun, study="design", example=EXAMPLE):
 
     @property
     def spread(self) -> dict[str, tuple[float, float, float]]:
-        """Least, middle and greatest clearance (d K/F0 of each load), xi, mu, R1 and R2 of the units.
+        """Smallest, median and largest clearance (d K/F0 at each load), xi, mu, R1 and R2 of the units.
 
-        Those of normal distributions are 3 standard deviations from the middle.
+        For normal distributions, the outer values are 3 standard deviations from the median.
         """
         if self._asked is None and not self.case:
             raise ParameterError(f"{self!r}: has no host, since it was read from a file")
@@ -205,7 +207,7 @@ class Design(Noun, study="design", example=EXAMPLE):
         values = {name: np.full(3, value) for name, value in self.values.items()}
         for name, item in problem.tolerance.items():
             values[name] = item.around(values[name], reach(item)) if name in values else reach(item)
-        # the least clearance in F0/K is that of the greatest load
+        # the smallest clearance in F0/K is that at the largest load
         load = reach(problem.load)[::-1]
         numbers = parameters_of(problem.host.osc, problem.host.clearance, values, np.ones(3), load)
         return {
@@ -236,7 +238,7 @@ class Design(Noun, study="design", example=EXAMPLE):
 
     @property
     def verdict(self) -> str:
-        """The answer in words."""
+        """The answer as a text."""
         above = ""
         if self.excess > 1:
             above = (
@@ -274,8 +276,8 @@ class Design(Noun, study="design", example=EXAMPLE):
 
     @property
     def asked(self) -> list[str]:
-        """What was asked besides the limit of the target, in sentences: the band, tolerances and limits; of a host
-        that is a function and was read from a file only the band."""
+        """The requirements besides the limit of the target, as sentences: the band, tolerances and limits; only
+        the band for a host that is a function and was read from a file."""
         first, last = self.ends
         along = "Initial displacements" if self.target == "damping" else "Frequency ratios"
         osc = self.osc if self.case else None
@@ -314,7 +316,7 @@ class Design(Noun, study="design", example=EXAMPLE):
     def confirm(
         self, samples: int = 100_000, rng: Rng = 1, progress: door.Progress | None = None
     ) -> Design:
-        """The same design, judged by other samples: each is a unit at a random frequency and load.
+        """The same design judged by new samples: each is a unit at a random frequency and load.
 
         Parameters
         ----------
@@ -372,25 +374,25 @@ class Design(Noun, study="design", example=EXAMPLE):
         Raises
         ------
         ParameterError
-            If the extension is none of these, or the folder does not exist.
+            If the extension is not one of these, or the folder does not exist.
         """
         ACTIONS["report"](self, path)
 
 
 def spread_text(osc: Oscillator | None, name: str, item: Uncertain, free: bool) -> str:
-    """How a parameter is uncertain, in the units of the oscillator, if it has them."""
+    """The uncertainty of a parameter as a text, in the units of the oscillator if it has units."""
     plain = item.normal or len(item.numbers) != 2 or (free and "factors" in item.meaning)
     return item.text if plain else range_text(osc, name, item.low, item.high)
 
 
 def answered(case: str, tables: Mapping[str, Any], asked: tuple[Problem, Order]) -> Design:
-    """A design whose files and messages begin with its answer."""
+    """Put the answer of a design at the beginning of its files and messages."""
     verdict = Design(made("design", case, tables)).verdict
     return Design(made("design", case, tables, (verdict,), notes=((False, verdict),)), asked)
 
 
 def designed(problem: Problem, order: Order, case: str, progress: door.Progress | None) -> Design:
-    """Searches, and confirms what was found."""
+    """Searches, and confirms the result."""
     searching = part_of(progress, 0, 1, 2 if order.samples else 1)
     archive = search(problem, order, searching)
     stopped = archive.stopped
@@ -442,7 +444,7 @@ def designed(problem: Problem, order: Order, case: str, progress: door.Progress 
 
 
 def reach(item: Uncertain) -> _Array:
-    """Least, middle and greatest value; of a normal distribution within 3 standard deviations."""
+    """Smallest, median and largest value; for a normal distribution within 3 standard deviations."""
     if item.normal:
         mean, deviation = item.numbers
         return np.array([mean - 3 * deviation, mean, mean + 3 * deviation])
@@ -460,7 +462,7 @@ def design(
     searches: int = 8, specimens: int = 16, nodes: int = 9, settling: int = 400, keep: int = 32, rng: Rng = 0,
     threads: int | None = None, progress: door.Progress | None = None,
 ) -> Design:  # fmt: skip
-    """The clearance, mass and restitution for which an impact damper works best over a band, tolerances included.
+    """The clearance, mass and restitution for which an impact damper works best over a band, including tolerances.
 
     A candidate is judged by the `quantile` of the target over uncertain units, at the worst frequency of the band
     and over the attractors that initial states reach. Global searches find the region, and steps down the
@@ -475,35 +477,35 @@ def design(
         ``host(r=..., load=..., **parameters)`` returns a Structure and its Load or Record; its parameters have the
         names of `free` and `tolerance`.
     r : float or (float, float)
-        The band of frequency ratios (of a function: of what it takes as r).
+        The band of frequency ratios (for a function: of its argument r).
     free : dict
-        Ranges (low, high) of what is chosen: ``clearance`` (d K/F0 at load 1, where d is the whole travel of the
-        free mass), ``mu``, ``xi``, ``restitution`` (the same on both walls), ``R1``, ``R2``. Of a function any
-        names; a ``range`` of whole numbers is for a number of units.
+        Ranges (low, high) of the parameters to choose: ``clearance`` (d K/F0 at load 1, where d is the whole
+        travel of the free mass), ``mu``, ``xi``, ``restitution`` (the same on both walls), ``R1``, ``R2``. For a
+        function, any names; a ``range`` of whole numbers is for a number of units.
     clearance : float, optional
         The clearance d K/F0, if it is not free.
     load : float, range, quantiles or distribution
-        Load amplitude, 1 where lengths are in F0/K.
+        Load amplitude, 1 if lengths are in F0/K.
     tolerance : dict, optional
-        Uncertain parameters: a range (low, high) in which all values are equally likely, quantiles at even steps,
-        or a frozen distribution of scipy.stats. Those of a parameter that is not free are its values. Those of a
-        free one belong to the value that is chosen: (-1, 1) are deviations from it, with 0 among them, and
-        (0.95, 1.05) factors of it, above 0 and with 1 among them, as in `uncertainty`.
+        Uncertain parameters: a range (low, high) in which all values are equally likely, quantiles at evenly
+        spaced probabilities, or a frozen distribution of scipy.stats. For a parameter that is not free, these are
+        its values. For a free parameter they refer to the chosen value: (-1, 1), with 0 in the range, are
+        deviations from it; (0.95, 1.05), above 0 and with 1 in the range, are factors of it, as in `uncertainty`.
     target : {'attenuation', 'displacement', 'rms', 'acceleration', 'force', 'damping'}
-        What is minimised: max|X|/A, max|X|, root mean square of X, greatest acceleration of the primary mass
-        between impacts, greatest force on the base; all but the first in F0/K, omega^2 F0/K and F0. The damping
-        ratio in free vibration is maximised. A function has all but the damping, of one coordinate: the force is
-        that of springs and dashpots on it.
+        The quantity to minimise: max|X|/A, max|X|, root mean square of X, greatest acceleration of the primary
+        mass between impacts, greatest force on the base; all but the first in F0/K, omega^2 F0/K and F0. The
+        damping ratio of free vibration is maximised instead. A function supports all but the damping, for one
+        coordinate: the force is that of springs and dashpots on it.
     limit : float, optional
-        Value of the target that has to be reached.
+        Value of the target that must be reached.
     quantile : float
-        Share of the units that has to reach it, 0.5 to 1. With 1 the search judges by its worst unit.
+        Share of the units that must reach it, 0.5 to 1. With 1 the search judges by the worst unit.
     limits : dict, optional
-        Greatest allowed ``speed`` of an impact, ``displacement``, ``rms``, ``acceleration``, ``force``, or modulus
-        of the ``multiplier``; a simulation without a period is above a limit of the multiplier. Least allowed
+        Largest allowed ``speed`` of an impact, ``displacement``, ``rms``, ``acceleration``, ``force``, or modulus
+        of the ``multiplier``; a simulation without a period violates a limit of the multiplier. Smallest allowed
         distances to boundaries: ``least_speed`` at an impact, and ``least_gap``, the distance from a wall that the
-        free mass approaches without an impact; a simulation with rest is below both. A function has all but the
-        last one, and under a Record no multiplier.
+        free mass approaches without an impact; a simulation with rest violates both. A function supports all but
+        the last one, and under a Record no limit of the multiplier.
     over : {'worst', 'basins'}
         Whether the worst attractor of a unit counts, or each attractor weighted by the share of initial states
         that reach it.
@@ -512,20 +514,19 @@ def design(
     cycles : int
         Oscillations over which that damping is averaged.
     coordinate : int
-        Of a structure: the coordinate whose motion counts.
+        For a structure: the coordinate whose motion counts.
     states : int
-        Initial states of each unit.
-    samples : int
-        Samples of the confirmation, at least 10; 0 for none.
+        Number of initial states of each unit. samples : int Number of samples of the confirmation, at least 10; 0
+        for none.
     evaluations : int
-        Candidates of each global search, at least 8 for each free parameter.
+        Number of candidates of each global search, at least 8 for each free parameter.
     searches : int
-        Independent global searches at most. They end when the best levels of three of them differ by at most 2 %;
-        otherwise `Design.converged` is False.
+        Largest number of independent global searches. They end when the best levels of three of them differ by at
+        most 2 %; otherwise `Design.converged` is False.
     specimens, nodes : int
-        Units and frequencies by which the best candidates are judged.
+        Numbers of units and frequencies by which the best candidates are judged.
     settling, keep : int
-        Load cycles after which a simulation without a period counts as settled, and those then examined.
+        Load cycles after which a simulation without a period counts as settled, and load cycles then examined.
     rng : int, numpy.random.Generator or None
         Seed of the samples of the confirmation, or a generator from which a seed is drawn; None: another seed in
         each call. The seed that was used is in the case of the result. The search does not depend on it.
@@ -544,10 +545,10 @@ def design(
     ParameterError, ParameterTypeError
         The parameter, its value and what it must be.
     MissingExtraError
-        Without SciPy.
+        If SciPy is not installed.
     KeyboardInterrupt
         After Ctrl-C, once candidates were judged: its attribute `result` is the best design so far, without
-        samples; of a first search that was stopped it is judged by few units.
+        samples; if the first search was stopped, this design is judged by few units only.
 
     Examples
     --------
@@ -591,7 +592,7 @@ def design(
         return designed(*asked, "", progress)
     of_numbers(host, "host")
     checks.integer(coordinate, "coordinate", 0, 0)
-    # what has no meaning is left out at its default; the core refuses other values
+    # arguments without meaning are left out at their defaults; the core rejects other values
     meaningless: Mapping[str, Any] = FREE if amplitude is None else DRIVEN
     keys = {
         name: value

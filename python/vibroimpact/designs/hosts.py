@@ -22,7 +22,7 @@ from ..systems.structure import Load, Structure
 from .problem import Outcome, parameters_of
 
 _Array = NDArray[np.float64]
-#: Samples in a cycle of the load from which extremes are refined, and least number of samples of a record.
+#: Number of samples in a load cycle from which extremes are refined, and smallest number of samples of a record.
 SAMPLES, LEAST = 200, 5_000
 #: Figures of a structure that can be limited or minimised.
 FIGURES = ("displacement", "rms", "speed", "acceleration", "force", "multiplier", "least_speed")
@@ -31,21 +31,22 @@ TARGETS = ("attenuation", "displacement", "rms", "acceleration", "force")
 
 @dataclass(frozen=True)
 class StructureHost:
-    """A structure that a function of the caller builds from the parameters.
+    """A structure built from the parameters by a function of the caller.
 
     Attributes
     ----------
     build : callable
         ``build(r=frequency, load=amplitude, **parameters)`` returns a Structure and its Load or Record.
     coordinate : int
-        That whose motion counts.
+        The coordinate whose motion counts.
     target : str
         One of `TARGETS`; the attenuation is the greatest displacement over that of the structure without gaps.
     limits : mapping
-        Greatest of `FIGURES`: the force is that of springs and dashpots on the coordinate, and the multiplier the
-        greatest modulus of those of the motion that is reached. The least speed is the least allowed one.
+        Largest allowed values of `FIGURES`: the force is that of springs and dashpots on the coordinate, and the
+        multiplier is the largest modulus for the motion that is reached. The least speed is a smallest allowed
+        value.
     settling, keep : int
-        Load cycles before those that count, and those; a record counts whole.
+        Load cycles before the evaluated ones, and evaluated load cycles; a record is evaluated as a whole.
     threads : int or None
     """
 
@@ -89,7 +90,9 @@ class StructureHost:
         structure, force = self._built(values, r, load)
         try:
             figures = self._figures(structure, force, place)
-        except SingularError:  # such as coupled gaps that close at one instant: counts as bad
+        except (
+            SingularError
+        ):  # a failure, such as coupled gaps that close at one instant, counts as bad
             return math.inf, math.inf
         if self.target == "attenuation":
             free = Structure(
@@ -130,13 +133,13 @@ class StructureHost:
     def _figures(
         self, structure: Structure, force: Load | Record, place: _Array
     ) -> dict[str, float]:
-        """What the coordinate does, and the greatest approach speed."""
+        """The figures of the coordinate, and the greatest approach speed."""
         n = structure.coordinates
         if isinstance(force, Record):
             run = simulate_structure(structure, force)
             begin, many = run.start, max(LEAST, 10 * len(force.force))
         else:
-            # velocities in proportion to the response without gaps, in directions that the place decides
+            # velocities in proportion to the response without gaps, in directions that `place` decides
             scale = force.frequency * abs(steady(structure, force))
             turn = np.cos(np.pi * np.arange(1, n + 1) * (1 + place[np.arange(n) % 4]))
             run = simulate_structure(
@@ -167,7 +170,7 @@ class StructureHost:
         return figures
 
     def _multiplier(self, run: Trajectory) -> float:
-        """The greatest modulus of the multipliers of the motion that a simulation reached; inf without one."""
+        """The largest modulus of the multipliers of the motion that a simulation reached; inf if there is none."""
         if not isinstance(run.load, Load):
             raise ParameterError(
                 "limits: multiplier: must be left out for a record, which has no period"
@@ -185,7 +188,7 @@ class DecayHost:
     Attributes
     ----------
     osc, clearance : Oscillator, float or None
-        As for `OscillatorHost`; lengths have any unit.
+        As for `OscillatorHost`; the unit of length is arbitrary.
     cycles : int
         Cycles over which the damping ratio is averaged.
     threads : int or None
@@ -229,7 +232,7 @@ class DecayHost:
 
 
 def steady(structure: Structure, load: Load) -> NDArray[np.complex128]:
-    """Complex amplitudes (n,) of the fundamental without gaps; 0 where the structure resonates undamped."""
+    """Complex amplitudes (n,) of the fundamental without gaps; 0 at an undamped resonance of the structure."""
     omega = load.frequency
     matrix = structure.stiffness - omega**2 * structure.mass + 1j * omega * structure.damping
     try:
@@ -240,10 +243,10 @@ def steady(structure: Structure, load: Load) -> NDArray[np.complex128]:
 
 
 def extent(run: Trajectory, begin: float, many: int, coordinate: int) -> tuple[float, float, float]:
-    """Least and greatest value and root mean square of a coordinate from a time to the end.
+    """Least and greatest value, and root mean square, of a coordinate from a given time to the end.
 
-    Between samples that enclose an extreme, the cubic through both values and velocities gives it, with an error
-    of the fourth power of their distance.
+    An extreme between two samples is computed from the cubic through their values and velocities, with an error
+    proportional to the fourth power of their distance.
     """
     times = np.linspace(begin, run.end, many + 1)
     inside = run.events["time"][(run.events["time"] > begin) & (run.events["time"] < run.end)]

@@ -1,4 +1,4 @@
-"""What a case of a design asks for: its keys as a problem and an order."""
+"""The contents of a case of a design: its keys as a problem and an order."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ NAMES = ("clearance", "mu", "xi", "restitution", "R1", "R2")
 
 @dataclass(frozen=True)
 class Order:
-    """What is asked for besides the problem.
+    """The settings of a design besides the problem.
 
     Attributes
     ----------
@@ -41,14 +41,14 @@ class Order:
 
     @property
     def sign(self) -> int:
-        """The damping is maximised: the search minimises it with the opposite sign."""
+        """The sign of the target in the search: the damping is maximised by minimising its negative."""
         return -1 if self.target == "damping" else 1
 
 
 def asked_by(
     osc: Oscillator, keys: Mapping[str, Any], threads: int | None = None
 ) -> tuple[Problem, Order]:
-    """What a checked case asks for."""
+    """The problem and the order of a checked case."""
     normal = keys.get("normal", ())
     normal = (normal,) if isinstance(normal, str) else normal
 
@@ -90,11 +90,11 @@ def asked_by(
 
 
 def numbers_of(item: Uncertain) -> list[float]:
-    """The numbers of a key for what is known of a parameter."""
+    """The numbers of a key that describe an uncertain parameter."""
     return list(item.numbers[:1] if item.low == item.high else item.numbers)
 
 
 def uncertain_by(numbers: Any, normal: bool) -> Uncertain:
-    """What is known of a parameter, from the numbers of a key."""
+    """An uncertain parameter, from the numbers of a key."""
     values = tuple(float(value) for value in np.atleast_1d(numbers))
     return Uncertain(values if len(values) > 1 else 2 * values, normal)

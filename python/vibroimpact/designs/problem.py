@@ -1,4 +1,4 @@
-"""What a design has to achieve: candidates, uncertain units, the band, the target and the limits."""
+"""The design problem: candidates, uncertain units, the band, the target and the limits."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from ..systems.oscillator import Oscillator
 
 _Array = NDArray[np.float64]
 
-#: Figures that can be limited, and the power of the load amplitude by which they grow.
+#: Figures that can be limited, and the power of the load amplitude with which they grow.
 LIMITED = {
     "displacement": 1, "rms": 1, "acceleration": 1, "force": 1, "speed": 1, "multiplier": 0, "least_speed": 1,
     "least_gap": 1,
 }  # fmt: skip
-#: What can be minimised; the attenuation is max|X|/A.
+#: The targets that can be minimised; the attenuation is max|X|/A.
 TARGETS = ("attenuation", "displacement", "rms", "acceleration", "force")
 #: Targets with derivatives in closed form, and the parameters.
 SLOPED = ("attenuation", "displacement")
@@ -34,8 +34,8 @@ SLOPE_NAMES = ("r", "clearance", "xi", "mu", "R1", "R2", "restitution")
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """What units do: the target, and the greatest figure over its limit, or limit over a figure that has a least
-    value (0 without limits); inf for runs that failed.
+    """The performance of units: the target, and the excess: the largest ratio of a figure to its limit, or of a
+    lower limit to its figure (0 without limits). Both are inf for runs that failed.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class Outcome:
 
 
 class Host(Protocol):
-    """What vibrates: it tells what units do whose parameters are given by name."""
+    """The vibrating system: it computes the performance of units whose parameters are given by name."""
 
     def outcome(
         self, values: Mapping[str, _Array], r: _Array, load: _Array, places: _Array,
@@ -58,8 +58,8 @@ class Host(Protocol):
     def slopes(
         self, values: Mapping[str, float], r: float, load: float, place: _Array
     ) -> dict[str, float] | None:
-        """Derivatives of the target of one unit by its parameters, NaN for one that does not exist; None where
-        there is no periodic motion."""
+        """Derivatives of the target of one unit with respect to its parameters, NaN for a derivative that does not
+        exist; None if there is no periodic motion."""
 
 
 @dataclass(frozen=True)
@@ -69,13 +69,13 @@ class OscillatorHost:
     Attributes
     ----------
     osc : Oscillator
-        Gives the parameters that are neither free nor uncertain.
+        Provides the parameters that are neither free nor uncertain.
     clearance : float or None
         d K/F0 at load 1.
     target : str
         A key of `TARGETS`.
     limits : mapping
-        Greatest allowed figures, or least ones of those in `LEAST`, at the load of each unit.
+        Largest allowed figures, or smallest ones for those in `LEAST`, at the load of each unit.
     settling, keep : int
         As for `perform`.
     """
@@ -118,7 +118,7 @@ class OscillatorHost:
         for name, limit in self.limits.items():
             figure = getattr(found, name) * load ** LIMITED[name]
             if name == "multiplier":
-                # a motion with impacts but without a period has none, and is not within the limit
+                # a motion with impacts but without a period has no multiplier, and violates the limit
                 figure = np.where(
                     np.isnan(figure), np.where(found.impacts > 0, math.inf, 0), figure
                 )
@@ -186,17 +186,17 @@ class Problem:
     ----------
     host : Host
     free : dict
-        Ranges (low, high) of what may be chosen, by name.
+        Ranges (low, high) of the parameters to choose, by name.
     tolerance : dict
-        Uncertain parameters: deviations or factors of free ones, see `Uncertain.around`, values of others.
+        Uncertain parameters: deviations or factors for free ones (see `Uncertain.around`), values for others.
     band : (float, float)
         Frequency ratios, or initial displacements.
     load : Uncertain
         Amplitude of the load.
     quantile : float
-        Share of the units that the design is judged by; 1 for the worst one.
+        The quantile over the units by which the design is judged; 1 for the worst unit.
     weighted : bool
-        Whether each initial state counts by itself (by basins), or the worst of those of a unit.
+        Whether each initial state counts separately (by basins), or only the worst state of a unit.
     limited : bool
         Whether figures have limits.
     whole : tuple of str
@@ -215,7 +215,7 @@ class Problem:
 
     @property
     def dimensions(self) -> int:
-        """Number of uncertain parameters, with the load."""
+        """Number of uncertain parameters, including the load."""
         return len(self.tolerance) + 1
 
     def units(self, candidate: _Array, shares: _Array) -> tuple[dict[str, _Array], _Array]:
@@ -225,7 +225,7 @@ class Problem:
         ----------
         candidate : ndarray (free,)
         shares : ndarray (dimensions, n)
-            Quantiles of the uncertain parameters and of the load.
+            Probabilities whose quantiles are the uncertain parameters and the load.
         """
         n = shares.shape[1]
         values = {
@@ -261,6 +261,6 @@ class Problem:
     def levels(self, figures: _Array) -> _Array:
         """The quantile of figures (candidates, nodes, units, states) at the worst frequency."""
         each = figures.reshape(*figures.shape[:2], -1) if self.weighted else figures.max(axis=-1)
-        # "higher": inf, of a run that failed, is never averaged
+        # "higher", so that inf, from a failed run, is never averaged
         found = np.quantile(each, self.quantile, axis=-1, method="higher")
         return np.asarray(found.max(axis=-1))

@@ -1,4 +1,4 @@
-"""The search for a design: global searches on few units, then steps down the gradients of the worst ones."""
+"""The search for a design: global searches on few units, then descent along the gradients of the worst units."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from .order import Order
 from .problem import Problem
 
 _Array = NDArray[np.float64]
-#: How much a figure above its limit raises the level of a design, over the excess.
+#: Penalty on the level of a design per unit of excess of a figure over its limit.
 PENALTY = 10.0
-#: Greatest relative difference of the levels at which two searches agree.
+#: Largest relative difference of the levels of two searches that agree.
 AGREEMENT = 0.02
 
 
@@ -27,13 +27,13 @@ class Archive:
     ----------
     values : list of ndarray (free,)
     nominal, level : list of float
-        Level of the unit without deviations, and that of all units; above its limits a design has a penalty.
+        Level of the unit without deviations, and level of all units; a design above its limits has a penalty.
     excess, worst : list of float
-        Level of the greatest figure over its limit, and the greatest target.
+        Level of the largest ratio of a figure to its limit, and the largest target.
     sensitivity : dict
-        Derivatives of the target of the worst unit of the best candidate by its parameters.
+        Derivatives of the target of the worst unit of the best candidate with respect to its parameters.
     searches : list of (int, float)
-        Of each search: the number of its candidates here, and the best level.
+        For each search: the number of its candidates here, and the best level.
     stopped : bool
         Whether Ctrl-C ended the searches.
     judged_again : bool
@@ -63,18 +63,19 @@ class Archive:
 
     @property
     def agree(self) -> bool:
-        """Whether the three best searches ended within `AGREEMENT` of one level: two may do so by chance."""
+        """Whether the three best searches ended within `AGREEMENT` of one level; two searches may do so by
+        chance."""
         levels = sorted(level for _, level in self.searches)
         return len(levels) > 2 and levels[2] - levels[0] <= AGREEMENT * abs(levels[0])
 
     @property
     def best(self) -> int:
-        """Number of the best candidate."""
+        """Index of the best candidate."""
         return int(np.argmin(self.level))
 
     @property
     def front(self) -> NDArray[np.bool_]:
-        """Whether no other candidate is better in both levels."""
+        """For each candidate, whether no other one is better in both levels."""
         pairs = np.stack([self.nominal, self.level], axis=1)
         beaten = [
             (np.all(pairs <= pair, axis=1) & np.any(pairs < pair, axis=1)).any() for pair in pairs
@@ -92,9 +93,9 @@ class Grid:
 
 
 def grid(problem: Problem, units: int, nodes: int, states: int) -> Grid:
-    """Units by a Sobol sequence, the first without deviations, and frequencies with both ends of the band.
+    """Units from a Sobol sequence, the first without deviations, and frequencies including both ends of the band.
 
-    They do not depend on the seed of a design, which only draws the samples of its confirmation.
+    They do not depend on the seed of a design, which is used only for the samples of its confirmation.
     """
     qmc = scipy("stats", "a design", "design").qmc
 
@@ -116,7 +117,7 @@ def grid(problem: Problem, units: int, nodes: int, states: int) -> Grid:
 
 
 def grids(problem: Problem, order: Order) -> tuple[Grid, Grid]:
-    """By which the best candidates are judged, and all candidates of a global search."""
+    """The grid that judges the best candidates, and the grid for all candidates of a global search."""
     few = min(order.specimens, 4), max(2, (order.nodes + 1) // 2), order.states
     return grid(problem, order.specimens, order.nodes, order.states), grid(problem, *few)
 
@@ -139,10 +140,10 @@ def levels_of(problem: Problem, target: _Array, excess: _Array) -> tuple[_Array,
 
 
 def search(problem: Problem, order: Order, progress: door.Progress | None) -> Archive:
-    """The candidates that were judged by all units; the best is the one of the least level.
+    """Run the searches; returns the candidates judged by all units. The best one has the lowest level.
 
     Independent global searches are run one after another until the best levels of three of them agree: searches
-    that have missed the best region hardly end at one level.
+    that missed the best region are unlikely to end at one level.
 
     Parameters
     ----------
@@ -160,7 +161,7 @@ def search(problem: Problem, order: Order, progress: door.Progress | None) -> Ar
             refined(problem, fine, *found, report, best)
             archive.add(best)
         except KeyboardInterrupt:
-            # of a first search that was stopped, what it has, judged by all units or by few
+            # if the first search was stopped: its candidates, judged by all units or by few
             if not archive.level:
                 if not tried.level:
                     raise
@@ -175,9 +176,11 @@ def explored(
     problem: Problem, coarse: Grid, evaluations: int, number: int, progress: door.Progress | None,
     archive: Archive,
 ) -> tuple[_Array, _Array]:  # fmt: skip
-    """The candidates of one global search, by differential evolution, and their levels; all go to the archive.
+    """The candidates of one global search by differential evolution, and their levels; all are added to the
+    archive.
 
-    Its random numbers follow from its number alone, so that every design of a problem is the same.
+    Its random numbers depend only on the number of the search, so that every run of a problem gives the same
+    design.
     """
     differential_evolution = scipy("optimize", "a design", "design").differential_evolution
 
@@ -191,7 +194,7 @@ def explored(
         done = len(archive.level) / (evaluations + size)
         if progress is not None:
             progress(min(0.7, 0.7 * done), "global search")
-        # an infinite level, of runs that failed, would make differences and variances of levels undefined
+        # an infinite level, from failed runs, would make differences and variances of levels undefined
         return np.minimum(archive.level[-len(candidates) :], 1e150)
 
     try:
@@ -207,7 +210,7 @@ def explored(
 
 
 def cause_of(error: BaseException) -> BaseException:
-    """The first of a chain of errors: SciPy replaces those of values and types by its own."""
+    """The first of a chain of errors: SciPy replaces a ValueError or TypeError by its own."""
     return error if error.__cause__ is None else cause_of(error.__cause__)
 
 
@@ -215,10 +218,10 @@ def refined(
     problem: Problem, fine: Grid, candidates: _Array, levels: _Array, progress: door.Progress | None,
     archive: Archive,
 ) -> None:  # fmt: skip
-    """The best of some candidates judged by all units of a grid, and the steps down from there, for the archive.
+    """Judge the best candidates by all units of a grid, descend from there, and add the results to the archive.
 
-    More units and frequencies hardly lower a level: a candidate is left out if its known level is above one that
-    is reached.
+    More units and frequencies hardly lower a level: a candidate is skipped if its known level is above a level
+    already reached.
     """
     low, high = np.array(list(problem.free.values()), dtype=float).T
     promising, known = _promising(candidates, levels, high - low, 8)
@@ -232,7 +235,7 @@ def refined(
 
 
 def _even_start(low: _Array, high: _Array, size: int, rng: np.random.Generator) -> _Array:
-    """First candidates of the global search: the middle, and points spread evenly."""
+    """First candidates of the global search: the centre, and points spread evenly."""
     qmc = scipy("stats", "a design", "design").qmc
 
     shares = qmc.Halton(len(low), seed=rng).random(size)
@@ -274,11 +277,11 @@ def _add(
 
 
 def _try(problem: Problem, fine: Grid, candidate: _Array, archive: Archive) -> bool:
-    """Adds a candidate to the archive and tells whether it is the best one.
+    """Adds a candidate to the archive and returns whether it is the best one.
 
-    The frequencies at which the best one so far is worst come first, and of these first its worst units: the level
-    is that of the worst frequency, so that a candidate which is above the best level there needs no look at the
-    others. It is not added.
+    The frequencies at which the best candidate so far performs worst are evaluated first, beginning with its worst
+    units. The level is that of the worst frequency: a candidate that exceeds the best level there need not be
+    evaluated at the others, and is not added.
     """
     assert archive.targets is not None
     order = np.argsort(-archive.targets.max(axis=(1, 2)), kind="stable")
@@ -307,12 +310,13 @@ def _try(problem: Problem, fine: Grid, candidate: _Array, archive: Archive) -> b
 def _worst_units_exceed(
     problem: Problem, fine: Grid, candidate: _Array, targets: _Array, nodes: NDArray[np.intp], best: float
 ) -> bool:  # fmt: skip
-    """Whether a candidate is above a level by a few units alone, those of the greatest targets of another one.
+    """Whether a candidate exceeds a level on a few units alone: those with the largest targets of another
+    candidate.
 
     The quantile with targets of -inf and excesses of 0 for the other units is a lower bound of its level.
     """
     units = fine.shares.shape[1]
-    # as many as may be above the quantile, and some more
+    # as many units as may be above the quantile, and some more
     few = int(np.ceil((1 - problem.quantile) * units)) + units // 8 + 1
     if 2 * few > units:
         return False
@@ -321,7 +325,7 @@ def _worst_units_exceed(
     shape = 1, len(nodes), units, targets.shape[2]
     target, excess = np.full(shape, -np.inf), np.zeros(shape)
     target[:, :, some], excess[:, :, some] = found
-    # a level above 0 grows with both
+    # a level above 0 increases with both
     if not problem.levels(target)[0] > 0:
         return False
     return bool(levels_of(problem, np.maximum(target, 0), excess)[1][0] > best)
@@ -331,10 +335,10 @@ def descend(
     problem: Problem, fine: Grid, archive: Archive, low: _Array, high: _Array,
     progress: door.Progress | None, steps: int = 8,
 ) -> None:  # fmt: skip
-    """Steps from the best candidate that lower the greatest of the linearized targets, within a trust region.
+    """Steps from the best candidate that reduce the largest of the linearized targets, within a trust region.
 
-    Each step is a linear program over the worst units; where motions appear or vanish the level jumps, and a step
-    that does not lower it halves the region.
+    Each step is a linear program over the worst units. The level jumps where motions appear or vanish; a step that
+    does not lower it halves the region.
     """
     linprog = scipy("optimize", "a design", "design").linprog
 
@@ -366,10 +370,10 @@ def descend(
 def active_slopes(
     problem: Problem, fine: Grid, archive: Archive, most: int = 6
 ) -> tuple[_Array, _Array] | None:
-    """Targets of the worst units of the best candidate, and their derivatives by the free parameters.
+    """Targets of the worst units of the best candidate, and their derivatives with respect to the free parameters.
 
-    None where they have no periodic motions that can be followed. The archive takes the sensitivities of the
-    worst.
+    None if they have no periodic motions that can be followed. The archive stores the sensitivities of the worst
+    unit.
     """
     archive.sensitivity = {}
     here = archive.values[archive.best]

@@ -1,4 +1,4 @@
-"""The design of a structure that a function of the caller builds: its arguments as a problem and an order."""
+"""The design of a structure that a function of the caller builds: the arguments as a problem and an order."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .hosts import FIGURES, TARGETS, StructureHost
 from .order import Order
 from .problem import Problem
 
-#: Arguments of a host that it always gets.
+#: Arguments that a host always receives.
 TAKEN = ("r", "load")
 
 
@@ -22,7 +22,7 @@ def asked_of(
     host: Any, r: Any, free: Mapping[str, Any], tolerance: dict[str, Uncertain], limits: Mapping[str, Any],
     load: Uncertain, coordinate: int, keys: Mapping[str, Any], threads: int | None,
 ) -> tuple[Problem, Order]:  # fmt: skip
-    """What is asked for, after all checks that need no structure.
+    """The problem and the order, after all checks that need no structure.
 
     Raises
     ------

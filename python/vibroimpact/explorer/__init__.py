@@ -1,4 +1,4 @@
-"""The live explorer: a page on this machine on which zones, motions and simulations follow the pointer.
+"""The live explorer: a local web page on which zones, motions and simulations follow the pointer.
 
 Three layers, each of which uses only those listed above it:
 

@@ -1,4 +1,4 @@
-"""max|X|/A of the worst attractor that some initial states reach: at the points of a map, and of a box."""
+"""max|X|/A of the worst attractor that a set of initial states reaches, at the points of a map and of a box."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from .zones import Window
 __all__ = ["Judged", "box_points", "judged", "map_parts"]
 
 _Array = NDArray[np.float64]
-#: Points of the map along r and along the clearance, and the distances of the points of each of its passes.
+#: Points of the map along r and along the clearance, and the spacing of the points in each pass.
 SIZE, PASSES = (60, 40), (4, 2, 1)
-#: Points that are computed at once, between two pictures.
+#: Points that are computed between two updates of the picture.
 CHUNK = 400
 #: Points of a box.
 SAMPLES = 400
-#: Load cycles after which a simulation without a period counts as settled, and those then examined.
+#: Load cycles after which a simulation without a period counts as settled, and the load cycles then examined.
 SETTLING, KEEP = 200, 32
 #: Initial states in the box of the random states of `basins`: the same at all points.
 PLACES = np.random.default_rng(1).uniform(-1, 1, (4, 2))
@@ -31,13 +31,13 @@ PLACES = np.random.default_rng(1).uniform(-1, 1, (4, 2))
 
 @dataclass(frozen=True, eq=False)
 class Judged:
-    """What happens at some points.
+    """The outcome of the simulations at some points.
 
     Attributes
     ----------
     r, clearance : ndarray (n,)
     attenuation : ndarray (n,)
-        max|X|/A on the worst attractor; NaN where a simulation was given up.
+        max|X|/A on the worst attractor; NaN if a simulation was abandoned.
     stable : ndarray (n,) of bool
         Whether all initial states settle on periodic motions.
     """
@@ -51,7 +51,7 @@ class Judged:
 def judged(
     osc: Oscillator, r: _Array, clearance: _Array, progress: Progress | None = None
 ) -> Judged:
-    """What happens at some points; an exception of `progress` ends it.
+    """Simulate at some points; an exception of `progress` ends it.
 
     Examples
     --------
@@ -78,10 +78,10 @@ def judged(
 
 
 def map_parts(window: Window) -> Iterator[tuple[_Array, _Array, NDArray[np.intp], int]]:
-    """The points of a map in the order in which they are computed, first distant ones, part by part.
+    """The points of a map in the order of computation: part by part, from a coarse grid to a fine one.
 
-    Each part: r and clearance of its points, their indices (2, n) in the picture, rows along the clearance, and
-    the width of the squares that they fill until points between them are known.
+    Each part consists of r and clearance of its points, their indices (2, n) in the picture (rows along the
+    clearance), and the width of the squares that they fill until the points in between are known.
 
     Examples
     --------
@@ -106,15 +106,16 @@ def map_parts(window: Window) -> Iterator[tuple[_Array, _Array, NDArray[np.intp]
 
 
 def filled(picture: _Array, places: NDArray[np.intp], values: _Array, step: int) -> None:
-    """Put the values of points into a picture, each into the square of which it is the first corner."""
+    """Put the values of points into a picture; each fills the square whose first corner it is."""
     for i, j, value in zip(*places.tolist(), values.tolist(), strict=True):
         picture[i : i + step, j : j + step] = value
 
 
 def box_points(box: Box) -> tuple[_Array, _Array]:
-    """r and clearance of points in a box: evenly spread at random, the same ones wherever it is dragged."""
+    """r and clearance of points in a box: random, evenly spread, and at the same relative positions in every
+    box."""
     rng = np.random.default_rng(7)
-    # one point in each of as many equal strips, in both directions
+    # Latin hypercube: one point in each of n equal strips, in both directions
     places = [(rng.permutation(SAMPLES) + rng.random(SAMPLES)) / SAMPLES for _ in range(2)]
     (r0, r1), (d0, d1) = box.ends
     return r0 + (r1 - r0) * places[0], d0 + (d1 - d0) * places[1]

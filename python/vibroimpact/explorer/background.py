@@ -1,4 +1,5 @@
-"""Computations that take longer than a frame: in threads, where only the newest job of each kind counts."""
+"""Computations that take longer than a frame: they run in threads, where only the newest job of each kind
+counts."""
 
 from __future__ import annotations
 
@@ -25,13 +26,13 @@ from .zones import COARSE, FINE, Family, compute, families
 
 __all__ = ["Background"]
 
-#: Seconds for which the pointer has to rest before a fuller search starts at its position.
+#: Seconds for which the pointer must rest before a fuller search starts at its position.
 REST = 0.3
-#: Seconds that the browser has to draw the coarse zones before finer computations occupy the processors.
+#: Seconds in which the browser can draw the coarse zones before finer computations occupy the processors.
 PAUSE = 0.1
-#: Seconds after which the search begins even if the zones are not finished.
+#: Seconds after which the fuller search begins even if the zones are not finished.
 PATIENCE = 10
-#: Seconds after which coarse zones are replaced by newer ones; while a slider moves they are drawn until then.
+#: Seconds for which the computation of coarse zones continues, and draws them, while a slider moves.
 GRACE = 2.0
 #: Seconds after which the computation of all coarse zones, or of one fine zone, is abandoned.
 LIMITS = {COARSE: 30.0, FINE: 120.0}
@@ -40,11 +41,11 @@ LONGEST = 120.0
 
 
 class Background:
-    """Jobs for the zones, the fuller search at the point and where the pointer rests, the diagram, the map and
-    the box.
+    """The jobs: zones, the fuller searches at the point and where the pointer rests, the diagram, the map and the
+    box.
 
-    Each job gets a callable `show`, which is called with the result in the page's thread, unless a newer job
-    has been requested by then.
+    Each job takes a callable `show`, which receives the result in the page's thread unless a newer job has been
+    requested by then.
 
     Parameters
     ----------
@@ -70,7 +71,7 @@ class Background:
         self.coarse_done = threading.Event()
 
     def drop(self) -> None:
-        """End all jobs; their results are no longer needed."""
+        """Stop all jobs; their results are no longer needed."""
         for worker in (
             self.coarse_zones, self.fine_zones, self.search, self.rest, self.sweep, self.map, self.box
         ):  # fmt: skip
@@ -79,9 +80,9 @@ class Background:
     def zones(
         self, state: State, show: Callable[[dict[Family, Zone], Any, bool, str], None]
     ) -> None:
-        """All zones, coarsely first, which are shown at once, then finely.
+        """Compute all zones, first coarse ones, which are shown at once, then fine ones.
 
-        Arguments of `show`: zones, shapes, whether these are all, and what was given up, in words.
+        Arguments of `show`: zones, shapes, whether all zones are finished, and a text on abandoned ones.
         """
         named = list(families(state.osc, state.patterns))
 
@@ -125,7 +126,7 @@ class Background:
         self.coarse_zones.submit(coarsely)
 
     def motions(self, state: State, kept: list[Shown], show: Callable[[list[Shown]], None]) -> None:
-        """The fuller search at the point, added to the motions known there."""
+        """Run the fuller search at the point; its motions are added to the known ones."""
 
         def search(current: Current) -> None:
             self._after_zones(current)
@@ -134,9 +135,9 @@ class Background:
         self.search.submit(search)
 
     def attenuation(self, state: State, show: Callable[[NDArray[np.float64], float], None]) -> None:
-        """The map of max|X|/A, shown after each of its parts.
+        """Compute the map of max|X|/A, which is shown after each part.
 
-        Arguments of `show`: the picture, rows along the clearance, and the share that is done.
+        Arguments of `show`: the picture (rows along the clearance), and the share that is finished.
         """
 
         def search(current: Current) -> None:
@@ -153,7 +154,7 @@ class Background:
         self.map.submit(search)
 
     def tolerances(self, state: State, show: Callable[[Judged], None]) -> None:
-        """What happens at points of the box."""
+        """Simulate at points of the box."""
 
         def search(current: Current) -> None:
             assert state.box is not None
@@ -164,7 +165,7 @@ class Background:
         self.box.submit(search)
 
     def pointer(self, state: State, kept: list[Shown], show: Callable[[list[Shown]], None]) -> None:
-        """The fuller search at the place of the pointer, if it rests there."""
+        """Run the fuller search at the position of the pointer once it rests."""
 
         def search(current: Current) -> None:
             threading.Event().wait(REST)
@@ -173,7 +174,7 @@ class Background:
         self.rest.submit(search)
 
     def diagram(self, state: State, show: Callable[[Any], None]) -> None:
-        """The bifurcation diagram along the line."""
+        """Compute the bifurcation diagram along the line."""
 
         def sweep(current: Current) -> None:
             diagram = watched(within(current, LONGEST), diagram_of, state)
@@ -191,7 +192,7 @@ class Background:
         self._later(kind, current, lambda: show(found))
 
     def _after_zones(self, current: Current) -> None:
-        """Wait for the coarse zones: a user who moves a slider watches them."""
+        """Wait for the coarse zones, which a user who moves a slider is watching."""
         begin = time.monotonic()
         while time.monotonic() - begin < PATIENCE and not self.coarse_done.wait(0.05):
             stop(current)
@@ -238,13 +239,13 @@ def within(current: Current, seconds: float) -> Callable[..., None]:
 
 
 def given_up(families: Collection[Family], lines: int) -> str:
-    """The zones that were given up, and why, in words."""
+    """A text on the zones that were abandoned, with the reason."""
     what = {COARSE: "not there", FINE: "only coarse"}[lines]
     names = ", ".join(sorted(family.name for family in families))
     return f"{names}: {what}, given up after {LIMITS[lines]:g} s" if names else ""
 
 
 def stop(current: Current) -> None:
-    """End a job whose result is no longer needed."""
+    """Stop a job whose result is no longer needed."""
     if not current():
         raise Stale

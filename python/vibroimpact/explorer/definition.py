@@ -13,9 +13,9 @@ from .limits import Progress, shown
 
 __all__ = ["Definition", "definition_of", "start_of"]
 
-#: The numbers of a state.
+#: The names of the numbers of a state.
 NEEDED = ("t", "x", "x_dot", "z", "z_dot")
-#: How a motion is computed, and how many numbers this needs (None: one per impact).
+#: The ways to compute a motion, and how many numbers each needs (None: one per impact).
 KINDS = {"equispaced": 1, "phases": None, "state": len(NEEDED)}
 #: Largest numbers of symbols and load cycles of a motion, and of events of the simulation that finds one.
 MOST_SYMBOLS, MOST_CYCLES, MOST_EVENTS = 24, 16, 100_000
@@ -110,9 +110,10 @@ class Definition:
 def definition_of(
     motion: Motion, progress: Progress | None = None
 ) -> tuple[Definition, Motion] | None:
-    """A definition for a motion and the motion that it gives; None if no definition reproduces the motion.
+    """A definition of a motion, and the motion that it produces; None if no definition reproduces the motion.
 
-    The page shows the motion that the definition gives, so a user of the definition gets the same bits.
+    The page shows the motion that the definition produces, so that a user of the definition gets identical
+    numbers.
     """
     for definition in _definitions(motion):
         try:
@@ -125,7 +126,7 @@ def definition_of(
 
 
 def start_of(motion: Motion) -> dict[str, float]:
-    """The state just after the first impact of a motion, as `simulate` takes it."""
+    """The state just after the first impact of a motion, as an argument of `simulate`."""
     first = motion.events[0]
     half = 0.5 * motion.clearance * (1 if first["side"] == "R" else -1)
     x = float(first["x"])

@@ -28,14 +28,14 @@ from .zones import Family
 
 __all__ = ["Explorer", "settles_on"]
 
-# the page names the zones with an open boundary; on the terminal nobody could tell which page a warning is about
+# the page names the zones with an open boundary; a warning on the terminal would not say which page it belongs to
 warnings.filterwarnings("ignore", category=OpenBoundaryWarning, module=r"vibroimpact\.explorer\.")
 
 #: Number of values along the line of a bifurcation diagram.
 VALUES = 161
-#: Largest number of events that a simulation may show.
+#: Largest number of events in a displayed simulation.
 MOST_EVENTS = 200_000
-#: A line closer to an axis than this, as a share of the window, is made parallel to it.
+#: A line that deviates from an axis by less than this share of the window is made parallel to it.
 SNAP = 0.02
 #: Fields of the state, grouped by the results that depend on them.
 SYSTEM = ("xi", "mu", "R1", "R2")
@@ -43,7 +43,7 @@ POINT = ("r", "clearance")
 
 
 class Explorer:
-    """The state, and the motions, the zones and the simulation that follow from it.
+    """The state, and the motions, zones and simulation computed from it.
 
     Attributes
     ----------
@@ -51,11 +51,11 @@ class Explorer:
     shown : list of Shown
         The motions at the point that are known so far.
     zones : dict
-        Of each family, the zone that was computed last.
+        For each family, the zone computed last.
     inside : dict
-        Those that contain the point.
+        The zones that contain the point.
     faults : list of str
-        What was given up since they were last told.
+        The computations that were abandoned since the last report.
 
     Examples
     --------
@@ -74,14 +74,14 @@ class Explorer:
         self.limit = Limit() if limit is None else limit
         self.faults: list[str] = []
         self.shown: list[Shown] = []
-        #: The oscillator, r and clearance at which they were found.
+        #: The oscillator, r and clearance at which the motions were found.
         self.shown_at: Any = None
         self.zones: dict[Family, Zone] = {}
         self.inside: dict[Family, Zone] = {}
         self.look()
 
     def look(self) -> None:
-        """Find the motions at the point, and add them to those known there."""
+        """Find the motions at the point and add them to the known ones."""
         state = self.state
         known = [item.motion for item in self.shown]
         place = (state.osc, state.r, state.clearance)
@@ -101,7 +101,8 @@ class Explorer:
             return kept
 
     def learn(self, found: list[Shown]) -> None:
-        """Take over the result of a fuller search at the point, and keep what has been added meanwhile."""
+        """Take over the result of a fuller search at the point, and keep motions that were added in the
+        meantime."""
         self.shown = ordered((item.motion for item in self.shown), found)
 
     def zones_at(self, state: State) -> dict[Family, Zone]:
@@ -139,7 +140,7 @@ class Explorer:
         return self.shown[self.index] if self.shown else None
 
     def restore(self) -> list[str]:
-        """Add the chosen motion of a link, if no search has found it; returns what is wrong with it."""
+        """Add the chosen motion of a link if no search has found it; returns a message if it cannot be shown."""
         state = self.state
         if state.motion is None:
             return []
@@ -149,7 +150,7 @@ class Explorer:
                 raise SingularError("the motion would pass through a wall")
         except (ArithmeticError, ValueError, TooLong) as error:
             what = (
-                "was not computed" if isinstance(error, TooLong) else "is not there at this point"
+                "was not computed" if isinstance(error, TooLong) else "does not exist at this point"
             )
             fault = f"motion = {state.motion.text!r}: {what} ({error})"
             self.state = replace(state, motion=None)
@@ -196,7 +197,7 @@ class Explorer:
         self.change(replace(self.state, r=float(r), clearance=float(clearance)))
 
     def step(self, right: float, up: float) -> None:
-        """Move the point by shares of the window, within the window."""
+        """Move the point by given shares of the window, within the window."""
         (r0, r1), (d0, d1) = self.state.window
         right, up = (min(max(share, -1), 1) for share in (right, up))
         r = min(max(self.state.r + right * (r1 - r0), r0), r1)
@@ -229,7 +230,7 @@ class Explorer:
         return run
 
     def box(self) -> Box:
-        """The box of tolerances; without one a tenth of the window, around the point."""
+        """The tolerance box; by default a tenth of the window around the point."""
         state = self.state
         if state.box is not None:
             return state.box
@@ -240,7 +241,7 @@ class Explorer:
         )  # fmt: skip
 
     def drag_box(self, r: float, clearance: float) -> None:
-        """Move the middle of the box, within the window, to as many digits as a pixel has."""
+        """Move the centre of the box within the window, rounded to the resolution of a pixel."""
         (r0, r1), (d0, d1) = self.state.window
         r, clearance = (float(f"{value:.5g}") for value in (r, clearance))
         middle = {"r": min(max(r, r0), r1), "clearance": min(max(clearance, d0), d1)}
@@ -265,7 +266,7 @@ class Explorer:
 def _continued(
     motion: Motion, state: State, progress: Progress | None = None
 ) -> tuple[Definition, Motion] | None:
-    """The motion at the point of a state to which another one can be continued, and its definition."""
+    """The motion at the point of a state to which another motion can be continued, with its definition."""
     near = exact(state.osc, state.r, state.clearance, motion)
     return definition_of(near, progress) if near.admissible and near.consistent else None
 
@@ -278,7 +279,7 @@ def simulate_run(state: State, progress: Progress | None = None) -> Trajectory:
         before = simulate(
             state.osc, state.r, state.clearance, 0, start, discard=run.discard, progress=progress
         )
-        start = before.final_state  # continues bit for bit
+        start = before.final_state  # continue bit for bit
     trajectory = simulate(
         state.osc, state.r, state.clearance, run.cycles, start, max_events=MOST_EVENTS,
         progress=progress,
@@ -315,7 +316,8 @@ def diagram_of(state: State, progress: Progress | None = None) -> BifurcationDia
 
 
 def along(state: State) -> tuple[str, Any, Any]:
-    """The parameter of the line, its values, and the other one: a number, or one for each value."""
+    """The parameter that varies along the line, its values, and the other parameter: one number, or one per
+    value."""
     assert state.line is not None
     a, b, c, d = state.line
     if a == c:

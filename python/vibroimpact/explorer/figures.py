@@ -1,6 +1,6 @@
-"""The chart and the diagram (Bokeh), in the style of the other pictures, before anything is drawn.
+"""The empty chart and diagram (Bokeh), in the style of the other pictures.
 
-The data of `pictures` go directly into the models with these names in the browser, not into their Python copies.
+In the browser, the data of `pictures` go directly into the models with these names, not into their Python copies.
 """
 
 from __future__ import annotations
@@ -33,9 +33,9 @@ from .pictures import ALPHAS
 
 __all__ = ["dashes", "figures"]
 
-#: Colours darker than those of the plots where they are text or thin lines on white.
+#: Darker colours than in the plots, for text and thin lines on white.
 GREY = "#595959"
-#: Where the colours of the map end.
+#: The upper end of the colour scale of the map.
 MOST = 2
 #: JavaScript that reports the pointer to the page's script.
 TELL = (
@@ -52,7 +52,7 @@ def dashes(kind: str) -> tuple[list[int], str]:
 
 
 def blank(name: str, events: tuple[str, ...] = (), **options: Any) -> Any:
-    """A figure without tools that fills its place on the page, and reports the pointer."""
+    """A figure without tools that fills its place on the page and reports the pointer."""
     plot = figure(
         name=f"{name}.plot", tools="", toolbar_location=None, sizing_mode="stretch_both", min_border=4,
         min_border_right=16, outline_line_color=None, background_fill_color="#FFFFFF", **options,
@@ -90,7 +90,7 @@ def ranges(name: str, high: float = 1, low: float = 0) -> dict[str, Any]:
 
 
 def figures() -> dict[str, Any]:
-    """Both by their names."""
+    """Both figures by name."""
     return {"zones": zone_chart(), "diagram": diagram()}
 
 
@@ -152,7 +152,7 @@ def physical_axes(plot: Any) -> None:
 
 def attenuation_map(plot: Any) -> None:
     """The map of max|X|/A, with its colour bar."""
-    # mixed with white, so that lines and hatching stay visible on it
+    # mixed with white, so that lines and hatching remain visible
     light = [
         "#" + "".join(f"{(int(color[i : i + 2], 16) + 255) // 2:02x}" for i in (1, 3, 5))
         for color in Cividis256
@@ -179,7 +179,7 @@ def attenuation_map(plot: Any) -> None:
 
 
 def tolerance_box(plot: Any) -> None:
-    """The box of tolerances, and the points in it that are above the limit."""
+    """The tolerance box, and its points above the limit."""
     plot.quad(
         "left", "right", "bottom", "top", source=source("zones.box", "left", "right", "bottom", "top"),
         fill_color="#FFFFFF", fill_alpha=0.35, line_color="#000000", line_width=2.5,

@@ -10,7 +10,7 @@ from functools import partial
 
 __all__ = ["Current", "Latest", "Stale", "ending"]
 
-#: Argument of a job, so that it can end early: whether it is still the newest job and the interpreter is still
+#: The argument of a job, which lets it end early: whether it is still the newest job and the interpreter is still
 #: running.
 Current = Callable[[], bool]
 
@@ -20,7 +20,7 @@ class Stale(Exception):  # noqa: N818 (not an error)
 
 
 class Latest:
-    """Runs the newest job; a job submitted while another one runs replaces the one that waits.
+    """Runs the newest job; a job submitted while another one runs replaces the waiting job.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Limits on the requests of a page: computations in threads that are abandoned after some seconds."""
+"""Limits on the requests of a page: computations in threads are abandoned after some seconds."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ __all__ = ["Limit", "Places", "Progress", "TooLong", "shown", "watched"]
 Found = TypeVar("Found")
 Progress = Callable[..., None]
 
-#: Seconds after which a computation for which a page waits is abandoned.
+#: Seconds after which a computation that a page waits for is abandoned.
 SECONDS = 5.0
-#: Largest number of characters of a text in a link that a message repeats.
+#: Largest number of characters of a link's text that a message repeats.
 MOST_SHOWN = 80
 
 
 class TooLong(VibroimpactError):  # noqa: N818 (a limit, not an error)
-    """A computation for a page was given up after some seconds."""
+    """A computation for a page was abandoned after some seconds."""
 
 
 class Limit:
-    """Runs the computations that a page waits for; each may take some seconds.
+    """Runs the computations that a page waits for, with a limit on the time of each.
 
     Examples
     --------
@@ -47,7 +47,7 @@ class Limit:
         self.closed = threading.Event()
 
     def close(self) -> None:
-        """The page has been closed: what is being computed for it ends."""
+        """The page has been closed: stop the computations for it."""
         self.closed.set()
 
     def __call__(self, function: Callable[..., Found], *arguments: Any) -> Found:
@@ -67,7 +67,7 @@ class Limit:
 
 
 class Places:
-    """Counts open pages, of which there may be so many at once.
+    """Counts open pages, up to a largest number.
 
     Examples
     --------
@@ -85,7 +85,7 @@ class Places:
         self.lock = threading.Lock()
 
     def enter(self) -> bool:
-        """Whether there is a place, which is then taken."""
+        """Take a place; returns False if there is none."""
         with self.lock:
             free = self.taken < self.most
             self.taken += free
@@ -104,7 +104,7 @@ def watched(progress: Progress, function: Callable[..., Found], *arguments: Any)
 
 
 def shown(text: str) -> str:
-    """A text of a link as a message repeats it: the beginning of a long one.
+    """A text of a link for a message; only the beginning of a long text.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What a message of the page may hold: anything else is refused before it is acted on."""
+"""The allowed contents of messages from the page; anything else is rejected before it is acted on."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .limits import shown
 
 __all__ = ["checked"]
 
-#: Most characters of a message's text, and most fields of a message that sets some.
+#: Largest number of characters of a text in a message, and of fields that one message sets.
 MOST_TEXT, MOST_FIELDS = 2000, 40
 
 
@@ -33,7 +33,7 @@ def _fields(value: Any) -> bool:
     return all(_text(name) and _text(word) for name, word in value.items())
 
 
-#: A kind of values: what tells them, and how a message names them.
+#: A kind of value: the function that recognises it, and its name in messages.
 Kind = tuple[Callable[[Any], bool], str]
 NUMBER: Kind = _number, "a finite number"
 PLACE: Kind = _place, "two finite numbers"
@@ -44,7 +44,7 @@ CHOICE: Kind = (lambda value: value is None or _text(value)), "null or a text"
 SIGN: Kind = (lambda value: isinstance(value, bool)), "true or false"
 FORM: Kind = (lambda value: _text(value) and value in ("namelist", "python")), "namelist or python"
 _POINT = {"r": NUMBER, "clearance": NUMBER}
-#: Of each kind of message: its parts beside the kind and its number.
+#: For each kind of message, its parts besides the kind and the number.
 PARTS: dict[str, dict[str, Kind]] = {
     "ready": {},
     "set": {"words": FIELDS},
@@ -65,7 +65,7 @@ PARTS: dict[str, dict[str, Kind]] = {
 
 
 def checked(message: Any) -> dict[str, Any]:
-    """A message of the page, or ParameterError that names what it may not hold.
+    """A checked message of the page; ParameterError names the part that is not allowed.
 
     Examples
     --------

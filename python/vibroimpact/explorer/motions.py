@@ -31,9 +31,10 @@ def quick(
     osc: Oscillator, r: float, clearance: float, zones: Iterable[Zone] = (), known: Iterable[Motion] = (),
     kept: Iterable[Shown] = (), progress: Progress | None = None,
 ) -> list[Shown]:  # fmt: skip
-    """Motions of up to five impacts a cycle from few guesses, from the zones here and from those known nearby.
+    """Motions of up to five impacts per cycle, from few guesses, from the zones here and from known motions
+    nearby.
 
-    `zones` contain the point; `kept` are those known here; `progress` as in `find`.
+    `zones` contain the point; `kept` are the motions known here; `progress` is as in `find`.
 
     Examples
     --------
@@ -52,14 +53,15 @@ def fuller(
     osc: Oscillator, r: float, clearance: float, kept: Iterable[Shown] = (),
     progress: Progress | None = None,
 ) -> list[Shown]:  # fmt: skip
-    """All motions that `find` finds with its usual limits, and those known here; `progress` as there."""
+    """All motions that `find` finds with its usual limits, and those known here; `progress` is as in `find`."""
     return ordered(find(osc, r, clearance, progress=progress), kept, progress)
 
 
 def ordered(
     motions: Iterable[Motion], kept: Iterable[Shown] = (), progress: Progress | None = None
 ) -> list[Shown]:
-    """Each once, with its mirror image where both walls have the same restitution; the stable ones first."""
+    """The motions, each once (with its mirror image if both walls have the same restitution), stable ones
+    first."""
     shown = list(kept)
     for motion in motions:
         for image in motion_images(motion):
@@ -80,7 +82,7 @@ def _order(shown: Shown) -> tuple[bool, int, int, str, float]:
 def _followed(
     osc: Oscillator, r: float, clearance: float, known: Iterable[Motion]
 ) -> Iterator[Motion]:
-    """The motions to which those of a nearby point can be continued."""
+    """The motions that continue those of a nearby point."""
     for motion in known:
         try:
             near = exact(osc, r, clearance, motion)

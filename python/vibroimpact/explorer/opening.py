@@ -14,10 +14,10 @@ __all__ = ["state_of"]
 
 
 def state_of(start: Any) -> State:
-    """The state that shows an oscillator, a motion at its point, or a design with the box of its tolerances.
+    """The state that shows an oscillator, a motion at its point, or a design with its tolerance box.
 
-    An identification is shown by its motion. Physical units are those of the result,
-    or else of its oscillator, if that knows its load amplitude.
+    An identification is shown by its motion. Physical units are those of the result or, if it has none, of its
+    oscillator, provided that the oscillator knows its load amplitude.
 
     Raises
     ------
@@ -100,7 +100,7 @@ def of_motion(motion: Motion, units: Units | None) -> State:
             f"motion = {motion!r}: must be a motion of its oscillator that `exact` finds again from its phases or "
             "its state"
         )
-    # of the load amplitude F0 of the units this motion has a multiple
+    # the load of this motion is a multiple of the load amplitude F0 of the units
     scaled = units and Units(units.M, units.K, units.F0 * load, units.names)
     state = around(of_system(osc, scaled), (r, r), (clearance, clearance))
     state = replace(state, r=r, clearance=clearance, motion=made[0])
@@ -112,9 +112,9 @@ def of_motion(motion: Motion, units: Units | None) -> State:
 
 
 def of_design(design: Design, units: Units | None) -> State:
-    """The state with a design: the box is its band and the tolerance of its clearance, for all its loads.
+    """The state that shows a design: the box spans its band and the tolerance of its clearance for all its loads.
 
-    Other parameters are those in the middle of their tolerances.
+    Other parameters are at the middle of their tolerances.
     """
     if design.target == "damping":
         raise ParameterError(
@@ -137,7 +137,8 @@ def of_design(design: Design, units: Units | None) -> State:
 
 
 def around(state: State, r: tuple[float, float], clearance: tuple[float, float]) -> State:
-    """The state with a window that contains some ranges and a margin, and with its window if that does."""
+    """The state with a window that contains the given ranges with a margin; its own window if that is large
+    enough."""
     if not state.r_min < r[0] <= r[1] < state.r_max:
         state = replace(
             state,

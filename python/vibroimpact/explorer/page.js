@@ -1,4 +1,4 @@
-// The page's script: what the reader does goes to Python as messages, one at a time, the newest of each kind.
+// The page's script: user actions go to Python as messages, one at a time; only the newest of each kind is kept.
 export function render({ model }) {
   const at = (id) => document.getElementById(id)
   const all = (selector) => [...document.querySelectorAll(selector)]
@@ -24,13 +24,13 @@ export function render({ model }) {
     model.send_msg({ kind, number: busy, ...message })
   }
 
-  // -- what Python tells
+  // -- messages from Python
   model.on("msg:custom", ({ text, numbers }) => {
     const reply = JSON.parse(text, (_, part) => part?.to === undefined ? part : numbers.slice(part.from, part.to))
     if (reply.number) busy = 0
     draw(reply.pictures)
     if (reply.fault !== undefined) fault(reply.fault)
-    // while the pointer is over the chart, what is found for the chosen point waits until it has left
+    // while the pointer is over the chart, results for the chosen point wait until the pointer has left
     if (reply.table && (reply.peek || reply.number || !peeking)) {
       peeking = reply.peek
       table(reply)
@@ -70,19 +70,19 @@ export function render({ model }) {
       else {
         if (picture.image) picture.data.image = [matrix(name, picture)]
         const { image, shape, ...rest } = picture
-        found(name).setv(rest, { sync: false }) // not sent back to Python, which knows
+        found(name).setv(rest, { sync: false }) // not sent back to Python, which set it
       }
     }
   }
   function found(name) {
     return models[name] ??= Bokeh.documents[0].get_model_by_name(name)
   }
-  // Bokeh's own kind of array with two dimensions, as the table has held from the beginning
+  // Bokeh's own type of two-dimensional array, as the data source has from the beginning
   function matrix(name, { image, shape }) {
     const old = found(name).data.image[0]
     return new old.constructor(image, shape)
   }
-  // the box of tolerances at another place, and whether a place is in it, or within some pixels of it
+  // the tolerance box at another place, and whether a place is in it or within a few pixels of it
   function boxed() {
     const { left: [left], right: [right], bottom: [bottom], top: [top] } = found("zones.box").data
     return left === undefined ? null : { left, right, bottom, top }
@@ -96,7 +96,7 @@ export function render({ model }) {
     return x > box.left - beside && x < box.right + beside && y > box.bottom / upward && y < box.top * upward
       ? { ...box, x, y } : null
   }
-  // where the middle of the box is dragged to: clearances by their ratio, as on the axis
+  // the new centre of the dragged box: clearances by their ratio, as on the logarithmic axis
   function middle(x, y) {
     return { r: 0.5 * (held.left + held.right) + x - held.x, clearance: 0.5 * (held.bottom + held.top) * y / held.y }
   }
@@ -105,7 +105,7 @@ export function render({ model }) {
     found("zones.box").setv({ data: { left: [r - wide], right: [r + wide],
       bottom: [Math.max(clearance - high, 1e-3 * clearance)], top: [clearance + high] } }, { sync: false })
   }
-  // Bokeh's figures take Tab, without a name or a sign that they have it; the chart around them does it better
+  // Bokeh's figures would take the keyboard focus without a name or a visible mark; the chart around them has both
   function untab(root) {
     for (const one of root.querySelectorAll("*")) {
       if (one.classList.contains("bk-events")) one.tabIndex = -1
@@ -164,7 +164,7 @@ export function render({ model }) {
       }
       for (const slider of all(`[data-slider="${name}"]`)) {
         if (slider === document.activeElement && waiting.has("set")) continue
-        // a greater number in the field stretches the slider, for as long as it stands there
+        // a larger number in the field extends the range of the slider while it is there
         slider.max = Math.max(Number(text), Number(slider.dataset.max))
         slider.value = text
       }
@@ -205,7 +205,7 @@ export function render({ model }) {
     }
   }
 
-  // -- what the reader does
+  // -- user actions
   window.vibroimpact = {
     pointer(figure, event, x, y) {
       if (event === "mousemove" && !dragged && !touched) ask("peek", { r: x, clearance: y })
@@ -213,7 +213,7 @@ export function render({ model }) {
         waiting.delete("peek")
         ask("unpeek")
       }
-      // Bokeh calls a second tap within 0.3 s a double one, wherever it is
+      // Bokeh reports a second tap within 0.3 s as a double tap, wherever it is
       if (event === "tap" || event === "doubletap") {
         at("chart").focus({ preventScroll: true })
         ask("point", { r: x, clearance: y })
@@ -236,13 +236,13 @@ export function render({ model }) {
     sketches,
     lost: () => {
       at("status").textContent = ""
-      fault("The explorer has ended. Start it again (vibroimpact explore) and reload this page: "
-        + "its address holds what is shown.")
+      fault("The explorer has stopped. Start it again (vibroimpact explore) and reload this page: "
+        + "its address contains what is shown.")
     },
     settled: () => !busy && waiting.size === 0
       && ["status", "mapped", "boxed"].every((name) => !/…$/.test(at(name).textContent)) && /were searched.$/.test(at("searched").textContent),
   }
-  // a finger that moves scrolls the page, unless it is to draw
+  // a moving finger scrolls the page unless drawing is on
   function draws(on) {
     drawing = on
     at("draw").setAttribute("aria-pressed", String(on))
@@ -253,7 +253,7 @@ export function render({ model }) {
     if (held) shift(held.x, held.y)
     dragged = held = null
   }, true)
-  // a finger has no place until it taps
+  // a finger has no position until it taps
   for (const event of ["pointerdown", "pointermove"]) {
     document.addEventListener(event, (e) => { touched = e.pointerType === "touch" }, true)
   }
@@ -265,7 +265,7 @@ export function render({ model }) {
     const set = () => ask("set", { words: { [slider.dataset.slider]: slider.value } })
     let before = slider.value
     slider.addEventListener("input", set)
-    // a finger that scrolls the page has moved the slider under it: the browser cancels it, and the value returns
+    // if a scrolling finger has moved a slider, the browser cancels the gesture and the value is restored
     slider.addEventListener("pointerdown", () => { before = slider.value })
     slider.addEventListener("pointercancel", () => {
       slider.value = before

@@ -41,11 +41,11 @@ RUN_FIELDS = (
 )  # fmt: skip
 
 
-#: Fields of the box: name, text.
+#: Fields of the tolerance box: name, text.
 BOX_FIELDS = (
     ("r", "box: r"), ("r_half", "± r"), ("clearance", "box: dK/F₀"), ("clearance_half", "± dK/F₀")
 )  # fmt: skip
-#: The pages that are open. One that is closed or loaded again counts for half a minute more.
+#: The open pages. A page that was closed or reloaded counts for another half minute.
 PLACES = Places(100)
 
 
@@ -60,7 +60,7 @@ class Bridge(JSComponent):  # type: ignore[misc]
     heard: Callable[[dict[str, Any]], None]
 
     def _process_bokeh_event(self, document: Any, event: Any) -> None:
-        # as in panel, but without its busy indicator, which takes a quarter of the time of a pointer move
+        # as in panel, but without the busy indicator, which takes a quarter of the time of a pointer move
         with set_curdoc(document):
             self._process_event(event)
 
@@ -88,7 +88,7 @@ def boundary_legend() -> str:
 
 
 def page() -> Any:
-    """The page of a new session, in the state of its link; a text if too many are open."""
+    """The page of a new session, in the state of its link; a text if too many pages are open."""
     words = [
         (name, values[-1].decode("utf-8", "replace"))
         for name, values in pn.state.session_args.items() if not name.startswith("bokeh-")
@@ -110,7 +110,7 @@ def page() -> Any:
         if document.session_context is not None:  # otherwise the page has been closed
             document.add_next_tick_callback(lambda: bridge.deliver(text, numbers))
 
-    # the first messages wait until the session has been made: a link may ask for long computations
+    # the first messages wait until the session exists: a link may request long computations
     session: list[Session] = []
 
     def heard(message: Any) -> None:

@@ -31,11 +31,11 @@ __all__ = [
     "zones",
 ]
 
-#: How opaque the areas of zones and their hatching are without a map.
+#: Opacity of zones and of their hatching without a map.
 ALPHAS = 0.16, 0.25
-#: The same on a map: areas without any fill would have no hatching.
+#: Opacity on a map; with no fill at all, Bokeh would not draw the hatching.
 ON_MAP = 0.004, 0.4
-#: New values of attributes of models, by the models' names in `figures`; the figures of `sketches` are complete.
+#: New attribute values of models, by the models' names in `figures`; the figures of `sketches` are sent complete.
 Changes = dict[str, dict[str, Any]]
 
 
@@ -63,7 +63,7 @@ def zones(shapes: dict[str, Any], window: Window) -> Changes:
     """Zones in a window."""
     (left, right), (low, high) = window
     return {
-        # slightly more than the window: by rounding the last tick may exceed it
+        # slightly more than the window: rounding may put the last tick beyond it
         "zones.x": {"start": left, "end": right + 1e-9 * (right - left)},
         "zones.y": {"start": low, "end": high},
         "zones.ticks": {"ticks": decades(low, high)},
@@ -73,7 +73,7 @@ def zones(shapes: dict[str, Any], window: Window) -> Changes:
 
 
 def decades(low: float, high: float) -> list[float]:
-    """Ticks 1, 2, 5, 10, … between two numbers; evenly spaced ones where these are too few."""
+    """Ticks 1, 2, 5, 10, … between two numbers; evenly spaced ticks if these are too few."""
     powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
     ticks = [float(f"{digit}e{power}") for power in powers for digit in (1, 2, 5)]
     inside = [tick for tick in ticks if low <= tick <= high]
@@ -99,9 +99,9 @@ def physical(units: Units | None, window: Window) -> Changes:
 
 
 def map_picture(picture: NDArray[np.float64] | None, window: Window) -> Changes:
-    """The map of max|X|/A, a picture with rows along the clearance; None: no map.
+    """The map of max|X|/A, a picture with rows along the clearance; None for no map.
 
-    The zones in front of it keep their lines and hatching only.
+    Zones in front of the map keep only their lines and hatching.
     """
     on = picture is not None
     changes: Changes = {name: {"visible": on} for name in ("zones.image", "zones.bar")}
@@ -118,7 +118,7 @@ def map_picture(picture: NDArray[np.float64] | None, window: Window) -> Changes:
 
 
 def box(place: Box | None, found: Judged | None, good: NDArray[np.bool_] | None) -> Changes:
-    """The box of tolerances, and the points in it that are not good, if they are known."""
+    """The tolerance box, and its points that exceed the limit, if known."""
     ends = {"left": [], "right": [], "bottom": [], "top": []} if place is None else dict(
         zip(("left", "right", "bottom", "top"), ([end] for pair in place.ends for end in pair), strict=True)
     )  # fmt: skip
@@ -145,12 +145,12 @@ def diagram(found: BifurcationDiagram) -> Changes:
 
 
 def ends(values: ArrayLike, margin: float = 0.06) -> dict[str, float]:
-    """Of an axis that shows some values."""
+    """The attributes for the ends of an axis that shows the given values."""
     return dict(zip(("start", "end"), fit(values, margin), strict=True))
 
 
 def fit(values: ArrayLike, margin: float = 0.06) -> tuple[float, float]:
-    """The ends of an axis that shows some values, with some margin at both ends."""
+    """The ends of an axis that shows the given values, with a margin at both ends."""
     shown = np.asarray(values, dtype=float)
     low, high = (float(shown.min()), float(shown.max())) if shown.size else (0.0, 1.0)
     size = (high - low) or max(abs(high), 1.0)

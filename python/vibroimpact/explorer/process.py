@@ -13,7 +13,7 @@ from typing import Any
 
 __all__ = ["SETTLED", "start", "visited"]
 
-#: A condition in the page's script: every request is answered and every thread has finished.
+#: A condition in the page's script: all requests are answered and all threads have finished.
 SETTLED = "window.vibroimpact?.settled()"
 COMMAND = "import sys; from vibroimpact.commands.command import main; sys.exit(main(sys.argv[1:]))"
 
@@ -26,12 +26,12 @@ def start(*words: str, prelude: str = "") -> tuple[subprocess.Popen[str], str]:
     words : str
         Further options of `vibroimpact explore`.
     prelude : str
-        Python that runs first.
+        Python code that runs first.
 
     Raises
     ------
     RuntimeError
-        If it ends at once.
+        If the server ends at once.
 
     Examples
     --------
@@ -58,7 +58,8 @@ def start(*words: str, prelude: str = "") -> tuple[subprocess.Popen[str], str]:
 
 @contextmanager
 def visited(width: int, height: int, query: str = "") -> Iterator[tuple[int, Any]]:
-    """A server's process id, and its page in a headless Chromium (playwright), with everything computed."""
+    """The process id of a server, and its page in a headless Chromium (playwright) once all computations have
+    finished."""
     from playwright.sync_api import sync_playwright
 
     process, url = start()

@@ -1,4 +1,4 @@
-"""The explorer's server: for this machine unless it is told otherwise, and using nothing from the network."""
+"""The explorer's server: by default for this machine only; it loads nothing from the network."""
 
 from __future__ import annotations
 
@@ -73,12 +73,12 @@ def explore(
     Parameters
     ----------
     start : Oscillator, Motion, Design or Identification, optional
-        What the page begins with, see `state_of` of `vibroimpact.explorer.opening`.
+        What the page shows first; see `state_of` in `vibroimpact.explorer.opening`.
     port : int
         0 for any free port.
     address : str
-        A loopback address, or one that other machines reach: then the page is only for those who have the link
-        that `ready` gets, since it holds a random token, and no browser is opened.
+        A loopback address, or one that other machines can reach. In the second case no browser is opened, and only
+        those who have the link passed to `ready`, which contains a random token, can open the page.
     show : bool
         Whether to open a browser.
     ready : callable
@@ -87,9 +87,9 @@ def explore(
     Raises
     ------
     ParameterError, ParameterTypeError
-        If an argument is not allowed, or the page cannot show it.
+        If an argument is not allowed, or the page cannot show `start`.
     MissingExtraError
-        Without panel and bokeh.
+        If panel and bokeh are not installed.
     """
     state = State() if start is None else state_of(start)
     serve(address, checks.integer(port, "port", 0, 65535), show, ready, state.query)
@@ -98,9 +98,9 @@ def explore(
 def serve(
     address: str, port: int, show: bool, ready: Callable[[str], None], query: str = ""
 ) -> None:
-    """Serve until an interrupt; `ready` is called with the page's address, at the query of a state.
+    """Serve until an interrupt; `ready` is called with the address of the page, including the query of the state.
 
-    An address that other machines reach holds a token, without which nothing is answered.
+    An address that other machines can reach contains a token; requests without it are not answered.
 
     Raises
     ------
@@ -128,7 +128,7 @@ def serve(
     protect(server._tornado, names, port, token)
     query = "&".join(filter(None, (f"token={token}" if token else "", query)))
     url = f"http://{host}:{port}/" + (f"?{query}" if query else "")
-    # handled by the event loop, so that an interrupt never occurs within a message
+    # handled by the event loop, so that an interrupt never occurs while a message is processed
     for number_of in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number_of, lambda *_: loop.add_callback_from_signal(loop.stop))
     # it is not an error if a page is closed while a message is being sent to it
@@ -140,7 +140,7 @@ def serve(
     ready(url)
     if (
         show and not token
-    ):  # commands, and with them the token, are seen by all users of this machine
+    ):  # all users of this machine can see command lines, and so would see the token
         import webbrowser
 
         loop.add_callback(webbrowser.open, url)
@@ -151,7 +151,7 @@ def serve(
 
 
 def _unless_closed(loop: Any, context: dict[str, Any]) -> None:
-    """Report an error that was not handled, unless its cause is a closed page."""
+    """Report an error that was not handled, unless a closed page caused it."""
     from tornado.websocket import WebSocketClosedError
 
     if not isinstance(context.get("exception"), WebSocketClosedError):

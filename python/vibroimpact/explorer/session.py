@@ -66,26 +66,25 @@ class Session:
         #: Changes of the figures to be sent with the next message.
         self.changes: pictures.Changes = {}
         self.spaces: dict[str, Any] = {}
-        #: The inputs for which the zones, the motions, the diagram, the point and the figures of the motion
-        #: were made.
+        #: The inputs for which the zones, motions, diagram, point and figures of the motion were last computed.
         self.zones_of: Any = None
         self.motions_of: Any = None
         self.diagram_of: Any = None
         self.map_of: Any = None
         self.box_of: Any = None
         self.marked: Any = None
-        #: The window of the chart: that of the zones drawn.
+        #: The window of the chart, the same as that of the drawn zones.
         self.window = state.window
         self.axes: Any = None
         self.drawn: Any = None
-        #: What happens at points of the box, and the texts for the map and the box.
+        #: The outcome at points of the box, and the texts for the map and the box.
         self.found: Judged | None = None
         self.mapped, self.boxed = "", ""
 
     # -- messages from the page
 
     def heard(self, message: dict[str, Any]) -> None:
-        """Answer a message, also if it fails."""
+        """Answer a message, even if handling it fails."""
         kind = message["kind"]
         self.peeking = kind == "peek"
         if not self.peeking:
@@ -111,7 +110,7 @@ class Session:
             self.send({"fault": own_fault(error)} | number)
 
     def close(self) -> None:
-        """The page has been closed: everything that is being computed for it ends."""
+        """The page has been closed: stop all computations for it."""
         self.limit.close()
         self.background.drop()
 
@@ -182,7 +181,7 @@ class Session:
         return self.summary()
 
     def on_choose(self, message: dict[str, Any]) -> dict[str, Any]:
-        """Choose a motion of the table by its definition, or the simulation above them.
+        """Choose a motion of the table by its definition, or the simulation above the motions.
 
         The table may have changed since the browser received it: if the motion is no longer in it, none is chosen.
         """
@@ -235,7 +234,7 @@ class Session:
         return self.update()
 
     def on_drag(self, message: dict[str, Any]) -> dict[str, Any]:
-        """The box was dragged to a place, or it is to be shown at the point."""
+        """The box was dragged, or is to be shown at the point."""
         self.explorer.drag_box(message["r"], message["clearance"])
         return self.update()
 
@@ -247,7 +246,8 @@ class Session:
     # -- consequences
 
     def update(self) -> dict[str, Any]:
-        """After a change of the state: start the computations in threads, and send what is known at once."""
+        """After a change of the state: start the computations in threads, and send at once what is already
+        known."""
         state = self.explorer.state
         busy = {}
         wanted = (state.osc, state.window, state.patterns)
@@ -289,7 +289,7 @@ class Session:
         self.send({"mapped": self.mapped})
 
     def judge_box(self) -> None:
-        """Compute what happens in the box if it has changed; another limit needs no computation."""
+        """Simulate at the points of the box if it has changed; a changed limit needs no computation."""
         state = self.explorer.state
         wanted = None if state.box is None else (state.osc, state.box)
         if wanted != self.box_of:
@@ -301,13 +301,13 @@ class Session:
         self.draw_box()
 
     def show_box(self, found: Judged) -> None:
-        """Show what happens in the box."""
+        """Show the outcome of the simulations in the box."""
         self.found = found
         self.draw_box()
         self.send({"boxed": self.boxed})
 
     def draw_box(self) -> None:
-        """Draw the box, and say what is known of it."""
+        """Draw the box, and update its text."""
         state, good = self.explorer.state, None
         self.boxed = "" if state.box is None else "computing …"
         if self.found is not None:
@@ -337,7 +337,7 @@ class Session:
         if not done:
             status = joined(filter(None, (given_up, unclosed, "refining …")))
         else:
-            none = "" if any(zones.values()) else "no motion has one here"
+            none = "" if any(zones.values()) else "no stable motion was found in this window"
             status = joined(filter(None, (given_up, unclosed))) or none
         return {"zones": words.zones_legend(zones), "status": status, **self.summary()}
 
@@ -405,5 +405,5 @@ class Session:
 
 def own_fault(error: Exception) -> str:
     """The message for an unexpected error; the details are printed on the terminal."""
-    logging.getLogger(__name__).error("a fault of the explorer's own", exc_info=error)
-    return f"a fault of the explorer's own: {error!r}"
+    logging.getLogger(__name__).error("internal error of the explorer", exc_info=error)
+    return f"internal error of the explorer: {error!r}"

@@ -19,9 +19,10 @@ __all__ = ["labels", "thinned", "zone_shapes"]
 _Array = NDArray[np.float64]
 #: Colours of the zones, those of an atlas.
 COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#F0E442")
-#: Hatch patterns, by which the zones differ even without their colours.
+#: Hatch patterns, which distinguish the zones without colour.
 HATCHES = ("/", "\\", "-", "|", ".", "x", "+", "o")
-#: A vertex is kept after this share of the window, or after this change of direction (radians).
+#: A vertex is kept if it is this share of the window away from the last one, or the direction has changed by this
+#: angle (radians).
 STRIDE, TURN = 0.01, 0.05
 #: Width and height of a zone's name, as shares of the window.
 LABEL = (0.2, 0.06)
@@ -77,7 +78,7 @@ def zone_shapes(zones: dict[Family, Zone]) -> dict[str, Any]:
 
 
 def label_space(loops: Sequence[_Array], window: Window) -> _Array:
-    """Room for a name around points of a zone with these loops, in sizes of a name: 0 on its boundary."""
+    """The space around points of a zone with these loops, in units of the size of a name: 0 on the boundary."""
     r, clearance = np.broadcast_arrays(*lattice(window))
     points = np.stack([r.ravel(), clearance.ravel()], axis=1)
     turns = np.sum([winding(ring, points) for ring in loops], axis=0)
@@ -87,15 +88,15 @@ def label_space(loops: Sequence[_Array], window: Window) -> _Array:
 
 
 def lattice(window: Window) -> tuple[_Array, _Array]:
-    """Possible places of names: r by rows, clearance by columns."""
+    """Candidate positions of names: r by rows, clearance by columns."""
     return np.linspace(*window[0], 61)[:, None], np.geomspace(*window[1], 101)[None, :]
 
 
 def labels(
     spaces: dict[str, _Array], window: Window, point: tuple[float, float]
 ) -> dict[str, list[Any]]:
-    """Each zone's name at the place with the most space: within the window, away from the chosen point and other
-    names."""
+    """The position of each zone's name: where there is most space within the window, away from the chosen point
+    and other names."""
     r, clearance = lattice(window)
     edge = [
         round(0.65 * part * len(ends)) for part, ends in zip(LABEL, (r, clearance.T), strict=True)
@@ -121,7 +122,7 @@ def labels(
 
 
 def _reach(inside: NDArray[np.bool_], axis: int) -> NDArray[np.int64]:
-    """How far a zone extends in both directions along an axis, in steps of the lattice."""
+    """How far a zone extends in both directions along an axis, in lattice steps."""
 
     def behind(cells: NDArray[np.bool_]) -> NDArray[np.int64]:
         steps = np.arange(1, len(cells) + 1)[:, None]
@@ -138,7 +139,7 @@ def color(i: int) -> str:
 
 
 def hatch(i: int) -> str:
-    """Hatch pattern of the zone with that number (Bokeh's symbol for it)."""
+    """Hatch pattern of the zone with that number, as Bokeh's symbol."""
     return HATCHES[i % len(HATCHES)]
 
 

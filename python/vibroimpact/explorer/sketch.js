@@ -13,9 +13,9 @@ function ticks(low, high, most) {
   return found
 }
 
-// A figure in a box of the page. A picture has the ends of its axes, x and y, their labels, and its parts: each
-// a band, a line, a disc, marks, texts or an upright in data coordinates, with a colour. Square: one scale both ways.
-// Second: of each axis the label and the scale of another one at the opposite side.
+// A figure in a box of the page. A picture has the ends and labels of its axes x and y, and its parts: each one is
+// a band, a line, a disc, marks, texts or a vertical line in data coordinates, with a colour. `square`: equal scales.
+// `second`: for each axis, the label and the scale of a second axis on the opposite side.
 function sketch(box) {
   const canvas = document.createElement("canvas"), pen = canvas.getContext("2d")
   let picture = null, scale = null, EDGE = EDGES
@@ -179,7 +179,7 @@ function sketch(box) {
     pen.save()
     pen.font = `12px ${FONT}`
     pen.beginPath()
-    // a mark on the edge is whole
+    // a mark on the edge is not clipped
     pen.rect(EDGE.left - 5, EDGE.top - 5, scale.across + 10, scale.up + 10)
     pen.clip()
     for (const part of picture.parts) {

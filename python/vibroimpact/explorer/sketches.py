@@ -26,9 +26,9 @@ SIZE = 3.5
 def history(
     thing: Motion | Trajectory | None, cycles: float, units: Units | None = None
 ) -> Changes:
-    """Time history with the walls and the events, and the portrait of the relative motion; None: empty.
+    """Time history with walls and events, and the phase portrait of the relative motion; empty for None.
 
-    With units both have second axes, in these.
+    With units, both figures have second axes in physical units.
     """
     if thing is None:
         blank: dict[str, Any] = {"x": [0, 1], "y": [0, 1], "parts": []}
@@ -71,7 +71,7 @@ def history(
 
 
 def second(units: Units | None, *axes: tuple[str, float, str]) -> dict[str, Any]:
-    """The second axes x and y: of each its label, and what a unit of the first axis is on it."""
+    """The second axes x and y: for each its label, and the length on it of one unit of the first axis."""
     if units is None:
         return {}
     units = units.of_pictures
@@ -84,7 +84,7 @@ def second(units: Units | None, *axes: tuple[str, float, str]) -> dict[str, Any]
 
 
 def circle(motion: Motion | None) -> Changes:
-    """The multipliers in the unit circle, those far outside at the edge with their modulus beside them."""
+    """The multipliers and the unit circle; multipliers far outside are drawn at the edge with their modulus."""
     x, y, marker, text = [], [], [], []
     for value in [] if motion is None else motion.multipliers.tolist():
         if value != value:

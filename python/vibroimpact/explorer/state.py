@@ -20,15 +20,15 @@ NUMBERS = ("xi", "mu", "R1", "R2", "r", "clearance")
 WINDOW = ("r_min", "r_max", "clearance_min", "clearance_max")
 #: Largest number of zones drawn, and of the symbols and load cycles of their patterns.
 MOST_PATTERNS, MOST_SYMBOLS, MOST_CYCLES = 12, 8, 4
-#: Most digits of a whole number.
+#: Largest number of digits of a whole number.
 MOST_DIGITS = 9
 
 
 @dataclass(frozen=True)
 class Run:
-    """A simulation: the state it starts from, the load cycles shown and those before them.
+    """A simulation: its initial state, the load cycles shown and the load cycles before them.
 
-    Numbers out of range are refused; whether the state lies between the walls is checked by the simulation.
+    Numbers out of range are rejected; the simulation checks whether the state lies between the walls.
     """
 
     t: float = 0.0
@@ -54,7 +54,7 @@ class Run:
 
     @classmethod
     def read(cls, words: dict[str, str]) -> Run:
-        """A run from the text of each field; ParameterError names a field that is missing or no number."""
+        """A run from the text of each field; ParameterError names a field that is missing or not a number."""
         missing = [item.name for item in fields(cls) if item.name not in words]
         if missing:
             raise ParameterError(f"{missing[0]}: is missing; must be a finite number")
@@ -62,13 +62,13 @@ class Run:
 
     @property
     def state(self) -> dict[str, float]:
-        """The initial state as `simulate` takes it."""
+        """The initial state as an argument of `simulate`."""
         return {name: getattr(self, name) for name in NEEDED}
 
 
 @dataclass(frozen=True)
 class Box:
-    """Tolerances of the point: r and d K/F0 in the middle, and how far they may be from there."""
+    """The tolerance box: r and d K/F0 at its centre, and its half widths."""
 
     r: float
     clearance: float
@@ -87,7 +87,7 @@ class Box:
 
     @classmethod
     def read(cls, words: dict[str, str]) -> Box:
-        """A box from the text of each field; ParameterError names a field that is no number."""
+        """A box from the text of each field; ParameterError names a field that is not a number."""
         return cls(
             **{
                 item.name: _finite(words[item.name], f"{item.name} of the box")
@@ -106,7 +106,7 @@ class Box:
 
 @dataclass(frozen=True)
 class State:
-    """The state from which everything on the page follows.
+    """The complete state of the page; everything on the page is computed from it.
 
     Parameters
     ----------
@@ -229,7 +229,7 @@ class State:
 
     @property
     def query(self) -> str:
-        """The differences from the initial state, as the query of a link."""
+        """The fields that differ from the initial state, as the query of a link."""
         start = State()
         words = {
             item.name: _text(getattr(self, item.name))
@@ -256,7 +256,7 @@ class State:
         try:
             return replace(state, **good), faults
         except VibroimpactError:
-            pass  # some fields contradict each other: set them one by one, but both ends of a window together
+            pass  # some fields contradict each other: set them one by one, except for the two ends of a window
         groups = [WINDOW[:2], WINDOW[2:], *((name,) for name in good if name not in WINDOW)]
         for group in groups:
             some = {name: good[name] for name in group if name in good}
@@ -268,7 +268,7 @@ class State:
 
 
 def _text(value: Any) -> str:
-    """A field in the form of a link."""
+    """A field in its form in a link."""
     if isinstance(value, Definition):
         return value.text
     if isinstance(value, (Run, Box)):
@@ -293,7 +293,7 @@ def pattern_text(pattern: Pattern) -> str:
 
 
 def units_text(units: Units | None) -> str:
-    """Mass, stiffness and load amplitude with the names of the units; empty without them."""
+    """Mass, stiffness and load amplitude with the names of the units; empty for no units."""
     if units is None:
         return ""
     return " ".join([*map(number_text, (units.M, units.K, units.F0)), units.names])

@@ -1,4 +1,4 @@
-"""The thread of a page: everything that changes its state runs there, one after the other."""
+"""The thread of a page: all changes of its state run there, one after the other."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ MOST_WAITING = 100
 
 
 class Turns:
-    """Runs functions one after the other in a thread that lives as long as any of them waits.
+    """Runs functions one after the other in a thread that exists as long as functions wait.
 
     The event loop, which serves all pages, never waits for it.
 
@@ -39,7 +39,7 @@ class Turns:
         self.running = self.closed = False
 
     def submit(self, work: Callable[[], object]) -> None:
-        """Run a function after those that wait; a page that has been closed runs none."""
+        """Run a function after the waiting ones; a closed page runs none."""
         with self.lock:
             if self.closed:
                 return
@@ -51,12 +51,12 @@ class Turns:
         threading.Thread(target=self._run).start()
 
     def offer(self, work: Callable[[], object]) -> None:
-        """Run a function in its turn, unless too many wait: then it is discarded."""
+        """Run a function after the waiting ones, or discard it if too many wait."""
         if len(self.waiting) < MOST_WAITING:
             self.submit(work)
 
     def close(self) -> None:
-        """Discard what waits."""
+        """Discard the waiting functions."""
         with self.lock:
             self.closed = True
             self.waiting.clear()
@@ -73,4 +73,4 @@ class Turns:
             except Stale:
                 pass  # the page has been closed in the meantime
             except Exception as error:
-                logging.getLogger(__name__).error("a fault of the explorer's own", exc_info=error)
+                logging.getLogger(__name__).error("internal error of the explorer", exc_info=error)

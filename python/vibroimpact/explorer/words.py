@@ -1,4 +1,4 @@
-"""The texts of the page: the table of motions, the point, the simulation and the diagram in words."""
+"""The texts of the page: the table of motions, the point, the simulation and the diagram."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def place(state: State, shown: list[Shown], inside: Iterable[Family]) -> str:
 
 
 def at(r: float, clearance: float, units: Units | None) -> str:
-    """A point, also as frequency and clearance if there are units."""
+    """A point, with its frequency and clearance if there are units."""
     if units is None:
         return f"r = {r:.5g}, dK/F₀ = {clearance:.5g}"
     units = units.of_pictures
@@ -63,7 +63,7 @@ def at(r: float, clearance: float, units: Units | None) -> str:
 
 
 def physical_text(motion: Motion | None, units: Units | None) -> str:
-    """Response quantities of a motion in physical and in dimensionless units; empty without either."""
+    """Response quantities of a motion in physical and in dimensionless units; empty without a motion or units."""
     if motion is None or units is None:
         return ""
     found, units = motion.quantities(), units.of_pictures
@@ -83,7 +83,7 @@ def physical_text(motion: Motion | None, units: Units | None) -> str:
 
 
 def box_text(state: State, found: Judged, good: NDArray[np.bool_]) -> str:
-    """How many of the points in the box are good."""
+    """The text on how many points in the box are good."""
     n, box = len(good), state.box
     known = np.flatnonzero(~np.isnan(found.attenuation))
     assert box is not None
@@ -92,7 +92,9 @@ def box_text(state: State, found: Judged, good: NDArray[np.bool_]) -> str:
     worst = known[np.argmax(found.attenuation[known])]
     place = at(float(found.r[worst]), float(found.clearance[worst]), state.units)
     lost = (
-        f" {n - len(known)} simulations were given up and count as bad." if len(known) < n else ""
+        f" {n - len(known)} simulations were abandoned and count as exceeding the limit."
+        if len(known) < n
+        else ""
     )
     return (
         f"{100 * good.mean():.4g} % of {n} points have max|X|/A ≤ {state.limit:.6g} on every attractor reached, "
@@ -117,7 +119,7 @@ def fields(explorer: Explorer) -> dict[str, str]:
 
 
 def run_text(trajectory: Trajectory, limit: Limit) -> str:
-    """The outcome of a simulation."""
+    """The text on the outcome of a simulation."""
     kinds = trajectory.events["kind"].tolist()
     counts = [
         f"{n} {name}{'s' * (n != 1)}"
@@ -126,12 +128,12 @@ def run_text(trajectory: Trajectory, limit: Limit) -> str:
     try:
         end = limit(settles_on, trajectory)
     except TooLong as error:
-        end = f"whether it settles was not found out ({error})"
+        end = f"not known whether it settles ({error})"
     return f"{', '.join(counts)}; {end}"
 
 
 def diagram_text(diagram: BifurcationDiagram) -> str:
-    """The windows of periodic motion along the line."""
+    """The text on the windows of periodic motion along the line."""
     windows = [
         f"{item.label} from {item.low:.4g} to {item.high:.4g} ({item.run})"
         for item in diagram.windows if item.low < item.high

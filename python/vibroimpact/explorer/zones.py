@@ -1,4 +1,4 @@
-"""The zones of the chart: the families of motions, and their zones, first coarse and then fine."""
+"""The zones of the chart: families of motions and their zones, first coarse, then fine."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ GUESSES = {COARSE: 4, FINE: 12}
 
 
 class Family(NamedTuple):
-    """Motions that share one zone."""
+    """A family of motions that share one zone."""
 
     pattern: Pattern
     symmetric: bool | None

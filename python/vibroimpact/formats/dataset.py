@@ -14,9 +14,9 @@ from ..results.tables import settled
 def to_xarray(noun: Any) -> Any:
     """All tables as one dataset; a column with the name of its dimension is a coordinate.
 
-    A table with a parent has a variable of its own name, which gives for each row the row of the parent
-    ("indexed ragged arrays" of the CF conventions). A column name that occurs in several tables, or that is
-    also the name of a dimension, is extended by the name of its table.
+    A table with a parent has a variable with the name of the table; it contains the parent's row for each row
+    ("indexed ragged arrays" of the CF conventions). If a column name occurs in several tables, or is also the name
+    of a dimension, the name of its table is added to it.
     """
     result = settled(noun._result)
     names = [column.name for _, column in result.columns()]

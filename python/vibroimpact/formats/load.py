@@ -29,7 +29,7 @@ READERS: dict[str, Callable[[Path], str]] = {
     ".mat": read_matlab,
 }
 
-#: Largest number of characters of a reason.
+#: Largest number of characters of the reason in a message.
 LONGEST = 400
 
 
@@ -48,7 +48,7 @@ def load(path: str | Path) -> Any:
     Raises
     ------
     ParameterError
-        If there is no such file, or it is not one that `save` wrote whole.
+        If there is no such file, or it is not a complete file that `save` wrote.
 
     Examples
     --------
@@ -79,7 +79,7 @@ def load(path: str | Path) -> Any:
     except RecursionError:
         reason = "it is nested too deeply"
     except MemoryError:
-        reason = "it needs more memory than there is"
+        reason = "it needs more memory than is available"
     except MissingExtraError:
         raise
     except (OSError, ParameterTypeError, ValueError) as error:

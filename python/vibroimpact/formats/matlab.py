@@ -14,7 +14,7 @@ from ..base.files import write_bytes
 from ..base.matlab import read_variables, scipy_io
 from ..results.tables import Result
 
-#: scipy keeps the tag of the array that is being written in its class, which all threads share.
+#: scipy keeps the tag of the array being written in its class, which all threads share; hence the lock.
 ONE_AT_A_TIME = threading.Lock()
 
 

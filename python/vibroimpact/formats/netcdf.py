@@ -19,7 +19,7 @@ DEFLATED = 1032
 
 
 def write_netcdf(noun: Any, path: Path) -> None:
-    """Write the dataset, and the record from which `load` makes the result again, whole or not at all."""
+    """Write the dataset, and the record from which `load` restores the result, completely or not at all."""
     data = noun.to_xarray()
     record = np.frombuffer(noun.to_json().encode(), dtype=np.uint8)
     data["record"] = ("byte", record, {"long_name": "the result as JSON, for vibroimpact.load"})
@@ -33,8 +33,8 @@ def save_dataset(data: Any, path: Path) -> None:
         name: {"zlib": True} for name, item in data.variables.items()
         if item.dtype.kind in "fiu" and item.size > 100
     }  # fmt: skip
-    # in memory first: after a full disk HDF5 later ends the interpreter. The store is used because to_netcdf
-    # writes to memory only from xarray 2025.9 on
+    # in memory first: if the disk is full, HDF5 later crashes the interpreter. The store is used because
+    # to_netcdf can write to memory only since xarray 2025.9
     content = BytesIO()
     store = import_module("xarray.backends").H5NetCDFStore(
         import_module("h5netcdf").File(content, "w")
@@ -47,7 +47,7 @@ def save_dataset(data: Any, path: Path) -> None:
 def read_netcdf(path: Path) -> str:
     """The record of a file that `write_netcdf` wrote, as text.
 
-    Only the record is read, and only if it is not larger than what a file of this size can hold.
+    Only the record is read, and only if it is not larger than a file of this size can contain.
     """
     size = path.stat().st_size
     path.open("rb").close()  # an OSError with the reason, rather than the exception of h5py

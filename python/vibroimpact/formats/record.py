@@ -30,13 +30,13 @@ from ..results.tables import (
 )  # fmt: skip
 from .rows import places_of
 
-#: Characters that no word has: the core keeps words as lines.
+#: Characters that no word may contain: the core keeps words as lines.
 CONTROL = re.compile(r"[\0-\x1f\x7f]")
-#: Columns of words that every row has.
+#: Columns of words that have a value in every row.
 NEEDED = ("kind", "law", "moment", "run")
 #: Largest number of dimensions of a table.
 MOST_DIMENSIONS = 3
-#: The least and the greatest code of verdicts and of logical values.
+#: The smallest and the largest code of verdicts and of logical values.
 LIMITS = {"verdict": (-1, 1), "truth": (0, 1)}
 #: The fields of a record besides its tables, with their types.
 HEAD = {"case": str, "cut": str, "empty": bool, "remarks": list, "notes": list}
@@ -149,7 +149,8 @@ def from_dict(kind: Any, data: Any) -> Any:
 
 
 def widen_empty(tables: dict[str, Table]) -> None:
-    """Gives columns of tables without rows, whose lists do not tell their own dimension, its size elsewhere."""
+    """Sets the own dimension of columns in tables without rows to its size in other columns; empty lists do not
+    show it."""
     sizes = {
         column.each: column.values.shape[-1]
         for table in tables.values() if math.prod(table.dims.values())
@@ -165,7 +166,8 @@ def widen_empty(tables: dict[str, Table]) -> None:
 
 
 def check_sizes(tables: dict[str, Table]) -> None:
-    """An error if a table has neither columns nor owners, or a dimension different sizes in two places."""
+    """Raises an error if a table has neither columns nor owners, or if a dimension has different sizes in two
+    places."""
     sizes: dict[str, int] = {}
     for name, table in tables.items():
         if not table.columns and table.owners is None:
@@ -183,7 +185,7 @@ def check_sizes(tables: dict[str, Table]) -> None:
 
 
 def check_parents(tables: dict[str, Table]) -> None:
-    """An error unless the parent of each table is there, and the owners are rows of it, in order."""
+    """Raises an error unless the parent of each table exists and the owners are rows of it, in order."""
     for name, table in tables.items():
         if not table.parent:
             continue
@@ -204,13 +206,13 @@ def check_parents(tables: dict[str, Table]) -> None:
 
 
 def check_rows(result: Result, columns: Iterable[dict[str, Any]]) -> None:
-    """An error unless every cell of the rows of the CSV has a value."""
+    """Raises an error unless every cell in the rows of the CSV has a value."""
     if result.row not in result.tables:
         raise ParameterError(f"tables.{result.row}: must be present; it is missing")
     places = places_of(result, result.row)
     for item in columns:
         name = item["table"]
-        # without outputs there is no column of them
+        # a structure without outputs has no column for them
         absent = item["each"] == "output" and item["name"] not in result.tables[name].columns
         if absent or not item["listed"]:
             continue
@@ -228,7 +230,7 @@ def mapping(data: Any, name: str) -> dict[str, Any]:
 
 
 def check_name(name: str, label: str) -> str:
-    """The name of a table or of a dimension, for which the core has some letters."""
+    """Checks the name of a table or a dimension; the core allows few characters."""
     if not re.fullmatch("[a-z][a-z0-9_]{0,14}", name):
         wanted = "must be a name of 1 to 15 small letters, digits and underscores"
         raise ParameterError(f"{label}: {name[:40]!r} {wanted}")
@@ -236,7 +238,7 @@ def check_name(name: str, label: str) -> str:
 
 
 def check_texts(label: str, item: Any) -> None:
-    """An error if a text, or one of a list, cannot be written to a file."""
+    """Raises an error if a text, or a text in a list, cannot be written to a file."""
     for inner in item if isinstance(item, list) else ():
         check_texts(label, inner)
     if isinstance(item, str):
@@ -247,7 +249,7 @@ def check_texts(label: str, item: Any) -> None:
 
 
 def table_of(name: str, data: dict[str, Any], declared: dict[str, Any], system: str) -> Table:
-    """A table from its record; `system` is that of its case."""
+    """A table from its record; `system` is the kind of system of its case."""
     dims = {
         check_name(key, f"{name}.dims"): checks.integer(size, f"{name}.dims.{key}", 0, 2**31 - 1)
         for key, size in mapping(data.get("dims"), f"{name}.dims").items()
@@ -295,7 +297,7 @@ def column_of(label: str, declared: dict[str, Any], data: Any, shape: tuple[int,
 
 
 def check_words(label: str, values: NDArray[Any], known: list[str] | None) -> None:
-    """An error unless all values are texts, and among the words that are known if the core declares them."""
+    """Raises an error unless all values are texts, and among the declared words if the core declares any."""
     texts = values.ravel().tolist()
     strange = [text for text in texts if not isinstance(text, str)]
     if strange:
@@ -311,12 +313,12 @@ def check_words(label: str, values: NDArray[Any], known: list[str] | None) -> No
 
 
 def numbers_of(data: Any, stored: str) -> NDArray[Any]:
-    """An array of numbers, of which none is rounded, and none read from a text but those that JSON lacks.
+    """An array of numbers without rounding; texts are accepted only for the values that JSON lacks (infinities).
 
     Raises
     ------
     ValueError, TypeError, OverflowError
-        If something else is among them.
+        If another value is among them.
     """
     array = np.array(data)
     if array.size == 0 or array.dtype.kind in ("iuf" if stored == "<f8" else "iub"):
@@ -334,7 +336,7 @@ def numbers_of(data: Any, stored: str) -> NDArray[Any]:
 
 
 def array_of(label: str, data: Any, shape: tuple[int, ...], stored: Any) -> NDArray[Any]:
-    """An array of a shape, -1 where any size will do."""
+    """An array of a given shape, with -1 for any size."""
     try:
         array = np.array(data, dtype=object) if stored is object else numbers_of(data, stored)
         fits = array.ndim == len(shape) and all(

@@ -1,5 +1,4 @@
-"""The rows of a result as in the CSV: those of one table, with the values of the tables that it belongs to
-repeated."""
+"""The rows of a result as in the CSV: the rows of one table, with the values of its parent tables repeated."""
 
 from __future__ import annotations
 
@@ -28,7 +27,7 @@ def rows(result: Result) -> dict[str, NDArray[Any]]:
         size = int(np.prod(list(table.dims.values())))
         inner = column.values.shape[-1] if column.each else 1
         values = column.values.reshape(size, inner)[owned[name]]
-        # coordinates count from 0, as in the names of keys
+        # coordinates are numbered from 0, as in the names of keys
         start = 0 if column.each == "coordinate" else 1
         names = [str(i) for i in range(start, start + inner)]
         if column.each == "output":
@@ -55,7 +54,7 @@ def cells(column: Column, values: NDArray[Any], label: str) -> dict[str, NDArray
 
 
 def listed(result: Result, found: dict[str, NDArray[Any]]) -> NDArray[np.bool_]:
-    """Which rows are in the CSV; the empty slots of a chart are not."""
+    """The rows that the CSV contains; empty places of a chart are omitted."""
     from ..base.status import NO_MOTION, NOT_COMPUTED
 
     size = next(iter(found.values())).size
@@ -65,7 +64,7 @@ def listed(result: Result, found: dict[str, NDArray[Any]]) -> NDArray[np.bool_]:
 
 
 def places_of(result: Result, name: str) -> dict[str, NDArray[np.intp]]:
-    """For each table, the row to which each row of one table belongs, by its parent or by a dimension."""
+    """For each table, the row to which each row of the given table belongs, by parent or by dimension."""
     table = result.tables[name]
     sizes = tuple(table.dims.values())
     own = np.arange(int(np.prod(sizes)))

@@ -22,7 +22,7 @@ from . import matlab, netcdf
 
 
 def save(noun: Any, path: str | Path, units: str | None = None) -> None:
-    """Write a file, completely or not at all, in the units that are asked for."""
+    """Write a file, completely or not at all, in the requested units."""
     place = place_for(path, WRITERS)
     if place.suffix.lower() == ".csv":
         write_csv(noun, place, units)
@@ -32,9 +32,9 @@ def save(noun: Any, path: str | Path, units: str | None = None) -> None:
 
 
 def write_csv(noun: Any, path: Path, units: str | None = None) -> None:
-    """Write the rows with the case in the header, by the core, which Ctrl-C stops.
+    """Write the rows with the case in the header; the core writes them, and Ctrl-C stops it.
 
-    A `Physical`, and a result without a case (from which the core takes the units), are written here.
+    A `Physical`, and a result without a case, are written here: the core takes the units from the case.
     """
     if hasattr(noun, "_csv"):
         write_text(path, noun._csv())
@@ -64,25 +64,25 @@ def write_printout(noun: Any, path: Path) -> None:
 
 
 def handle_of(noun: Any) -> Handle:
-    """The result in the core, in which it is put if it is not there."""
+    """The handle of the result in the core; a result that the core does not hold is transferred to it."""
     handle: Handle = noun._result.handle or restored(noun._result)
     return handle
 
 
 def file_name(path: Path) -> Any:
-    """A path in the form that the core takes."""
+    """A path in the form that the core expects."""
     return np.frombuffer(os.fsencode(path), "S1")
 
 
 def check_written(message: Any, path: Path) -> None:
-    """An error if the core could not write a file."""
+    """Raises an error if the core could not write a file."""
     reason = bytes(message.tobytes()).decode(errors="replace").strip()
     if reason:
         raise OSError(errno.ENOSPC if "full" in reason else errno.EIO, reason, str(path))
 
 
 def restored(result: Result) -> Handle:
-    """A result that the core does not hold, put into it."""
+    """Transfers a result to the core that the core does not hold."""
     study = characters(f"{result.study:24}")
     number, status = _core.new_result(
         characters(result.case or " "), study, 1 + result.of_structure
@@ -108,7 +108,7 @@ def restored(result: Result) -> Handle:
 
 
 def characters(text: str) -> Any:
-    """A text in the form that the core takes; a name of the core that is not UTF-8 has its bytes."""
+    """A text in the form that the core expects; a file name that is not UTF-8 keeps its bytes."""
     return np.frombuffer(text.encode(errors="surrogateescape"), "S1")
 
 

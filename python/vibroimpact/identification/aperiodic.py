@@ -1,8 +1,8 @@
-"""The parameters of a rig from the single flights of a record that repeats nothing: chaos, transients, rests.
+"""The parameters of a rig from the single flights of a record that is not periodic: chaos, transients, rests.
 
-Momentum and restitution at each impact, between two flights of the free mass, are equations between measured
-quantities: the states of the flights of the primary mass before, after and beside it. The parameters have to
-fulfil them to the errors of these.
+The laws of momentum and restitution at each impact, between two flights of the free mass, are equations between
+measured quantities: the states of the flights of the primary mass just before and after the impact, and of the
+neighbouring ones. The parameters must satisfy these equations within the errors of the measured quantities.
 """
 
 from __future__ import annotations
@@ -26,37 +26,38 @@ from .windows import Flown, Windows
 
 _Array = NDArray[np.float64]
 _Bool = NDArray[np.bool_]
-#: Standard deviations of an impact that does not follow the laws; smallest share of lawful impacts.
+#: Standard deviations beyond which an impact does not follow the laws; smallest share of impacts that follow them.
 UNLAWFUL, LAWFUL = 6.0, 0.6
-#: Fewest impacts that tell something.
+#: Smallest number of impacts from which parameters are estimated.
 LEAST_IMPACTS = 6
 #: Most steps to a minimum; steps after which impacts are judged; and share of a step that is taken after the last
 #: of these.
 STEPS, JUDGED, DAMPED = 40, (1, 3, 5, 8), 0.5
-#: Error of the time of an impact over the shorter flight of the free mass beside it, above which its equations are
-#: not linear within the errors; standard errors by which its time is moved to look for another minimum; impacts
-#: that are moved at once are so many apart, and have effects on so many flights on either side.
+#: Error of the time of an impact, relative to the shorter adjacent flight of the free mass, above which its
+#: equations are not linear within the errors; standard errors by which its time is moved to look for another
+#: minimum; distance (in impacts) of impacts that are moved together; number of flights on either side that are
+#: affected.
 BLURRED, MOVED, APART, REACH = 0.02, 3.0, 8, 4
-#: Part of the variance that a fit may leave beyond noise, and standard deviations that chance may add.
+#: Share of the variance that a fit may leave beyond noise, and standard deviations allowed for chance.
 EXCESS, CHANCE = 0.3, 4.0
-#: Largest m/M; standard errors by which a parameter may be beyond what it can be.
+#: Largest m/M; standard errors by which a parameter may exceed its possible range.
 LARGEST_MASS, BEYOND = 10.0, 3.0
-#: Change of the sum of squares from which on two minima are two.
+#: Change of the sum of squares above which two minima count as different.
 OTHER = 0.01
 
 
 class Minimum(NamedTuple):
-    """Parameters and states of flights at which what the equations leave is a minimum."""
+    """Parameters and states of flights at which the residuals of the equations are a minimum."""
 
     chi: float
     #: Changes of the common parameters and of the states of flights (N + 1, 2), and the other parameters.
     change: _Array
     eta: _Array
     g: _Array
-    #: Of all parameters.
+    #: Covariance of all parameters.
     information: _Array
-    #: Derivatives of the equations by the parameters, covariances of the equations (bands), what they leave over
-    #: these, and which impacts they are for.
+    #: Derivatives of the equations with respect to the parameters, covariances of the equations (bands), residuals
+    #: over these, and the impacts of the equations.
     B: _Array
     cov: _Array
     multiplier: _Array
@@ -64,7 +65,8 @@ class Minimum(NamedTuple):
 
 
 class Impacts:
-    """Momentum and restitution at all impacts that are between two others, with the parameters that they give."""
+    """The equations of momentum and restitution at all impacts between two others, and the parameters that they
+    determine."""
 
     def __init__(
         self, windows: Windows, flown: Flown, shared: Mapping[str, float], guess: Mapping[str, float],
@@ -81,12 +83,12 @@ class Impacts:
                 f"{int(lawful.sum())} of {N} impacts between two others that are resolved: must be at least "
                 f"{LEAST_IMPACTS}; a longer record would help"
             )
-        # what is not resolved stands for numbers that are not used
+        # entries of unresolved impacts are not used
         self.states, self.spread, self.turned = (
             x.copy() for x in (flown.states, flown.spread, flown.turned)
         )
         t, X, V, after = windows.events(self.states, flown.common, flown.times)
-        # of impacts that are not resolved nothing is used
+        # no data of unresolved impacts are used
         t[~resolved], X[~resolved], V[~resolved], after[~resolved] = flown.times[~resolved], 0, 0, 0
         duration = np.diff(t)
         duration[duration == 0] = 1
@@ -117,13 +119,13 @@ class Impacts:
             ).items()}  # fmt: skip
         self.law = law
         self.names = [name for name in ("mu", *law.names, "d") if name not in shared]
-        # the sensor of the motion has a gain, which is known to its calibration
+        # the gain of the motion sensor is known to within its calibration
         self.calibration = windows.data.calibration
         values["gain"] = 1.0
         self.names += ["gain"] * (self.calibration > 0)
         self.values = values
         self.walls = [law.of_wall(i) for i in (0, 1)]
-        # what is known, by which there are derivatives once the fit is done
+        # known values, with respect to which derivatives are computed after the fit
         self.held = [name for name in ("mu", *law.names, "d") if name in shared]
         self.active = lawful[1:-1].copy()
         self.g = np.array([values[name] for name in self.names])
@@ -150,7 +152,7 @@ class Impacts:
         one, two = flight[..., :-1], flight[..., 1:]
         V, after, sign = V[..., 1:-1], after[..., 1:-1], signs[1:-1]
         speed = sign * (one - V)
-        # the law is one of speeds, which the sensor shows with its gain
+        # the law depends on speeds, which the sensor scales by its gain
         true_speed = np.where(speed.real > 0, speed, 1.0) / value["gain"]
         R = np.where(
             sign > 0,
@@ -163,8 +165,8 @@ class Impacts:
         return np.stack([momentum, two - after + sign * R * speed], axis=-1)
 
     def equations(self, here: _Array, change: _Array, g: _Array) -> tuple[Any, ...]:
-        """The constraints at some states, their derivatives by states, by common parameters and by the others, and
-        which impacts they are for."""
+        """The constraints for given states, their derivatives with respect to states, common parameters and the
+        others, and the impacts that they belong to."""
         free = self.flown.free[self.flown.free < 4]
         c, A, C, G = slopes(self.constraints, here, self.common(change), g, free)
         ok = self.active & np.isfinite(c).all(axis=1) & np.isfinite(A).all(axis=(1, 2, 3))
@@ -174,7 +176,7 @@ class Impacts:
         return c, A, through, G, ok
 
     def common(self, change: _Array) -> _Array:
-        """The common parameters, of which the free ones are changed."""
+        """The common parameters, with changed values of the free ones."""
         common = self.flown.common.copy()
         common[self.flown.free] += change
         return common
@@ -186,9 +188,9 @@ class Impacts:
 
     @np.errstate(all="ignore")
     def settled(self, change: _Array, eta: _Array, g: _Array, judge: bool) -> Minimum:
-        """The minimum to which steps lead from some parameters and states.
+        """The minimum reached by steps from given parameters and states.
 
-        With `judge`, impacts that do not follow the laws are left out on the way.
+        With `judge`, impacts that do not follow the laws are discarded during the iteration.
         """
         flown, spread = self.flown, self.spread
         n, F = self.active.size, flown.free.size
@@ -224,7 +226,7 @@ class Impacts:
             part = min(
                 [1.0, *(0.5 * self.typical[j] / max(abs(dg[j]), 1e-300) for j in range(g.size))]
             )
-            # nonlinear equations may send it to and fro about the minimum
+            # with nonlinear equations the iteration may oscillate about the minimum
             part = min(part, DAMPED) if rounds > JUDGED[-1] else part
             multiplier = solved[:, -1] + solved[:, :-1] @ step
             M = multiplier.reshape(n, 2)
@@ -250,8 +252,8 @@ class Impacts:
         )
 
     def judged(self, own: _Array, block: _Array, ok: _Bool) -> None:
-        """Leave out those that do not follow the laws, which are other impacts, or next to such: `own` is what the
-        two equations of each leave, `block` their covariance."""
+        """Discard impacts that do not follow the laws, because they are of another kind or next to such an impact:
+        `own` are the residuals of the two equations of each impact, `block` their covariance."""
         size = np.einsum("na,nab,nb->n", own, np.linalg.inv(block), own)
         usual = max(1.0, float(np.median(size[ok])) / 1.386)
         self.active &= ~(ok & (size > usual * UNLAWFUL**2))
@@ -262,12 +264,12 @@ class Impacts:
             )
 
     def minima(self) -> list[Minimum]:
-        """Minima, the least first.
+        """The minima, the lowest first.
 
-        Within the errors of the states, the equations of an impact that hardly turns its flights, or is just
-        before or after another, are not linear: a gap that closes slowly may close at two times. Each such impact
-        is moved either way along its time, those far enough from each other at once, and where the states about it
-        fit better then, they are taken from there.
+        Within the errors of the states, the equations of an impact that hardly changes its flights, or is just
+        before or after another impact, are not linear: a gap that closes slowly may close at two times. The time
+        of each such impact is moved in both directions (impacts far enough apart are moved together), and states
+        near it are replaced if they then fit better.
         """
         N = self.flown.times.size
         best = self.settled(np.zeros(self.flown.free.size), np.zeros((N + 1, 2)), self.g, True)
@@ -307,7 +309,7 @@ class Impacts:
         return sorted(found, key=lambda one: one.chi)
 
     def settled_from(self, at: Minimum, eta: _Array) -> Minimum | None:
-        """The minimum from that at some parameters with other states; None if there is none."""
+        """The minimum reached from given parameters with other states; None if there is none."""
         try:
             other = self.settled(at.change, eta, at.g, False)
         except SingularError:
@@ -316,7 +318,7 @@ class Impacts:
 
 
 def far_apart(places: list[int]) -> list[list[int]]:
-    """Places, divided into lists within which they are far from each other."""
+    """Indices, divided into lists in which they are far from each other."""
     lists: list[list[int]] = []
     for i in places:
         free = next((own for own in lists if i - own[-1] >= APART), None)
@@ -331,7 +333,7 @@ def by_laws(
     windows: Windows, flown: Flown, shared: Mapping[str, float], guess: Mapping[str, float], law: Law,
     law_speed: float | None,
 ) -> tuple[Fit, Law, _Bool]:  # fmt: skip
-    """The parameters from momentum and restitution at all impacts, and which impacts these hold for."""
+    """The parameters from momentum and restitution at all impacts, and the impacts for which these laws hold."""
     impacts = Impacts(windows, flown, shared, guess, law, law_speed)
     minima = impacts.minima()
     best = minima[0]
@@ -349,7 +351,7 @@ def by_laws(
     calibration = impacts.calibration
     if calibration and abs(g[-1] - 1) > FAR_OFF * calibration:
         raise SingularError(far_off_gain(float(g[-1]), calibration))
-    # errors grow with what the laws leave, and with noise that is stronger at low frequencies
+    # errors increase with the residuals of the laws, and with noise that is stronger at low frequencies
     count = 2 * int(best.ok.sum())
     misfit = best.chi / max(1, count - g.size)
     here = impacts.here(best)
@@ -373,7 +375,7 @@ def by_laws(
     strains = strains_of(
         windows, common, dict(zip(places, np.diag(covariance).tolist(), strict=True)), variance
     )
-    # natural frequency and damping ratio, and the other parameters, that are known
+    # known natural frequency and damping ratio, and other known parameters
     _, A, C, G = slopes(
         impacts.constraints, here, common, np.append(g, [values[name] for name in held]), flown.held
     )
@@ -408,9 +410,10 @@ def by_laws(
 
 
 def possible(found: Fit, count: int) -> None:
-    """An error if parameters are beyond what they can be by more than their errors allow; otherwise none is.
+    """Raises an error if parameters are outside their possible range by more than their errors; otherwise limits
+    them to it.
 
-    The equations of few impacts that are alike have solutions that are no rig.
+    The equations of a few similar impacts also have solutions that are physically impossible.
     """
     bounds = {"xi": (0.0, 0.9), "mu": (0.0, LARGEST_MASS), "d": (0.0, math.inf)}
     bounds |= {name: (0.0, 1.0) for name in found.values if name[0] == "R"}
@@ -429,13 +432,13 @@ def possible(found: Fit, count: int) -> None:
 
 
 def bearable(freedom: int) -> float:
-    """Misfit of so many degrees of freedom that noise alone hardly has."""
+    """The misfit, for a number of degrees of freedom, that noise alone hardly exceeds."""
     return 1 + max(EXCESS, CHANCE * math.sqrt(2 / max(freedom, 1)))
 
 
 def beyond(minima: list[Minimum], variance: float) -> _Array:
-    """What other minima add to the covariance of the parameters about the least one: each counts as its likelihood
-    says."""
+    """The contribution of other minima to the covariance of the parameters about the lowest one, weighted by
+    likelihood."""
     points: list[_Array] = []
     chis: list[float] = []
     for one in minima:
@@ -449,7 +452,8 @@ def beyond(minima: list[Minimum], variance: float) -> _Array:
 
 
 def by_flights(windows: Windows, flown: Flown, shared: Mapping[str, float], law: Law) -> Fit:
-    """What flights alone tell: natural frequency, damping and load, without what impacts do."""
+    """The parameters from flights alone: natural frequency, damping and load, without the equations of the
+    impacts."""
     common, free = flown.common, flown.free
     names = ["omega", "xi", "F0/K 0", "phase", "offset", *(["pole"] * common.size)]
     values = {
@@ -485,7 +489,7 @@ def start_of_laws(
     shared: Mapping[str, float],
     guess: Mapping[str, float],
 ) -> dict[str, float]:
-    """mu and d by linear equations, in which odd impacts count little."""
+    """mu and d from linear equations in which outliers among the impacts have small weights."""
     weights = np.ones(jumps.size)
     mu, d = shared.get("mu", guess["mu"]), shared.get("d", math.nan)
     for _ in range(20):

@@ -13,13 +13,13 @@ _Array = NDArray[np.float64]
 _Bool = NDArray[np.bool_]
 
 
-@np.errstate(all="ignore")  # of flights that are none
+@np.errstate(all="ignore")  # for flights that do not exist
 def slopes(
     constraints: Any, states: _Array, common: _Array, g: _Array, free: NDArray[np.int64]
 ) -> tuple[_Array, _Array, _Array, _Array]:
-    """The constraints (n, 2), and derivatives by the states of the four flights about each (n, 2, 4, 2), by common
-    parameters and by the others."""
-    # flights of one colour are in no constraint together
+    """The constraints (n, 2), and their derivatives with respect to the states of the four adjacent flights (n, 2,
+    4, 2), to common parameters and to the others."""
+    # no constraint contains two flights of one colour
     flights = np.arange(states.shape[0])
     n = states.shape[0] - 3
     moved = np.zeros((8, *states.shape), dtype=complex)
@@ -48,8 +48,8 @@ def slopes(
 
 
 def passed_on(A: _Array, C: _Array, turned: _Array) -> _Array:
-    """Derivatives of the constraints by common parameters, also through the states of the flights, which they
-    turn; `C` are those at fixed states, by the first of the parameters."""
+    """Derivatives of the constraints with respect to common parameters, including the effect through the states of
+    the flights; `C` are the derivatives at fixed states with respect to the first parameters."""
     n = A.shape[0]
     of_turned = np.stack([turned[j : j + n] for j in range(4)], axis=1)
     through: _Array = -np.einsum("nclq,nlqk->nck", A, of_turned)
@@ -67,7 +67,7 @@ def own_blocks(A: _Array, spread: _Array, ok: _Bool) -> _Array:
 
 
 def banded(A: _Array, spread: _Array, ok: _Bool) -> _Array:
-    """The covariances of all equations, as the lower bands that `solveh_banded` takes."""
+    """The covariances of all equations, as lower bands for `solveh_banded`."""
     n = A.shape[0]
     bands = np.zeros((8, 2 * n))
     for k in range(4):
@@ -88,7 +88,7 @@ def banded(A: _Array, spread: _Array, ok: _Bool) -> _Array:
 
 
 def scaled_solve(information: _Array, slope: _Array, scales: _Array) -> _Array:
-    """The step of least squares, without what is not determined."""
+    """The least-squares step, without components in undetermined directions."""
     A = information * np.outer(scales, scales)
     s, V = np.linalg.eigh(A)
     kept = s > 0.1

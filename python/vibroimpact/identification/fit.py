@@ -19,15 +19,15 @@ from .motions import PARAMETERS, Impacting, System
 from .strains import WEAK, Strain, of_known
 
 _Array = NDArray[np.float64]
-#: Largest difference of an impact time, in load cycles, from that where it was picked.
+#: Largest difference, in load cycles, between the time of an impact and the time at which it was picked.
 NEAR = 0.05
-#: Largest relative standard error of a combination of parameters that a record determines.
+#: Largest relative standard error of a combination of parameters that counts as determined.
 VAGUE = 0.5
-#: Share of what impacts do to the record that a fit leaves unexplained, above which it is none.
+#: Unexplained share of the effect of impacts on the record above which a fit is rejected.
 BAD = 0.5
 #: Misfit above which a fit is doubtful.
 DOUBTFUL = 2.0
-#: Largest deviation of what was measured otherwise, in standard errors.
+#: Largest deviation from independently measured values, in standard errors.
 FAR_OFF = 5.0
 
 
@@ -40,19 +40,20 @@ class Fit:
     lengths: list[float]
     phases: list[float]
     motions: list[Impacting]
-    #: Names of the columns of `covariance`, which has what was fitted, without load phases.
+    #: Names of the columns of `covariance`: the fitted parameters without load phases.
     names: list[str]
     covariance: _Array
     undetermined: list[str]
     misfits: list[float]
-    #: Variance of a weighted residual, with that of slow changes.
+    #: Variance of a weighted residual, including that of slow changes.
     spread: float = 1.0
-    #: What the sensor of the motion shows of 1, within its calibration.
+    #: Gain of the motion sensor, within its calibration.
     gain: float = 1.0
-    #: By what was known and not fitted, and by load phases and amplitudes (as "phase 0" and "F0 0" of the first
-    #: record): how many standard errors the records are from it, and how much it would change if it were fitted.
+    #: For known values that were not fitted, and for load phases and amplitudes ("phase 0" and "F0 0" for the
+    #: first record): the distance of the records from the value in standard errors, and the change of the value if
+    #: it were fitted.
     strains: dict[str, Strain] = field(default_factory=dict)
-    #: By the same names, how much each fitted parameter changes with the value that was not fitted: derivatives.
+    #: For the same names, the derivatives of each fitted parameter with respect to the value that was not fitted.
     leans: dict[str, dict[str, float]] = field(default_factory=dict)
     #: Sums of squares of the weighted residuals of each record.
     squares: list[float] = field(default_factory=list)
@@ -67,9 +68,9 @@ def fit(
 ) -> Fit:  # fmt: skip
     """Fit exact motions to the flights of one or more records.
 
-    `known` are the shared parameters that are not fitted; `M` or `K` with the load of a record give its F0/K.
-    `near` has motions to start from; by default it starts from the picked impacts. A `rough` fit, from which
-    another one starts, need not converge.
+    `known` are the shared parameters that are not fitted; `M` or `K` and the load of a record determine its F0/K.
+    `near` contains motions to start from; by default the fit starts from the picked impacts. A `rough` fit, from
+    which another one starts, need not converge.
     """
     law = law or Law()
     count = len(records)
@@ -86,7 +87,7 @@ def fit(
     scales = np.array(
         [*(typical.get(name, abs(starts[name])) for name in free), *lengths, *[1.0] * (count + len(ones))]
     )  # fmt: skip
-    # no step leaves what the parameters can be
+    # no step leaves the possible range of the parameters
     bounds = {"xi": (0.0, 0.9), **dict.fromkeys(("omega", "mu", "d"), (0.0, math.inf))}
     bounds |= {
         name: (0.0, 1.0)
@@ -97,7 +98,7 @@ def fit(
     low, high = np.array([bounds.get(name, (-math.inf, math.inf)) for name in names]).T
     systems = [System(data, law) for data in records]
     walls = law.of_wall(0) + law.of_wall(1)
-    # derivatives by what is known, too, which tell whether the records agree with it
+    # also derivatives with respect to known values, to test whether the records agree with them
     held = [name for name in law.shared if name in known]
     column = place | {name: len(names) + i for i, name in enumerate(held)}
     columns = [
@@ -150,8 +151,8 @@ def fit(
         J: list[_Array] = []
 
         def row(value: Any, by: _Array, name: str = "", error: float = 1.0) -> None:
-            """Residuals, and their derivatives by the parameters of the motion; one that compares with a measured
-            value has its name and error."""
+            """Residuals, and their derivatives with respect to the parameters of the motion; a residual against a
+            measured value has its name and error."""
             if name:
                 measured[f"{name} {i}"] = sum(one.size for one in f), error
             f.append(np.atleast_1d(value))
@@ -216,7 +217,7 @@ def fit(
         )
     if ones and abs(x[-1] - 1) > FAR_OFF * calibration:
         raise SingularError(far_off_gain(float(x[-1]), calibration))
-    # what is projected out are degrees of freedom too
+    # components that are projected out are also degrees of freedom
     freedoms = [size - data.beside.shape[1] for size, data in zip(sizes, records, strict=True)]
     found = finished(sizes, freedoms, records, x, f, J, names, place, shared(x), guesses, scales)
     residuals(x)
@@ -244,7 +245,7 @@ def far_off_gain(gain: float, calibration: float) -> str:
 
 
 def explained(data: Measured, found: Fit, i: int, share: float) -> float:
-    """Sum of squares that record i leaves, with a share of the jumps of the fitted motion."""
+    """Sum of squares of record i with a given share of the jumps of the fitted motion."""
     if not data.places.size:
         return 0.0
     values, motion = found.values, found.motions[i]
@@ -264,7 +265,8 @@ def covariance_of(J: _Array, scales: _Array) -> tuple[_Array, set[int], int]:
     _, s, Vt = np.linalg.svd(J * scales, full_matrices=True)
     s = np.concatenate([s, np.zeros(Vt.shape[0] - s.size)])
     determined = s > 1 / VAGUE
-    # what the records do not determine may be wrong by as much as itself, and what depends on it a little by less
+    # a parameter that is not determined may be wrong by as much as its value; one that depends on it slightly, by
+    # less
     inverse = 1 / np.maximum(s, 1.0) ** 2
     covariance: _Array = (Vt.T * inverse) @ Vt * np.outer(scales, scales)
     vague = np.flatnonzero(np.sum(Vt[~determined] ** 2, axis=0) > 0.01)
@@ -276,7 +278,7 @@ def finished(
     J: _Array, names: list[str], place: dict[str, int], values: dict[str, float], motions: list[Impacting],
     scales: _Array,
 ) -> Fit:  # fmt: skip
-    """Covariance, and what is not determined; of each record the numbers of residuals and degrees of freedom."""
+    """Covariance and undetermined parameters; for each record the numbers of residuals and degrees of freedom."""
     count = len(sizes)
     covariance, vague, determined = covariance_of(J, scales)
     freedom = max(1, sum(freedoms) - determined)

@@ -1,10 +1,9 @@
-"""The flights of the primary mass between impacts, from the motion that a record repeats.
+"""The flights of the primary mass between impacts, from a periodic record.
 
-Between impacts the primary mass is a damped oscillator under the load, whatever the pulses of the contacts look
-like. So
-the record, folded over its period, is compared with exact flights outside of the pulses; the lengths of these are
-what the
-data say. Modes that ring after the impacts, and an offset of the sensor, are fitted and projected out.
+Between impacts the primary mass is a damped oscillator under the load, whatever the shape of the contact pulses.
+Therefore the record, folded over its period, is compared with exact flights outside the pulses; the lengths of the
+pulses are determined from the data. Modes that ring after the impacts, and an offset of the sensor, are fitted and
+projected out.
 """
 
 from __future__ import annotations
@@ -25,36 +24,37 @@ from .signals import centred
 
 _Array = NDArray[np.float64]
 _Complex = NDArray[np.complex128]
-#: Places in a load cycle into which samples are sorted, and least number of samples in each.
+#: Number of bins in a load cycle into which samples are sorted, and smallest number of samples in each.
 PLACES, LEAST_SAMPLES = 1024, 6
-#: Scatter of a place beyond which a sample is left out.
+#: Multiple of the scatter of a bin beyond which a sample is discarded.
 ODD = 6.0
-#: Places in a load cycle, and their number, from which the next one is predicted where no impact is.
+#: Bins in a load cycle for the prediction of the next value, and the number of past bins from which it is
+#: predicted.
 COARSE = ((512, 14), (256, 14), (128, 10), (64, 8))
-#: What is not predicted, over its scatter and over the largest such value, is an impact.
+#: Prediction errors, relative to their scatter and to the largest one, above which there is an impact.
 UNPREDICTED, SHARE = 8.0, 0.02
-#: Time from an impact within which what is not predicted may be its pulse, s; what is not predicted elsewhere,
-#: over that of the weakest impact, that is another impact.
+#: Time from an impact within which a prediction error may belong to its pulse, s; prediction error elsewhere,
+#: relative to that of the weakest impact, that indicates another impact.
 PULSE, ABRUPT = 2e-3, 0.7
-#: Seconds after an impact that are left out at first, and at most; the rest of a flight that must remain.
+#: Seconds after an impact that are excluded at first, and at most; the share of a flight that must remain.
 FIRST_PULSE, LONGEST_PULSE, LEAST_FLIGHT = 4e-3, 12e-3, 0.3
-#: Residual over its error at which a pulse has ended, and by how much of its length the left out part is longer at
-#: most: by so many times what the pulse takes to fade to it from ten times as much.
+#: Residual, relative to its error, at which a pulse has ended. The excluded part is extended beyond that by a
+#: multiple of the time in which the pulse fades by a factor of ten, but at most by a share of its length.
 ENDED, MARGIN, FADES = 3.0, 0.6, 1.0
-#: Misfit of flights that repeat above which they are not those of the record.
+#: Misfit of periodic flights above which they do not describe the record.
 HOPELESS = 25.0
-#: Modes that ring at most; misfit above which one more, or one more impact, is tried, and other starts; what one
-#: more has to take from the sum of squares and which share of it; rates of decay from which a mode starts (1/s);
-#: and most steps of a fit, after which another one follows.
+#: Largest number of ringing modes; misfit above which another mode or impact, and other starts, are tried;
+#: reduction of the sum of squares, absolute and relative, that another mode must achieve; initial rates of decay
+#: of a mode (1/s); and largest number of steps of a fit, after which another fit follows.
 STEPS = 15
 MOST_MODES, GOOD = 3, 1.3
 LEAST_GAIN, LEAST_SHARE = 40.0, 0.2
 DECAYS = (30.0, 100.0, 300.0, 900.0)
-#: Least and largest rate of decay of a mode that rings, over its frequency; the lowest such frequency, over that
-#: of the load, and the highest one, over that of the places.
+#: Smallest and largest rate of decay of a ringing mode, relative to its frequency; its lowest frequency, relative
+#: to that of the load, and its highest one, relative to that of the bins.
 LEAST_DAMPED, MOST_DAMPED, LOWEST, HIGHEST = 0.002, 0.5, 4, 0.25
-#: Jumps of the velocity below so many errors, or below this share of the largest one, are no impacts, unless
-#: without them a good misfit is so many times as large.
+#: Jumps of the velocity below this number of errors, or below this share of the largest one, do not count as
+#: impacts, unless a good misfit increases by this factor without them.
 CLEAR, WEAK, NEEDED = 5.0, 0.01, 10.0
 #: Largest number of impacts that are added to none, and in each load cycle to those that were predicted by
 #: nothing.
@@ -63,7 +63,7 @@ MOST_IMPACTS, MISSING = 8, 2
 
 @dataclass
 class Measured:
-    """What one record says: its motion outside of the pulses, and the load.
+    """The data of one record: its motion outside the pulses, and the load.
 
     Angles are Omega t with t = 0 in the middle of the record.
     """
@@ -78,19 +78,20 @@ class Measured:
     jumps: _Array = field(default_factory=lambda: np.empty(0))
     #: (N) Errors of the changes of velocity.
     jump_errors: _Array = field(default_factory=lambda: np.empty(0))
-    #: (n) Angles outside of the pulses, the motion there, and its errors. Without a record there are none.
+    #: (n) Angles outside the pulses, the motion there, and its errors; empty without a record.
     places: _Array = field(default_factory=lambda: np.empty(0))
     values: _Array = field(default_factory=lambda: np.empty(0))
     errors: _Array = field(default_factory=lambda: np.empty(0))
-    #: By how much its noise is stronger at low frequencies, and how much more than by it its parts differ, as
-    #: ratios of variances.
+    #: The factor by which its noise is stronger at low frequencies, and the factor by which its parts differ
+    #: beyond that, as ratios of variances.
     colour: float = 1.0
     drift: float = 1.0
     #: Relative standard error of the calibration of the motion; that of the load is part of its error.
     calibration: float = 0.0
-    #: Which derivative of the displacement the motion is.
+    #: The order of the derivative of the displacement that was recorded.
     order: int = 2
-    #: (n, q) Orthonormal directions, over the errors, of what is projected out: offset and ringing.
+    #: (n, q) Orthonormal directions, relative to the errors, of the components that are projected out: offset and
+    #: ringing.
     beside: _Array = field(default_factory=lambda: np.empty((0, 0)))
     #: Load phase at t = 0 and its error (None: not known), and amplitude and its error (N).
     phase: float | None = None
@@ -110,7 +111,7 @@ class Measured:
 
 
 class Predicted(NamedTuple):
-    """The motion of the primary mass at some places, and its derivatives."""
+    """The motion of the primary mass at given angles, and its derivatives."""
 
     value: _Array
     omega: _Array
@@ -122,7 +123,7 @@ class Predicted(NamedTuple):
 
 
 def since(places: _Array, angles: _Array, data: Measured) -> _Array:
-    """Times from the latest impacts at some angles to some places (n, N), s."""
+    """Times since the latest impacts, for given angles of impacts and of samples (n, N), s."""
     passed: _Array = ((places[:, None] - angles) % (2 * math.pi * data.k)) / data.Omega
     return passed
 
@@ -142,7 +143,7 @@ def predicted(
     by_omega = static * (2 / omega * load - turn @ (each * (2 * omega + 2j * xi * w) / below))
     by_xi = -static * (turn @ (each * 2j * omega * w / below))
     by_phase = static * (turn @ (1j * data.orders * each))
-    # after impulses of one in each period
+    # after unit impulses, one in each period
     rate = math.sqrt(1 - xi**2)
     pole = omega * complex(-xi, rate)
     tau, whole = since(places, angles, data), 2 * math.pi * data.k / data.Omega
@@ -172,8 +173,8 @@ class Ringing:
 
 
 def rung(data: Measured, places: _Array, angles: _Array, mode: Ringing) -> tuple[_Array, _Array]:
-    """The ringing at some places, and its derivatives by real and imaginary parts of the amplitudes and of the
-    pole."""
+    """The ringing at given angles, and its derivatives with respect to real and imaginary parts of the amplitudes
+    and of the pole."""
     tau, whole = since(places, angles, data), 2 * math.pi * data.k / data.Omega
     q = np.exp(mode.pole * whole)
     wave = np.exp(mode.pole * tau) / (1 - q)
@@ -183,19 +184,20 @@ def rung(data: Measured, places: _Array, angles: _Array, mode: Ringing) -> tuple
 
 
 class Folded(NamedTuple):
-    """Samples sorted into places of a period: mean angles, values there, their means and numbers."""
+    """Samples sorted into bins of a period: mean angles, values, their means and numbers."""
 
     angles: _Array
     values: _Array
     means: _Array
     counts: _Array
-    #: (n) Place of each sample, -1 if it is left out, and the angles of the samples.
+    #: (n) Bin of each sample, -1 if it is discarded, and the angles of the samples.
     place: NDArray[np.int64]
     each: _Array
 
 
 def folded(values: _Array, rate: float, Omega: float, k: int, most: int) -> Folded:
-    """Samples sorted into at most so many places in each load cycle, without cycles that are unlike the others."""
+    """Samples sorted into at most a given number of bins in each load cycle, without cycles that differ from the
+    others."""
     each = (Omega * centred(values.size, rate)) % (2 * math.pi * k)
     count = most * k
     while True:
@@ -204,7 +206,7 @@ def folded(values: _Array, rate: float, Omega: float, k: int, most: int) -> Fold
         if numbers.min() >= LEAST_SAMPLES or count <= 64 * k:
             break
         count //= 2
-    # samples unlike the others of their place, as at the start of a filter, and periods unlike the others
+    # discard samples that differ from the others of their bin, as at the start of a filter, and outlying periods
     order = np.argsort(place, kind="stable")
     ends = np.cumsum(numbers)
     middles, spreads = np.full((2, count), math.nan)
@@ -236,10 +238,10 @@ def folded(values: _Array, rate: float, Omega: float, k: int, most: int) -> Fold
 
 
 def unpredicted(values: _Array, past: int) -> _Array:
-    """What a periodic sequence has that its past does not tell, over its scatter.
+    """The error of predicting a periodic sequence from its past, relative to the scatter.
 
-    Flights and ringing are damped waves, each value of which is a sum of multiples of the ones before: only an
-    impact is news.
+    Flights and ringing are damped waves, in which each value is a linear combination of earlier values; only an
+    impact cannot be predicted.
     """
     before = np.column_stack([np.roll(values, j) for j in range(1, past + 1)])
     weights = np.ones(values.size)
@@ -256,8 +258,8 @@ def unpredicted(values: _Array, past: int) -> _Array:
 def news_of(
     values: _Array, rate: float, Omega: float, k: int
 ) -> Iterator[tuple[_Array, _Array, int]]:
-    """By finer and coarser places of a folded record: their angles, what their past does not tell, over its
-    scatter, and the number of places in this past."""
+    """For finer and coarser bins of a folded record: their angles, the prediction errors relative to the scatter,
+    and the number of past bins used."""
     for most, past in COARSE:
         coarse = folded(values, rate, Omega, k, most)
         grid = (np.arange(most * k) + 0.5) * 2 * math.pi / most
@@ -266,7 +268,7 @@ def news_of(
 
 
 def unexplained(values: _Array, rate: float, Omega: float, k: int, angles: _Array) -> float | None:
-    """The angle at which a record changes as abruptly as at the weakest of its impacts, far from all of them."""
+    """An angle, far from all impacts, at which a record changes as abruptly as at its weakest impact."""
     half, abrupt, place = math.pi * k, 0, 0.0
     for grid, news, past in news_of(values, rate, Omega, k):
         apart = abs((grid[:, None] - angles + half) % (2 * half) - half)
@@ -282,11 +284,12 @@ def unexplained(values: _Array, rate: float, Omega: float, k: int, angles: _Arra
 
 
 def onsets(values: _Array, rate: float, Omega: float, k: int) -> list[_Array]:
-    """Angles at which impacts seem to begin in a folded record, by finer and coarser places, and none."""
+    """Candidate sets of angles at which impacts seem to begin in a folded record, by finer and coarser bins; also
+    the empty set."""
     found = []
     for grid, news, past in news_of(values, rate, Omega, k):
         strong = news > max(UNPREDICTED, SHARE * news.max())
-        # an impact is news for as long as it is in the past of what follows
+        # an impact causes prediction errors as long as it is among the past values
         recent = np.convolve(np.concatenate([strong[-past:], strong]), np.ones(past), "valid")[:-1]
         begins = grid[strong & (recent == 0)]
         if begins.size:
@@ -295,7 +298,7 @@ def onsets(values: _Array, rate: float, Omega: float, k: int) -> list[_Array]:
 
 
 class FreeFit(NamedTuple):
-    """The primary mass under impulses of any times and sizes, fitted to a folded record."""
+    """The primary mass under impulses of arbitrary times and sizes, fitted to a folded record."""
 
     data: Measured
     omega: float
@@ -304,7 +307,7 @@ class FreeFit(NamedTuple):
     phase: float
     offset: float
     modes: list[Ringing]
-    #: Which places are within a pulse, and what the motion leaves at all of them over its errors.
+    #: The bins within a pulse, and the residuals at all bins relative to their errors.
     pulse: NDArray[np.bool_]
     left: _Array
     square: float
@@ -318,7 +321,7 @@ class FreeFit(NamedTuple):
 
 
 class Flights:
-    """A folded record, to which flights are fitted."""
+    """A folded record and the fit of flights to it."""
 
     def __init__(
         self,
@@ -331,7 +334,7 @@ class Flights:
         force: tuple[float, float, float] | None = None,
     ) -> None:
         self.priors = priors
-        #: A known mass, the load, and its error, where the natural frequency is to be found.
+        #: A known mass, the load, and its error, if the natural frequency is to be found.
         self.force = force
         self.data, self.fold = data, fold
         self.known_omega = omega
@@ -342,13 +345,14 @@ class Flights:
         self.begin: _Array = np.empty(0)
 
     def rings(self, pole: complex) -> bool:
-        """Whether a mode rings for more than half a period, and fades, within the band of the folded record."""
+        """Whether a mode rings for more than half its period, decays, and is within the band of the folded
+        record."""
         highest = HIGHEST * self.fold.angles.size / self.data.k
         within = LOWEST < pole.imag / self.data.Omega < highest
         return within and LEAST_DAMPED * pole.imag < -pole.real < MOST_DAMPED * pole.imag
 
     def packed(self, point: tuple[list[float], _Array, _Array, float, list[Ringing]]) -> _Array:
-        """A point of the parameters in one array."""
+        """The parameters packed into one array."""
         four, angles, jumps, offset, modes = point
         parts = [np.array(four), angles, jumps, np.array([offset])]
         for mode in modes:
@@ -357,7 +361,7 @@ class Flights:
         return np.concatenate(parts)
 
     def split(self, x: _Array, N: int) -> tuple[list[float], _Array, _Array, float, list[Ringing]]:
-        """The parameters of a point."""
+        """The parameters unpacked from an array."""
         four, angles, jumps, rest = (
             x[:4].tolist(),
             x[4 : 4 + N],
@@ -370,7 +374,8 @@ class Flights:
         return four, angles, jumps, float(rest[0]), modes
 
     def model(self, x: _Array, N: int, places: _Array, begins: _Array) -> tuple[_Array, _Array]:
-        """The motion and its derivatives by all parameters; amplitudes of modes are those at some angles."""
+        """The motion and its derivatives with respect to all parameters; amplitudes of modes refer to given
+        angles."""
         (omega, xi, static, phase), angles, jumps, offset, modes = self.split(x, N)
         if not (0 <= xi < 0.9 and omega > 0 and all(self.rings(mode.pole) for mode in modes)):
             raise SingularError("no damped oscillator")
@@ -392,7 +397,7 @@ class Flights:
         pulse: NDArray[np.bool_],
         held: bool = False,
     ) -> FreeFit:
-        """The free fit from a point, outside of the pulses."""
+        """The free fit from given parameters, outside the pulses."""
         four, angles, jumps, offset, modes = begin
         N = angles.size
         own = ~pulse
@@ -403,7 +408,7 @@ class Flights:
                 f"be too small; {HINT}"
             )
         x = self.packed(begin)
-        # all that is linear first
+        # first all linear parameters
         fixed = np.ones(x.size, dtype=bool)
         fixed[4 + N : 4 + 2 * N + 1] = False
         for j in range(len(modes)):
@@ -431,7 +436,7 @@ class Flights:
         ]  # fmt: skip
 
         def force(x: _Array) -> tuple[float, _Array]:
-            """The load by the motion of a known mass, against that of its channel."""
+            """The load implied by the motion of a known mass, compared with the load of its channel."""
             mass, load, error = self.force or (0.0, 0.0, 1.0)
             by = np.zeros(x.size)
             by[[0, 2]] = 2 * mass * x[0] * x[2] / error, mass * x[0] ** 2 / error
@@ -479,7 +484,7 @@ class Flights:
         )
 
     def pulses(self, angles: _Array, before: _Array, after: _Array) -> NDArray[np.bool_]:
-        """The places within some time before and after impacts (s)."""
+        """The bins within given times before and after impacts (s)."""
         tau = since(self.fold.angles, angles, self.data)
         left_over = self.whole / self.data.Omega - tau
         inside: NDArray[np.bool_] = np.any((tau <= after) | (left_over <= before), axis=1)
@@ -504,10 +509,11 @@ class Flights:
         for i in range(angles.size):
             room = min(LONGEST_PULSE, (1 - LEAST_FLIGHT) * gaps[i])
             own = np.sort(tau[bad & (tau[:, i] <= min(2 * FIRST_PULSE, room)), i])
-            # the pulse ends before the first long part without such residuals
+            # the pulse ends before the first long interval without such residuals
             ends = np.flatnonzero(np.diff(own) > max(0.6e-3, 6 * step))
             last = own[ends[0]] if ends.size else own[-1] if own.size else 0.0
-            # as the transient of a filter fades, a tenth at a time; what else is left may be no pulse
+            # the transient of a filter fades by a factor of ten at a time; other residuals may not belong to the
+            # pulse
             ten = 0.0
             if found.misfit < GOOD:
                 ten = tau[large & (tau[:, i] <= last), i].max(initial=0.0)
@@ -521,12 +527,12 @@ class Flights:
         return before, after
 
     def point(self, found: FreeFit) -> tuple[list[float], _Array, _Array, float, list[Ringing]]:
-        """Where a fit starts from another one."""
+        """The starting parameters of a fit that continues another one."""
         four = [found.omega, found.xi, found.static, found.phase]
         return four, found.data.angles, found.data.jumps, found.offset, found.modes
 
     def more_ringing(self, found: FreeFit, held: bool = False) -> FreeFit:
-        """The fit with one more mode, if it explains much of what is left."""
+        """The fit with one more mode, if this reduces the residuals considerably."""
         left = np.where(found.pulse, 0.0, found.left * self.errors)
         spectrum = abs(np.fft.rfft(left))
         spectrum[: LOWEST * self.data.k + 1] = 0
@@ -559,7 +565,7 @@ class Flights:
         return more if gain > max(LEAST_GAIN, LEAST_SHARE * found.square) else found
 
     def settled(self, found: FreeFit, ringing: bool = True, rounds: int = 4) -> FreeFit:
-        """With pulses as long as the data say, and the modes that ring."""
+        """The fit with pulse lengths determined from the data, and with the ringing modes."""
         good: FreeFit | None = None
         for _ in range(rounds):
             while ringing and len(found.modes) < MOST_MODES and found.misfit > GOOD:
@@ -572,11 +578,11 @@ class Flights:
                 break
             good = found if found.misfit < GOOD else good
             found = self.fit(self.point(found), pulse)
-        # pulses that were just too short at the end are those of the round before
+        # pulses that have just become too short are replaced by those of the previous round
         return good if good is not None and found.misfit > GOOD else found
 
     def begun(self, angles: _Array) -> FreeFit:
-        """The first fit, with pulses that are surely long enough."""
+        """The first fit, with pulses that are certainly long enough."""
         angles = np.sort(angles)
         gaps = np.diff(np.append(angles, angles[:1] + self.whole)) / self.data.Omega
         after = np.minimum(FIRST_PULSE, 0.5 * gaps)
@@ -585,14 +591,14 @@ class Flights:
         for place, name in ((2, "static"), (3, "phase")):
             if name in self.priors:
                 four[place] = self.priors[name][0]
-        # impacts are held until the ringing is known, since each would take the place of the other
+        # impact times are fixed until the ringing is known, since one could imitate the other
         found = self.fit((four, angles, np.zeros(angles.size), 0.0, []), pulse, held=True)
         if found.misfit > GOOD and angles.size:
             found = self.more_ringing(found, held=True)
         return self.fit(self.point(found), pulse)
 
     def linear(self, angles: _Array, pulse: NDArray[np.bool_]) -> list[float]:
-        """Natural frequency, damping ratio, static displacement and load phase by linear least squares alone."""
+        """Natural frequency, damping ratio, static displacement and load phase, only by linear least squares."""
         own, N = ~pulse, angles.size
         places, target = self.fold.angles[own], self.fold.values[own] / self.errors[own]
         xi = self.xi
@@ -623,7 +629,7 @@ class Flights:
         return best[1]
 
     def pruned(self, found: FreeFit) -> FreeFit:
-        """Without jumps that are none: a jump whose pulse covers its flight is not clear, but is one where the
+        """The fit without insignificant jumps. A jump whose pulse covers its flight is unclear; it is kept if the
         flights without it do not describe the record."""
         while found.data.angles.size > 1:
             sizes = abs(found.data.jumps)
@@ -647,8 +653,8 @@ class Flights:
         return self.fit((four, angles, np.delete(jumps, i), offset, modes), pulse)
 
     def curved(self, found: FreeFit) -> FreeFit:
-        """The fit to values at the mean angles of places, which the means over places of a curved motion are
-        not."""
+        """The fit to values at the mean angles of bins; the means over a bin differ from these if the motion is
+        curved."""
         N = found.data.angles.size
         fold, used = self.fold, self.fold.place >= 0
         x = self.packed(self.point(found))
@@ -662,9 +668,9 @@ class Flights:
     def best(
         self, starts: list[_Array], report: Callable[[float, str], None], other: Callable[[], bool]
     ) -> FreeFit:
-        """The flights between impacts that begin at some angles, and those that are missing; of several starts
-        the first good one, or the best. `report` is told which share of the starts was tried. Where the first one
-        is hopeless, `other` is asked whether the record is known to be another one."""
+        """The flights between impacts that begin at given angles, including missing impacts; from several starts
+        the first good result, or the best. `report` receives the share of the starts that were tried. If the first
+        one is hopeless, `other` says whether the record is known not to be periodic."""
         best: FreeFit | None = None
         for i, angles in enumerate(starts):
             report(i / len(starts), "flights of a period")
@@ -687,8 +693,8 @@ class Flights:
         return self.curved(best)
 
     def completed(self, angles: _Array) -> FreeFit:
-        """The flights between impacts that begin at some angles, and those that are missing."""
-        # from none, impacts are added before the ringing, of which a mode would take their place
+        """The flights between impacts that begin at given angles, including missing impacts."""
+        # starting without impacts, these are added before the ringing, since a mode would imitate them
         ringing = angles.size > 0
         found = self.begun(angles)
         if ringing:
@@ -704,7 +710,7 @@ class Flights:
         return found
 
     def one_more(self, found: FreeFit, ringing: bool) -> FreeFit | None:
-        """With an impact more where it explains most, if it explains much."""
+        """The fit with another impact where it reduces the residuals most, if the reduction is considerable."""
         own = ~found.pulse
         grid = self.fold.angles[own][:: max(1, np.count_nonzero(own) // 200)]
         responses = predicted(
@@ -736,7 +742,7 @@ class Flights:
 
 
 def beside(found: FreeFit) -> _Array:
-    """Orthonormal directions of what is projected out: offset and ringing."""
+    """Orthonormal directions of the components that are projected out: offset and ringing."""
     data = found.data
     columns = [np.ones((data.places.size, 1))]
     for mode in found.modes:

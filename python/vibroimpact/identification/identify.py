@@ -45,11 +45,11 @@ class Boundary(NamedTuple):
     Attributes
     ----------
     type : str
-        As of the special points of a `Branch`: fold, flip, grazing, ….
+        The type, as for the special points of a `Branch`: fold, flip, grazing, ….
     parameter : str
         "r" or "clearance".
     value, distance : float
-        Value of the parameter there, and its relative distance from that of the motion.
+        Value of the parameter at the boundary, and its relative distance from that of the motion.
     """
 
     type: str
@@ -61,7 +61,8 @@ class Boundary(NamedTuple):
 class Identification(Noun, study="identify"):
     """The parameters of a rig that are determined by its records, and the steps that lead to them.
 
-    In SI units. With several records the attributes of one record are those of the first one; `records` has all.
+    All values are in SI units. With several records, attributes of a single record refer to the first one;
+    `records` is the number of records.
 
     Attributes
     ----------
@@ -71,7 +72,8 @@ class Identification(Noun, study="identify"):
         impacts, as far as possible.
     values, errors : dict
         The parameters by name (M, K, omega, xi, mu, R1, R2, d, F0, F0/K), and the standard errors of those that
-        were fitted; infinite where the records do not determine a parameter. Laws of restitution add theirs.
+        were fitted; infinite if the records do not determine a parameter. Laws of restitution add their own
+        parameters.
     undetermined : list of str
         Names of the parameters that the records do not determine. Their values only complete the fitted motion:
         other values fit equally well.
@@ -79,7 +81,7 @@ class Identification(Noun, study="identify"):
         The identified system, with its units if M and K are among the values. With a law its coefficients of
         restitution are those at the speed v0.
     restitution : (Restitution, Restitution) or None
-        Of the right and of the left wall; a law as a `PowerLaw`, which is 1 at the most, or as a
+        Restitution of the right and of the left wall; a law is a `PowerLaw`, limited to 1, or a
         `TabulatedRestitution` over the approach speed in m/s.
     r, frequency : float
         Frequency ratio, and load frequency in Hz.
@@ -87,8 +89,8 @@ class Identification(Noun, study="identify"):
         Load amplitude (NaN if it is not known), clearance d (the whole travel of m), and d K/F0.
     pattern : Pattern or None
     motion : Motion or None
-        The exact motion with these parameters, with its multipliers and verdicts; with a law, or under
-        a load with harmonics, that of ``oscillator.structure``.
+        The exact motion with these parameters, with its multipliers and verdicts; with a law, or under a load
+        with harmonics, it is a motion of ``oscillator.structure``.
     impact_times : ndarray (impacts,)
         Times of all impacts that were picked in the record, s.
     impact_sides : ndarray (impacts,) of str
@@ -96,13 +98,13 @@ class Identification(Noun, study="identify"):
     impact_phases, impact_phase_errors : ndarray (N,)
         Load phases of the impacts of a period, refined below the sample, and their standard errors (radians).
     misfit : float
-        Sum of squares of the weighted residuals over the degrees of freedom; about 1 where the model holds. Errors
-        are multiplied by its root where it is larger.
+        Sum of squares of the weighted residuals over the degrees of freedom; about 1 if the model holds. If it is
+        larger, errors are multiplied by its square root.
     doubts : tuple of str
         Doubts about the fit, the likeliest causes first; empty if there are none.
     assumptions : tuple of str
-        What the stated errors do not include: how much parameters would change with a known value or with the
-        load phase, where that is more than two of their errors.
+        Effects that the stated errors do not include: the changes of parameters with a known value or with the
+        load phase, if they exceed two errors.
     good : bool
         Whether parameters were fitted and there is no doubt about them. If not, the errors are not valid, and
         `identify` warns with a `PoorFitWarning`.
@@ -179,18 +181,18 @@ class Identification(Noun, study="identify"):
 
     @property
     def law(self) -> str:
-        """How the coefficients of restitution depend on the approach speed, as in `identify`."""
+        """The law of the coefficients of restitution over the approach speed, as in `identify`."""
         return law_of(self.values).kind
 
     @property
     def restitution(self) -> tuple[Restitution, Restitution] | None:
-        """Of the right and of the left wall, over the approach speed in m/s with a power law."""
+        """Restitution of the right and of the left wall; a law is over the approach speed in m/s."""
         values = self.values
         return law_of(values).restitution(values) if self.oscillator is not None else None
 
     @property
     def osc(self) -> Any:
-        """The identified system, as of other results."""
+        """The identified system, named as in other results."""
         return self.oscillator
 
     @property
@@ -230,7 +232,7 @@ class Identification(Noun, study="identify"):
 
     @property
     def assumptions(self) -> tuple[str, ...]:
-        """What errors of known values, and of the load phase, would change."""
+        """The effects of errors of known values and of the load phase."""
         return tuple(text for _, text in self._result.notes if text.startswith("not in the errors"))
 
     @property
@@ -263,7 +265,7 @@ class Identification(Noun, study="identify"):
 
     @property
     def motions(self) -> list[Motion | None]:
-        """Of each record, the exact motion with the identified parameters."""
+        """For each record, the exact motion with the identified parameters."""
         try:
             return self._motions
         except AttributeError:
@@ -332,7 +334,7 @@ class Identification(Noun, study="identify"):
         Returns
         -------
         Boundary or None
-            None if no boundary is that near, or no motion was fitted.
+            None if there is no boundary within this range, or no motion was fitted.
         """
         from ..studies.branch import branch
 
@@ -358,7 +360,7 @@ class Identification(Noun, study="identify"):
         Parameters
         ----------
         ax : matplotlib Axes, optional
-            Where to draw one panel; without it a figure with all panels is made.
+            Axes for one panel; without it, a figure with all panels is made.
         kind : {"record", "load", "impacts", "motion", "residuals"}, optional
             Which panel.
         record : int
@@ -371,7 +373,7 @@ class Identification(Noun, study="identify"):
         return self._draw(ax, kind, record)
 
     def require(self) -> None:
-        """Nothing: a record that is not periodic has a status."""
+        """Accepts every result: a record that is not periodic has its status."""
 
     def _facts(self) -> dict[str, str]:
         return {
@@ -476,19 +478,20 @@ def identify(
 ) -> Identification:
     """Identify the parameters of a rig from records of its load and of the motion of its primary mass.
 
-    The load gives frequency, phase and amplitude. The record is folded over the least number k of load cycles
-    that its scatter from period to period does not reject. An impact is detected where the motion departs from
-    what its past predicts. Between impacts the primary mass is a damped oscillator under the load: such flights,
-    with jumps of the velocity at instants that are fitted, and modes that ring after the impacts, are fitted
-    outside of the pulses, whose lengths are determined from the data. Neither the shape of the contact pulse nor a
-    delay of the motion sensor therefore matters. Exact motions are then fitted to the same data, weighted by the
-    scatter of the samples. Where nothing repeats, each flight has its own state, and momentum and restitution
-    where flights meet give the parameters.
+    The load gives frequency, phase and amplitude. The record is folded over the least number k of load cycles that
+    its scatter from period to period does not reject. An impact is detected where the motion differs from the
+    prediction from its past. Between impacts the primary mass is a damped oscillator under the load. Such flights,
+    with jumps of the velocity at fitted instants, and modes that ring after the impacts, are fitted outside the
+    pulses, whose lengths are determined from the data. Neither the shape of the contact pulse nor a delay of the
+    motion sensor therefore matters. Exact motions are then fitted to the same data, weighted by the scatter of the
+    samples. If the record is not periodic, each flight has its own state, and the parameters follow from momentum
+    and restitution at the impacts between flights.
 
     Parameters
     ----------
     record : SensorRecord, path, or list of them, optional
-        One or several records of one rig, fitted together; otherwise a record is made from the next arguments.
+        One or several records of one rig, fitted together; without it, a record is made from the following
+        arguments.
     rate : float
         Sampling rate, Hz.
     load, acceleration, velocity, displacement : array_like (n,)
@@ -496,40 +499,41 @@ def identify(
     units : mapping, optional
         Unit by channel, as in `SensorRecord`.
     bandwidth, delay, range, noise : float or mapping, optional
-        As in `SensorRecord`: a number for the channels of the motion, or one by channel.
+        As in `SensorRecord`: a number for the motion channels, or a mapping with values by channel.
     impact_times : array_like (impacts,)
         Times of impacts (s), instead of records of the motion; with `frequency`, `load_phase` if it is known, and
         known M and K, or omega.
     impact_sides : str or sequence of str
         Walls of these impacts, R or L each; by default they alternate, from the right wall on.
     frequency : float, optional
-        Load frequency (Hz), by default that of the load, or without one that of the motion.
+        Load frequency (Hz); by default it is determined from the load or, without a load channel, from the motion.
     load_phase : float, optional
         Phase of the load at time 0 of the impact times (radians).
     known : mapping, optional
         Known values, in SI units: M, K, C, m, d (the whole travel of the free mass), F0, omega, xi, mu, R1, R2,
-        and of a law exponent and knee (m/s), or exponent1, exponent2, knee1 and knee2.
+        and for a law exponent and knee (m/s), or exponent1, exponent2, knee1 and knee2.
     start : Oscillator, optional
         Starting values of the fit for what the records do not give; xi = 0.01, mu = 0.05 and R = 0.7 by default.
     law : {"constant", "power", "powers", "knee", "knees", "table", "tables"}
-        How the coefficients of restitution depend on the approach speed v; in the plural each wall has its own
+        The law of the coefficients of restitution over the approach speed v; in the plural each wall has its own
         law. "power": R1 (v/v0)^-exponent and R2 (v/v0)^-exponent, a `PowerLaw` far above its knee. "knee": a
         `PowerLaw` of sharpness 2, which is R1 and R2 at the speed v0, with its `exponent` and its speed `knee`.
         "table": linear between knots, R[1] at the speed v[1] and so on, and constant beyond them. Plurals:
-        exponent1, knee1 and R1[1] on the right wall, exponent2, knee2 and R2[1] on the left one. Impacts of
-        different speeds determine a law: records at different loads, or in one period. What they do not determine
-        is `undetermined`.
+        exponent1, knee1 and R1[1] on the right wall, exponent2, knee2 and R2[1] on the left one. A law requires
+        impacts of different speeds, from records at different loads or within one period. Parameters that they do
+        not determine are listed in `undetermined`.
     law_speed : float, optional
         v0 in m/s; by default the geometric mean of the approach speeds of all impacts.
     law_knots : int, optional
-        Number of knots of a table, 3 by default, 20 at the most. They are quantiles of the approach speeds, the
-        outer ones a little beyond them.
+        Number of knots of a table, 3 by default, 20 at the most. They are quantiles of the approach speeds; the
+        outer ones lie a little beyond the range of the speeds.
     calibration : float
         Relative standard error of the calibration of each sensor, 1 % by default; 0 if they are exact. It is part
-        of all errors: that of the load and of the motion change xi at a resonance, and that of the motion lengths.
+        of all errors: gain errors of load and motion change xi at a resonance, and a gain error of the motion
+        changes lengths.
     progress : callable, optional
-        Called with the share of the work that is done and what is done next; by default a bar shows this on a
-        terminal or in a notebook if the call takes more than two seconds.
+        Called with the share of the work that is done and the next task; by default a bar shows them on a terminal
+        or in a notebook if the call takes more than two seconds.
 
     Returns
     -------
@@ -543,12 +547,12 @@ def identify(
     SingularError
         If there is no motion near the picked impacts.
     MissingExtraError
-        Without SciPy (extra `identify`).
+        If SciPy is not installed (extra `identify`).
 
     Warns
     -----
     PoorFitWarning
-        If the fit does not describe the records to their noise, or they contradict what is known.
+        If the fit does not describe the records to within their noise, or they contradict the known values.
 
     Examples
     --------
@@ -596,7 +600,7 @@ def identify(
 def records_of(
     record: Any, rate: float | None, arrays: Mapping[str, Any], sensors: Mapping[str, Any]
 ) -> list[SensorRecord]:
-    """The records that are given, or one of the arrays."""
+    """The given records, or one made from the arrays."""
     given = [name for name, values in arrays.items() if values is not None]
     if record is None:
         if not given:
@@ -620,7 +624,7 @@ def records_of(
 
 
 def one_record(item: Any) -> SensorRecord:
-    """A record, also of a file."""
+    """A record, possibly from a file."""
     if isinstance(item, (str, os.PathLike)):
         from .sensor_files import read_record
 

@@ -1,4 +1,4 @@
-"""What is known of a rig, and what is fitted."""
+"""The known values of a rig, and the parameters to be fitted."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ from ..base.errors import ParameterError, ParameterTypeError
 from ..systems.units import OTHERS, POWERS, own_number, positive
 from .laws import KNOWN_OF_LAW
 
-#: What may be known, and its unit.
+#: The values that may be known, and their units.
 KNOWN = {
     "M": "kg", "K": "N/m", "C": "N s/m", "m": "kg", "d": "m", "F0": "N", "omega": "rad/s", "xi": "", "mu": "",
     "R1": "", "R2": "", **{name: "" if name[0] == "e" else "m/s" for name in KNOWN_OF_LAW},
 }  # fmt: skip
-#: What may be wrong where there is no fit.
+#: Possible causes if no fit succeeds.
 HINT = (
-    "what is known, the bandwidth of the sensors, or units, signs or times of the channels may be wrong, or "
+    "known values, the bandwidth of the sensors, or units, signs or times of the channels may be wrong, or "
     "the motion is not quite periodic"
 )
-#: What may be known of the parameters that records share, in this order.
+#: The shared parameters of records that may be known, in this order.
 SHARED = ("omega", "xi", "mu", "R1", "R2", *KNOWN_OF_LAW, "d")
 
 
 def known_values(known: Mapping[str, float]) -> tuple[dict[str, float], dict[str, float]]:
-    """What is known: M, K, F0, and the parameters of a fit."""
+    """The known values: M, K, F0, and the parameters of a fit."""
     if not isinstance(known, Mapping):
         raise ParameterTypeError(
             f"known = {known!r}: must be a mapping such as dict(M=2.7, K=42e3)"

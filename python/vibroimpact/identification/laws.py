@@ -1,4 +1,4 @@
-"""Laws of restitution that are fitted: R of each wall over the approach speed, with its parameters by name."""
+"""Laws of restitution for fits: R of each wall over the approach speed, with parameters by name."""
 
 from __future__ import annotations
 
@@ -13,30 +13,30 @@ from numpy.typing import NDArray
 from ..systems.restitution import PowerLaw, Restitution, TabulatedRestitution
 
 _Array = NDArray[np.float64]
-#: What each law adds to R of a wall. The plural of its name has these for each wall, as the plural of a table has.
+#: The parameters that each law adds to R of a wall. With the plural of its name, each wall has its own.
 SHAPES: dict[str, tuple[str, ...]] = {
     "power": ("exponent",),
     "knee": ("exponent", "knee"),
     "table": (),
 }
 KINDS = ("constant", *(kind + end for kind in SHAPES for end in ("", "s")))
-#: What may be known of a law, beside R1 and R2.
+#: The parameters of a law that may be known, besides R1 and R2.
 KNOWN_OF_LAW = tuple(name + wall for name in ("exponent", "knee") for wall in ("", "1", "2"))
-#: The sharpness of a power law without a knee, down to where it is 1; exponent of a constant.
+#: The sharpness that makes a power law straight down to the speed where it is 1; the exponent of a constant.
 SHARP, FLAT = 20.0, 1e-7
-#: How far the knots of a table reach beyond the speeds of the impacts, over their range, and over the speed.
+#: Margin of the knots of a table beyond the speeds of the impacts, relative to their range and to the speed.
 BEYOND, LEAST_RANGE = 0.05, 0.02
-#: Distance of the points about a knot between which the core rounds the corner there, over the speed.
+#: Relative distance of the points about a knot between which the core rounds the corner.
 CORNER = 1e-5
 
 
 @dataclass(frozen=True)
 class Law:
-    """How the coefficients of restitution depend on the approach speed v.
+    """The law of the coefficients of restitution over the approach speed v.
 
-    constant: R1 and R2. power: R1 (v/v0)^-p and R2 (v/v0)^-p. knee: R1 ((v^2 + w^2)/(v0^2 + w^2))^(-p/2), which is
-    a `PowerLaw` with its knee w. table: linear between knots, and constant beyond them. impacts: one number for
-    each impact of a period, from which the others start.
+    constant: R1 and R2. power: R1 (v/v0)^-p and R2 (v/v0)^-p. knee: R1 ((v^2 + w^2)/(v0^2 + w^2))^(-p/2), a
+    `PowerLaw` with the knee w. table: linear between knots, and constant beyond them. impacts: one number for each
+    impact of a period, from which fits of the other laws start.
     """
 
     kind: str = "constant"
@@ -47,7 +47,7 @@ class Law:
 
     @property
     def shape(self) -> str:
-        """The kind without its plural."""
+        """The kind in the singular."""
         return self.kind.removesuffix("s") if self.kind in KINDS else self.kind
 
     def of_wall(self, wall: int) -> tuple[str, ...]:
@@ -70,7 +70,7 @@ class Law:
 
     @property
     def fixed(self) -> dict[str, float]:
-        """The speeds to which its parameters belong (m/s)."""
+        """The speeds to which its parameters refer (m/s)."""
         if self.kind == "constant":
             return {}
         ends = ("",) if self.kind == self.shape else ("1", "2")
@@ -87,7 +87,7 @@ class Law:
             v0 = float(np.exp(np.mean(np.log(every))))
         knots = []
         for own in (speeds if self.kind != self.shape else (every, every)) if self.count else ():
-            # between knots at the ends as many speeds as there are
+            # knots are quantiles: between two knots there are equal numbers of speeds
             found = np.quantile(own, np.linspace(0, 1, self.count))
             beyond = max(BEYOND * float(np.ptp(own)), LEAST_RANGE * float(own.max()))
             found[[0, -1]] = max(found[0] - beyond, 0.0), found[-1] + beyond
@@ -97,7 +97,7 @@ class Law:
         return replace(self, v0=v0, knots=tuple(knots))
 
     def coefficient(self, wall: int, w: Sequence[Any], speed: Any) -> Any:
-        """R of a wall at approach speeds, from its parameters; all may be complex."""
+        """R of a wall at approach speeds, from its parameters; all arguments may be complex."""
         if self.shape == "power":
             return w[0] * (speed / self.v0) ** -w[1]
         if self.shape == "knee":
@@ -116,9 +116,9 @@ class Law:
         )
 
     def start(self, values: Mapping[str, float]) -> dict[str, float]:
-        """Where its fit starts, from the parameters of a power law about the same speed."""
+        """The starting values of its fit, from the parameters of a power law at the same speed."""
         if self.shape == "knee":
-            # in the middle of the speeds the slope is half of that far above the knee
+            # at the middle of the speeds the slope is half of that far above the knee
             return {
                 name: self.v0 if name.startswith("knee") else 2 * value if name[0] == "e" else value
                 for name, value in (
@@ -137,17 +137,17 @@ class Law:
         }
 
     def typical(self, name: str, start: float) -> float:
-        """By how much a parameter may be unknown."""
+        """Typical uncertainty of a parameter before the fit."""
         return 0.5 if name[0] == "R" else 0.25 if name[0] == "e" else abs(start)
 
     def restitution(
         self, values: Mapping[str, float], unit: float = 1.0
     ) -> tuple[Restitution, Restitution]:
-        """Of the right and of the left wall, over speeds in some unit (m/s).
+        """Restitution of the right and of the left wall, over speeds in a given unit (m/s).
 
-        A power law is a `PowerLaw` far above the speed where it is 1, or, if it is nearly constant, far above a
-        thousandth of v0. What is no `PowerLaw` (R grows with the speed, or is above 1 at low speeds) is a table
-        from v0/100 to 100 v0.
+        A power law is returned as a `PowerLaw` whose knee is the speed where it is 1 or, if it is nearly constant,
+        a thousandth of v0. A law that is not a `PowerLaw` (R grows with the speed, or is above 1 at low speeds) is
+        returned as a table from v0/100 to 100 v0.
         """
         right, left = (
             self._wall(wall, [values[name] for name in self.of_wall(wall)], unit) for wall in (0, 1)
@@ -155,7 +155,7 @@ class Law:
         return right, left
 
     def _wall(self, wall: int, w: list[float], unit: float) -> Restitution:
-        """Of one wall."""
+        """Restitution of one wall."""
         if self.shape == "table":
             knots = np.array(self.knots[wall])
             speeds = np.unique(

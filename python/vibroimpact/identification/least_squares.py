@@ -19,13 +19,13 @@ def levenberg(
     accepted: Callable[[], None] = lambda: None, low: float | _Array = -math.inf, high: float | _Array = math.inf,
     most: int = MOST_ITERATIONS,
 ) -> tuple[_Array, _Array, _Array, bool]:  # fmt: skip
-    """The method of Levenberg and Marquardt: the point, its residuals and their derivatives, and whether it
+    """The Levenberg–Marquardt method: returns the point, its residuals and their derivatives, and whether it
     converged.
 
-    `function` gives residuals and derivatives, or raises an error of the package where there are none. Directions
-    along which the residuals change by less than `weak` over a step of `scales` are left as they are. `accepted`
-    is called where the function was evaluated last, if the method goes there. No point is below `low` or above
-    `high`; there are at most so many steps.
+    `function` returns residuals and derivatives, or raises an error of the package where they do not exist.
+    Directions along which the residuals change by less than `weak` over a step of `scales` are not changed.
+    `accepted` is called after each accepted step, at the point where the function was evaluated last. No point is
+    below `low` or above `high`; the number of steps is limited.
     """
     x = start.copy()
     f, J = function(x)
@@ -40,7 +40,7 @@ def levenberg(
         squares, V = np.linalg.eigh(A.T @ A)
         slope = V.T @ (A.T @ f)
         kept = squares > max(weak**2, 1e-13 * squares[-1])
-        # what a full step would gain; at a minimum no more than this, and only rounding decides
+        # the gain of a full step; at a minimum it is no larger than this, and rounding decides
         left = float(np.sum(np.where(kept, slope**2 / (1 + squares), 0.0)))
         at_end = left <= 1e-4 * max(1.0, float(f @ f))
         while True:
@@ -59,7 +59,7 @@ def levenberg(
         accepted()
         gain = f @ f - new_f @ new_f
         x, f, J = trial, new_f, new_J
-        # a step of rounding alone may be accepted again and again
+        # a step of the size of rounding may be accepted again and again
         if (damping <= 1e-4 and gain <= 1e-6) or (at_end and gain <= 1e-14 * (f @ f)):
             return x, f, J, True
         damping = max(damping / 10, 1e-12)

@@ -16,31 +16,31 @@ from ..systems.units import positive, with_u
 __all__ = ["SensorRecord"]
 
 _Array = NDArray[np.float64]
-#: A number for the sensors of the motion, or one for each of some channels by name.
+#: A number for the motion sensors, or numbers by channel name.
 PerChannel = float | Mapping[str, float] | None
-#: What may be known of the sensor of each channel.
+#: The properties of the sensor of each channel that may be known.
 OF_SENSORS = ("bandwidth", "delay", "range", "noise")
-#: The unit of each channel in which the package computes.
+#: The unit of each channel in the package.
 SI = {"load": "N", "acceleration": "m/s^2", "velocity": "m/s", "displacement": "m"}
-#: Quantities of which one tells the motion of the primary mass; the exponent of i Omega that gives each from the
-#: displacement.
+#: Quantities that can represent the motion of the primary mass; for each, the power of i Omega that converts the
+#: displacement to it.
 MOTIONS = {"acceleration": 2, "velocity": 1, "displacement": 0}
 _LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 1e-3, "um": 1e-6, "in": 0.0254, "ft": 0.3048}
-#: What one of each unit is in that of the package.
+#: The factor that converts each unit to that of the package.
 UNITS: dict[str, dict[str, float]] = {
     "load": {"N": 1.0, "mN": 1e-3, "kN": 1e3, "lbf": 4.4482216152605},
     "acceleration": {f"{name}/s^2": one for name, one in _LENGTHS.items()} | {"g": 9.80665},
     "velocity": {f"{name}/s": one for name, one in _LENGTHS.items()},
     "displacement": _LENGTHS,
 }
-#: Order of the low-pass that models a sensor and its conditioner.
+#: Order of the low-pass filter that models a sensor and its signal conditioner.
 ORDER = 4
 #: Least number of samples of a record.
 LEAST = 16
 
 
 def factor_of(channel: str, unit: str) -> float:
-    """What one of a unit is in the unit in which the package computes.
+    """The factor that converts a unit to that of the package.
 
     Examples
     --------
@@ -67,26 +67,26 @@ class SensorRecord:
     load : array_like (n,), optional
         The load on the primary mass.
     acceleration, velocity, displacement : array_like (n,), optional
-        Its motion, one of the three or several.
+        The motion of the primary mass: one or several of the three.
     units : mapping, optional
         Units of the channels by name, such as ``{"load": "lbf", "acceleration": "g"}``; N, m/s^2, m/s and m by
         default. The arrays are converted to these.
     bandwidth : float or mapping, optional
-        -3 dB frequency (Hz) of a sensor, taken as a Butterworth low-pass of order 4, by channel, such as
-        ``{"load": 2000, "acceleration": 600}``. A bare number, here and below, is that of the channels of the
-        motion alone. A channel that is not named passes everything.
+        -3 dB frequency (Hz) of a sensor, modelled as a Butterworth low-pass of order 4, by channel, such as
+        ``{"load": 2000, "acceleration": 600}``. A single number, here and below, applies to the motion channels
+        only. A channel that is not named is not filtered.
     delay : float or mapping, optional
-        Delay of a channel (s) in addition to that of its low-pass, such as that of its own clock, by channel.
+        Delay of a channel (s) in addition to that of its low-pass, for example of a separate clock, by channel.
     range : float or mapping, optional
-        Largest magnitude that a channel can show, in its unit, by channel. `identify` refuses a record with a
+        Largest magnitude that a channel can show, in its unit, by channel. `identify` rejects a record with a
         sample at or beyond it.
     noise : float or mapping, optional
-        Root mean square of the noise of a channel, in its unit, by channel. In fits of periodic motions the errors
-        of its samples are at least this.
+        Root mean square of the noise of a channel, in its unit, by channel. In fits of periodic motions, the
+        errors of samples are at least this.
     start : float
         Time of the first sample, s.
     name : str
-        Where it comes from, for messages and pictures.
+        The source of the record, for messages and pictures.
 
     Raises
     ------
@@ -155,7 +155,7 @@ class SensorRecord:
 
     @property
     def channels(self) -> dict[str, _Array]:
-        """The channels that it has, by name, in SI units."""
+        """The recorded channels by name, in SI units."""
         found = {name: getattr(self, name) for name in SI}
         return {name: values for name, values in found.items() if values is not None}
 
@@ -174,7 +174,7 @@ class SensorRecord:
         return self.start + np.arange(len(self)) / self.rate
 
     def response(self, channel: str, frequency: ArrayLike) -> NDArray[np.complex128]:
-        """The response of a channel to a sine of some frequencies (Hz), over the sine: low-pass and delay."""
+        """The complex frequency response of a channel at given frequencies (Hz): low-pass and delay."""
         late = np.exp(-2j * math.pi * self.delay.get(channel, 0.0) * np.asarray(frequency))
         response: NDArray[np.complex128] = (
             sensor_response(frequency, self.bandwidth.get(channel)) * late
@@ -182,12 +182,12 @@ class SensorRecord:
         return response
 
     def lowpass_lag(self, channel: str) -> float:
-        """By how much the low-pass of a channel makes it late (s), far below its -3 dB frequency."""
+        """Delay of a channel by its low-pass (s), far below its -3 dB frequency."""
         bandwidth = self.bandwidth.get(channel)
         return 0.0 if bandwidth is None else delay_of(bandwidth)
 
     def lag(self, channel: str) -> float:
-        """By how much a channel is late (s), as far as its low-pass and its delay are known."""
+        """Total delay of a channel (s), as far as its low-pass and its delay are known."""
         return self.delay.get(channel, 0.0) + self.lowpass_lag(channel)
 
     def __repr__(self) -> str:
@@ -198,7 +198,7 @@ class SensorRecord:
 
 
 def per_channel(given: PerChannel, name: str, channels: Iterable[str]) -> dict[str, float]:
-    """What is given of some sensors, by channel; a bare number is that of the channels of the motion.
+    """Values of a property of sensors by channel; a single number applies to the motion channels.
 
     Examples
     --------
@@ -230,7 +230,7 @@ def per_channel(given: PerChannel, name: str, channels: Iterable[str]) -> dict[s
 
 
 def samples_of(values: ArrayLike, name: str) -> _Array:
-    """One channel; an error names the first sample that is missing."""
+    """One checked channel; an error names the first missing sample."""
     array = checks.real_array(values, name, "a list of numbers")
     if array.ndim != 1 or array.size < LEAST:
         raise ParameterError(
@@ -247,7 +247,7 @@ def samples_of(values: ArrayLike, name: str) -> _Array:
 
 
 def sensor_response(frequency: ArrayLike, bandwidth: float | None) -> NDArray[np.complex128]:
-    """Response of a sensor at some frequencies (Hz), 1 at frequency 0.
+    """Frequency response of a sensor at given frequencies (Hz), 1 at frequency 0.
 
     Examples
     --------
@@ -264,12 +264,12 @@ def sensor_response(frequency: ArrayLike, bandwidth: float | None) -> NDArray[np
 
 
 def butterworth_poles() -> NDArray[np.complex128]:
-    """The poles of the low-pass of a sensor for a -3 dB frequency of 1."""
+    """The poles of the low-pass filter of a sensor for a -3 dB frequency of 1."""
     angles = math.pi * (2 * np.arange(ORDER) + ORDER + 1) / (2 * ORDER)
     poles: NDArray[np.complex128] = np.exp(1j * angles)
     return poles
 
 
 def delay_of(bandwidth: float) -> float:
-    """By how much a sensor is late (s), far below its bandwidth."""
+    """Delay of a sensor (s), far below its bandwidth."""
     return float(np.sum(1 / -butterworth_poles()).real / (2 * math.pi * bandwidth))

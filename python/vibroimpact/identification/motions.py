@@ -3,8 +3,8 @@ derivatives.
 
 With the angles and jumps of the impacts given, the motion of the primary mass is a sum of closed forms: the steady
 motion under the load, and the periodic response to impulses. Momentum and restitution at each impact are then two
-equations, which Newton's method solves. All derivatives are by imaginary steps, so that they have no errors of
-differences.
+equations, which Newton's method solves. All derivatives are computed by complex steps, which have no difference
+errors.
 """
 
 from __future__ import annotations
@@ -27,14 +27,14 @@ from .laws import Law, law_of
 
 _Array = NDArray[np.float64]
 _Complex = NDArray[np.complex128]
-#: What moves the impacts of a record, F0/K in m and the load phase at time 0; then the parameters of the law of
-#: the right wall, and those of the left one.
+#: Parameters of the motion of a record: system, F0/K in m and the load phase at time 0; then the parameters of the
+#: law of the right wall, and those of the left one.
 PARAMETERS = ("omega", "xi", "mu", "d", "F0/K", "phase")
-#: Approach speed, over the largest velocity, that counts as none.
+#: Approach speed, relative to the largest velocity, that counts as zero.
 TOUCHING = 1e-6
 #: The imaginary step; relative change of a step of Newton's method at its end, and the most steps to there.
 STEP, SETTLED, MOST_STEPS = 1e-30, 1e-11, 25
-#: Largest part of the time to the next impact by which a step of Newton's method moves an impact.
+#: Largest fraction of the time to the next impact by which a step of Newton's method moves an impact.
 FARTHEST = 0.3
 
 
@@ -50,7 +50,7 @@ class Impacting(NamedTuple):
 
 
 class System:
-    """What is the same for all motions of a record, with a law of restitution."""
+    """The data shared by all motions of a record, with a law of restitution."""
 
     def __init__(self, data: Measured, law: Law) -> None:
         self.Omega, self.k = data.Omega, data.k
@@ -89,7 +89,7 @@ class System:
         c, s = c[..., None], s[..., None]
         response = (c * sine + s * cosine) / rate[..., None]
         by_time = c * cosine - s * sine - decay[..., None] * response
-        by_time = by_time - 0.5 * np.eye(self.signs.size)  # the mean of before and after
+        by_time = by_time - 0.5 * np.eye(self.signs.size)  # the mean of the values before and after
         X = X + (response @ jumps[..., None])[..., 0]
         V = V + (by_time @ jumps[..., None])[..., 0]
         z = X + self.signs * d / 2
@@ -109,7 +109,8 @@ class System:
     def rates(
         self, p: _Array, angles: _Array, jumps: _Array
     ) -> tuple[_Array, _Array, _Array, _Array]:
-        """The equations, their derivatives by angles, jumps and parameters, speeds and coefficients."""
+        """The equations, their derivatives with respect to angles, jumps and parameters, speeds and
+        coefficients."""
         N = angles.size
         point = np.concatenate([angles, jumps, p])
         points = point + 1j * STEP * np.eye(point.size)
@@ -117,7 +118,7 @@ class System:
         return found[0].real, found.imag.T / STEP, speeds[0].real, R[0].real
 
     def motion(self, p: _Array, angles: _Array, jumps: _Array) -> Impacting:
-        """The exact motion near some angles and jumps."""
+        """The exact motion near given angles and jumps."""
         N = angles.size
         for _ in range(MOST_STEPS):
             off, by, speeds, R = self.rates(p, angles, jumps)
@@ -147,7 +148,8 @@ class System:
 
 
 def oscillator_of(values: Mapping[str, float], **scale: Any) -> Oscillator:
-    """The system with some parameters, with the coefficients of a law at v0, and perhaps with M, K and F0."""
+    """The system with given parameters, with the coefficients of a law at v0, and with M, K and F0 if they are
+    known."""
     law = law_of(values)
     right, left = (
         float(np.clip(law.coefficient(i, [values[name] for name in law.of_wall(i)], law.v0), 0, 1))
@@ -160,10 +162,10 @@ def verified(
     osc: Oscillator, r: float, clearance: float, phases: _Array, pattern: Pattern,
     walls: tuple[Restitution, Restitution], harmonics: _Complex,
 ) -> Motion:  # fmt: skip
-    """The exact motion of the core, with its verdicts, from the load phases of its impacts.
+    """The exact motion as computed by the core, with its verdicts, from the load phases of its impacts.
 
-    Speeds of laws are in F0 omega/K; `harmonics` are those of the load from the second one on, over the first.
-    With a law or with harmonics the motion is that of `Oscillator.structure`.
+    Speeds of laws are in F0 omega/K; `harmonics` are the second and higher harmonics of the load, relative to the
+    first. With a law or with harmonics the motion is that of `Oscillator.structure`.
     """
     if walls == osc.restitution and not harmonics.any():
         return exact(osc, r, clearance, (phases, pattern))

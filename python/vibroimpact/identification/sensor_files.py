@@ -24,7 +24,7 @@ from ..systems.units import positive
 from .measured import OF_SENSORS, SI, UNITS, PerChannel, SensorRecord
 
 _Array = NDArray[np.float64]
-#: What a channel may be called, in lower case; the first one is its name here.
+#: The names that a channel may have, in lower case; the first one is its name in the package.
 NAMES = {
     "load": ("load", "force", "excitation", "f", "input"),
     "acceleration": ("acceleration", "accel", "acc", "a"),
@@ -32,7 +32,7 @@ NAMES = {
     "displacement": ("displacement", "disp", "position", "x"),
     "time": ("time", "t"),
 }
-#: Seconds in the units of time, by what they are called.
+#: Seconds in the units of time, by name.
 SECONDS = {
     name: one
     for names, one in (
@@ -45,15 +45,15 @@ SECONDS = {
 RATES = ("rate", "fs", "sampling_rate", "sample_rate", "samplerate")
 #: The quantity of a data set of a universal file, by its code of specific data.
 UFF_CODES = {8: "displacement", 9: "load", 11: "velocity", 12: "acceleration", 13: "load"}
-#: Largest relative difference of the steps of time of regular samples, and of a rate from that of the times.
+#: Largest relative difference of the time steps of regular samples, and of a rate from that of the times.
 REGULAR = 1e-3
-#: Largest shift of samples that are taken as simultaneous, in samples.
+#: Largest shift of samples that count as simultaneous, in sampling steps.
 SHIFT = 0.02
 
 
 class Channel(NamedTuple):
-    """A channel of a file: its name and unit as they are there, its samples, and their times (s) and rate (Hz) if
-    the file gives them for this channel."""
+    """A channel of a file: its name and unit as in the file, its samples, and their times (s) and rate (Hz) if the
+    file gives them for this channel."""
 
     name: str
     unit: str
@@ -63,7 +63,8 @@ class Channel(NamedTuple):
 
 
 class Content(NamedTuple):
-    """What a file has: channels, the rate of all if it has one, and names of data that are no channels."""
+    """The contents of a file: channels, the common rate if there is one, and names of data that are not
+    channels."""
 
     channels: list[Channel]
     rate: float | None = None
@@ -72,7 +73,7 @@ class Content(NamedTuple):
 
 
 class Clock(NamedTuple):
-    """When the samples of a channel were taken: the time of the first one (s) and the rate (Hz); None: unknown."""
+    """The sampling times of a channel: the time of the first sample (s) and the rate (Hz); None if unknown."""
 
     start: float | None
     rate: float | None
@@ -92,9 +93,9 @@ def read_record(
 ) -> SensorRecord:
     """Read a record of the load and the motion of a rig.
 
-    Channels are known by their names (load or force, acceleration, velocity, displacement and common short
+    Channels are recognised by their names (load or force, acceleration, velocity, displacement and common short
     forms), or by their units. A name may end with its unit: ``acc (g)``, ``acc_g``, ``time_ms``, ``shaker_N``. A
-    warning names what is not read.
+    warning names the channels that are not read.
 
     Parameters
     ----------
@@ -103,19 +104,20 @@ def read_record(
         .mat (extra `identify`), .nc (extra `data`), .json (SEP005), .uff, .unv, .uf (universal files, sets 58;
         extra `uff`). Or signals in memory by SDyPy's SEP005: dicts with name, data, unit_str, and fs or time.
     rate : float, optional
-        Sampling rate (Hz) of a file that has neither times nor a rate; one that differs from that of the file is
-        refused.
+        Sampling rate (Hz) of a file that has neither times nor a rate; a value that differs from the rate of the
+        file is rejected.
     channels : str or sequence of str, optional
         The channels in their order: load, acceleration, velocity, displacement, time, or none.
     units : str or sequence of str, optional
         Their units, in their order; by default those of the file, else SI.
     bandwidth : float, mapping or sequence of float, optional
-        As in `SensorRecord`: a number for the channels of the motion, one by channel, or one for each channel of
-        the file, in their order (0: not known).
+        As in `SensorRecord`: a number for the motion channels, values by channel, or one value for each channel of
+        the file, in order (0: not known).
     scale : sequence of float, optional
-        The value of 1 in each channel, in its unit, such as the full scale of a .wav file.
+        For each channel, the value in its unit that corresponds to the number 1, such as the full scale of a .wav
+        file.
     delay, range, noise : float, mapping or sequence of float, optional
-        As in `SensorRecord`, given as the bandwidth is.
+        As in `SensorRecord`, in the same forms as the bandwidth.
 
     Returns
     -------
@@ -156,7 +158,7 @@ def read_record(
         raise
     except (ParameterError, ParameterTypeError) as error:
         raise ParameterError(f"{shown}: {error}") from None
-    except Exception as error:  # whatever a library says of a broken file
+    except Exception as error:  # any exception that a library raises for a damaged file
         reason = str(error).strip().split("\n")[0] or type(error).__name__
         raise ParameterError(
             f"{shown}: must be a record in the format of {suffix}; {reason}"
@@ -167,7 +169,7 @@ def assembled(
     content: Content, name: str, rate: float | None, channels: str | Sequence[str] | None,
     units: str | Sequence[str] | None, scale: Sequence[float] | None, sensors: Mapping[str, Any],
 ) -> SensorRecord:  # fmt: skip
-    """The record of some channels, with what is known of their sensors."""
+    """The record made of channels, with the known properties of their sensors."""
     found = content.channels
     labels = as_list(channels, "channels", len(found))
     given_units = as_list(units, "units", len(found))
@@ -192,7 +194,7 @@ def assembled(
             own = seconds(channel.values, unit)
             if times is not None and not np.array_equal(own, times):
                 raise ParameterError(
-                    f"channel {channel.name!r}: is a second time; must be the only one, or give `channels`"
+                    f"channel {channel.name!r}: is a second time channel; must be the only one, or give `channels`"
                 )
             times = own
         if label is None:
@@ -201,7 +203,7 @@ def assembled(
             continue
         if label in arrays:
             raise ParameterError(
-                f"channel {channel.name!r}: is a second {label}; must be the only one, or give `channels`"
+                f"channel {channel.name!r}: is a second {label} channel; must be the only one, or give `channels`"
             )
         assert label is not None
         factor = 1.0 if factors is None else factors[i]
@@ -246,7 +248,7 @@ def assembled(
 
 
 def of_channels(value: Any, name: str, count: int, places: Mapping[str, int]) -> Any:
-    """What is known of sensors by channel, where it was given in the order of the channels of a file."""
+    """Known properties of sensors by channel, if they were given in the order of the channels of a file."""
     if value is None or isinstance(value, Mapping) or np.ndim(value) == 0:
         return value
     each = checks.real_array(value, name, "a number, or one for each channel")
@@ -258,7 +260,7 @@ def of_channels(value: Any, name: str, count: int, places: Mapping[str, int]) ->
 
 
 def clock_of(channel: Channel, times: _Array | None, rate: float | None) -> Clock:
-    """When a channel was sampled: by its own times, or by those and the rate of the file."""
+    """The sampling times of a channel: from its own times, or from the times and the rate of the file."""
     times = times if channel.times is None else channel.times
     rate = rate if channel.rate is None else channel.rate
     if times is None:
@@ -279,12 +281,13 @@ def clock_of(channel: Channel, times: _Array | None, rate: float | None) -> Cloc
 def joined(
     channels: list[Channel], clocks: list[Clock]
 ) -> tuple[list[_Array], float, float | None]:
-    """The samples of channels at the times that all of them have, the first of these, and the rate.
+    """The samples of the channels at their common times, the first of these times, and the rate.
 
     Raises
     ------
     ParameterError
-        If rates differ, or samples are not simultaneous: nothing is interpolated, which would change spikes.
+        If rates differ, or samples are not simultaneous. Samples are not interpolated, since that would change
+        spikes.
     """
     first, clock = channels[0], clocks[0]
     longest = max(channel.values.size for channel in channels)
@@ -331,7 +334,7 @@ def joined(
 
 
 def as_list(value: Any, name: str, count: int) -> list[str] | None:
-    """Words for each channel, or one for the only one."""
+    """A list with one word for each channel, or from one word for a single channel."""
     if value is None:
         return None
     words = [value] if isinstance(value, str) else list(value)
@@ -344,12 +347,12 @@ def as_list(value: Any, name: str, count: int) -> list[str] | None:
 
 
 def label_of(name: str, unit: str) -> str | None:
-    """What a channel is, by its name, or by its unit if only one quantity has it."""
+    """The quantity of a channel, according to its name, or to its unit if only one quantity has this unit."""
     plain = re.split(r"[\s(\[_:,.-]", name.strip().lower())[0]
     for label, names in NAMES.items():
         if plain in names:
             return label
-    # "in" is a word, too
+    # "in" is also an English word
     last = re.split(r"[\s_]+", name.strip())
     ends = last[-1] if len(last) > 1 and last[-1] != "in" else ""
     stripped = unit.strip().strip("[]()") or ends
@@ -365,7 +368,7 @@ def unit_in(name: str, label: str | None) -> str:
 
 
 def seconds(times: _Array, unit: str) -> _Array:
-    """Times in seconds; a unit of netCDF goes on, as "ms since 2026-01-01"."""
+    """Times in seconds; a unit in netCDF may be followed by a date, as in "ms since 2026-01-01"."""
     plain = unit.strip().strip("[]()").split(" since ")[0].replace("\N{MICRO SIGN}", "u")
     if plain and plain.lower() not in SECONDS:
         raise ParameterError(f"unit of time = {unit!r}: must be one of {', '.join(SECONDS)}")
@@ -373,7 +376,7 @@ def seconds(times: _Array, unit: str) -> _Array:
 
 
 def rate_of(times: _Array) -> tuple[float, float]:
-    """Sampling rate and first time of regular samples."""
+    """Sampling rate and first time of evenly spaced samples."""
     if times.ndim != 1 or times.size < 2:
         raise ParameterError(f"time of shape {times.shape}: must be one list of at least 2 numbers")
     if not np.isfinite(times).all():
@@ -384,7 +387,7 @@ def rate_of(times: _Array) -> tuple[float, float]:
     if not step > 0:
         raise ParameterError(f"time from {times[0]:g} to {times[-1]:g}: must increase")
     off = abs(steps - step) > max(REGULAR * step, 4 * np.spacing(abs(times).max()))
-    # digits of a text round times
+    # times in a text are rounded
     if (
         off.any()
         and np.max(
@@ -413,12 +416,12 @@ def read_csv(path: Path) -> Content:
     ]
     if not lines:
         raise ParameterError("no rows: must have samples")
-    # the last line has no header, whose names may hold blanks
+    # the width follows from the last line, since names in a header may contain blanks
     separator = next((mark for mark in (";", "\t", ",") if mark in lines[-1]), None)
     one = separator is None and len(lines[-1].split()) == 1
 
     def cells(line: str) -> list[str]:
-        """The values of a row."""
+        """The cells of a row."""
         return [cell.strip().strip('"') for cell in ([line] if one else line.split(separator))]
 
     first = cells(lines[0])
@@ -450,7 +453,7 @@ def number(text: str) -> float | None:
     """The number in a cell, NaN in an empty one; None for other text."""
     if text == "":
         return math.nan
-    if "_" in text or not text.isascii():  # which only Python reads as numbers
+    if "_" in text or not text.isascii():  # only Python accepts underscores in numbers
         return None
     try:
         return float(text)
@@ -459,7 +462,7 @@ def number(text: str) -> float | None:
 
 
 def read_wav(path: Path) -> Content:
-    """Sound; whole numbers become parts of their full scale."""
+    """Read a sound file; integers become fractions of their full scale."""
     rate, data = libraries.scipy("io.wavfile", "sound").read(path)
     values = np.atleast_2d(data.T).astype(np.float64)
     if data.dtype.kind == "u":
@@ -478,7 +481,7 @@ def read_wav(path: Path) -> Content:
 
 
 def read_mat(path: Path) -> Content:
-    """Variables of a MATLAB file, or the fields of its one struct."""
+    """Read variables of a MATLAB file, or the fields of its only struct."""
     found = read_variables(path)
     if len(found) == 1:
         (only,) = found.values()
@@ -511,7 +514,7 @@ def read_netcdf(path: Path) -> Content:
     """Variables along one dimension, with the attribute `units`."""
     need_netcdf()
     h5py = need("h5py")
-    if h5py.is_hdf5(path):  # the older format is not packed
+    if h5py.is_hdf5(path):  # the older format is not compressed
         with h5py.File(path, "r") as data:
             lists = [
                 item for item in data.values() if isinstance(item, h5py.Dataset) and item.ndim == 1

@@ -1,5 +1,4 @@
-"""Steps from a sampled record to the impacts in it: the load, the harmonics, the picked impacts and their
-pattern."""
+"""Steps from a sampled record to its impacts: the load, the harmonics, the picked impacts and their pattern."""
 
 from __future__ import annotations
 
@@ -14,37 +13,38 @@ from ..base.libraries import scipy
 
 _Array = NDArray[np.float64]
 _Complex = NDArray[np.complex128]
-#: Lower edge of the band in which impacts are spikes, over the bandwidth of the sensor.
+#: Lower edge of the band in which impacts are spikes, relative to the bandwidth of the sensor.
 EDGE = 0.4
-#: A sample is a spike above so many standard deviations of the noise, this share of the large ones, and
-#: this share of the largest one beside it; distances, in periods of the lower edge, of two spikes and of "beside".
+#: A sample is a spike above this number of standard deviations of the noise, this share of the large spikes, and
+#: this share of the largest neighbouring one; smallest distance of two spikes and range of neighbours, in periods
+#: of the lower edge.
 LIMIT, SHARE, OWN, APART, SPREAD_OF_SPIKES = 8.0, 0.03, 0.4, 0.8, 3.0
-#: Seconds over which samples are averaged where the bandwidth is not known.
+#: Seconds over which samples are averaged if the bandwidth is not known.
 SHORT = 2e-4
-#: Largest number of load cycles in a period, and the greatest difference of phases, in cycles, of one impact.
+#: Largest number of load cycles in a period, and largest difference of phases of one impact, in cycles.
 MOST_CYCLES, SAME = 8, 0.02
 #: Largest ratio of the intervals of impacts that accumulate, one after the other.
 SHRINKING = 0.9
-#: Least share of the accumulations that a rest follows, in a record with rests.
+#: Smallest share of accumulations followed by a rest, in a record with rests.
 RESTING = 0.3
-#: Share of the impacts that repeat in a periodic record.
+#: Smallest share of repeating impacts in a periodic record.
 REPEATED = 0.9
 #: Least number of periods in a record; parts of a load cycle whose means are compared; standard deviations by
 #: which the scatter of a part without impacts may be larger; scatter beyond which a sample is left out; ratio of
 #: scatters that are alike; largest scatter of a periodic record over its power; blocks of a record that are
 #: compared.
 BLOCKS = 8
-#: Parts of a load cycle over which noise is summed.
+#: Number of parts of a load cycle over which noise is summed.
 WIDE = 16
-#: Load cycles at the start of a record in which its filters settle.
+#: Load cycles at the start of a record during which its filters settle.
 SETTLED = 2
 LEAST_PERIODS, PARTS, QUIET, ODD, ALIKE, UNREPEATED = 10, 64, 5.0, 4.0, 1.1, 0.05
 #: Least number of picked impacts in a load cycle of a record with impacts.
 LEAST_PICKS = 0.1
-#: Places of the spectrum on either side of a harmonic that tell its error.
+#: Spectral lines on either side of a harmonic from which its error is estimated.
 BESIDE = 5
-#: What harmonics leave of an acceleration without impacts, over its white noise; and what counts as nothing, over
-#: the whole.
+#: Largest residual of harmonics for an acceleration without impacts, relative to its white noise; and relative to
+#: the whole signal.
 NOISY, SMOOTH = 1.2, 1e-3
 
 
@@ -56,11 +56,11 @@ class Tones(NamedTuple):
     values: _Complex
     #: (count + 1) Standard errors of their real and of their imaginary parts.
     errors: _Array
-    #: What the frequency is off by, by the same least squares.
+    #: The error of the frequency, from the same least-squares fit.
     off: float
 
     def at(self, t: _Array) -> _Array:
-        """The sum at some times."""
+        """The signal at given times."""
         total = np.zeros(t.size)
         for n, value in enumerate(self.values):
             total += (value * np.exp(1j * n * self.omega * t)).real
@@ -73,7 +73,8 @@ def centred(n: int, rate: float) -> _Array:
 
 
 def whole_periods(n: int, rate: float, omega: float, most: int) -> NDArray[np.int64]:
-    """The ends of blocks of a whole number of periods each, at most so many, in the middle of a record."""
+    """The ends of at most a given number of blocks, each of a whole number of periods, in the middle of a
+    record."""
     period = 2 * math.pi / omega * rate
     each = max(1, math.ceil(n / period / most))
     blocks = math.floor(n / period / each)
@@ -83,7 +84,8 @@ def whole_periods(n: int, rate: float, omega: float, most: int) -> NDArray[np.in
 
 
 def tones(values: _Array, rate: float, omega: float, count: int) -> Tones:
-    """The harmonics of a frequency by least squares, and their errors by what is left beside each."""
+    """The harmonics of a frequency by least squares, and their errors from the residual spectrum beside each of
+    them."""
     edges = whole_periods(values.size, rate, omega, values.size)
     periods = edges.size - 1
     if periods < 3:
@@ -94,7 +96,8 @@ def tones(values: _Array, rate: float, omega: float, count: int) -> Tones:
     t = centred(values.size, rate)[edges[0] : edges[-1]]
     middle = 0.5 * (t[0] + t[-1])
     orders = np.arange(count + 1)
-    # exp(i k omega t) as a product: of the first sample of each row of a table, and of the place in a row
+    # exp(i k omega t) as a product of the value at the first sample of a row of a table and that at the position
+    # in the row
     length = math.ceil(math.sqrt(t.size))
     rows = np.zeros((math.ceil(t.size / length), length))
     rows.flat[: t.size] = values[edges[0] : edges[-1]]
@@ -108,7 +111,7 @@ def tones(values: _Array, rate: float, omega: float, count: int) -> Tones:
     rest = (rows - ((starts * found) @ within).real).ravel()[: t.size]
     by_omega = ((starts * (1j * orders * found)) @ within).real.ravel()[: t.size] * (t - middle)
     off = float(by_omega @ rest / max(float(by_omega @ by_omega), 1e-300))
-    # the spectrum of the rest, in which harmonic n is at place n periods
+    # the spectrum of the residual, in which harmonic n is at index n periods
     size = abs(np.fft.rfft(rest)) ** 2
     beside = np.arange(1, max(2, min(BESIDE, periods // 3)) + 1)
     places = np.clip(orders[:, None] * periods + np.append(-beside, beside), 1, size.size - 1)
@@ -128,7 +131,7 @@ def kernel(orders: Any, n: int, step: float) -> _Array:
 
 
 def load_frequency(values: _Array, rate: float, near: float | None = None) -> float:
-    """The frequency (radians a second) of the strongest sine of a signal, or of that near a given one."""
+    """The frequency (radians per second) of the strongest sine of a signal, or of that near a given frequency."""
     n = values.size
     window = np.hanning(n)
     spectrum = abs(np.fft.rfft((values - values.mean()) * window))
@@ -150,7 +153,7 @@ def load_frequency(values: _Array, rate: float, near: float | None = None) -> fl
     a, b, c = np.log(np.maximum(spectrum[k - 1 : k + 2], 1e-300))
     omega = 2 * math.pi * rate / n * (k + 0.5 * (a - c) / (a - 2 * b + c))
     t = centred(n, rate)
-    # the slope of the phase from block to block is what the frequency is off by
+    # the slope of the phase from block to block is the error of the frequency
     for _ in range(3):
         edges = whole_periods(n, rate, omega, 16)
         if edges.size < 4:
@@ -165,10 +168,10 @@ def load_frequency(values: _Array, rate: float, near: float | None = None) -> fl
 def spikes(
     values: _Array, rate: float, omega: float, bandwidth: float | None
 ) -> tuple[_Array, _Array]:
-    """Times (0 in the middle) and signs of the spikes of an acceleration, about as exact as a sample.
+    """Times (0 in the middle) and signs of the spikes of an acceleration, accurate to about one sample.
 
-    A high-pass at some share of the bandwidth takes load, motion and most of the ringing away. Where the bandwidth
-    is not known, contacts may be as long as many samples: then spikes of means over some of them are looked for.
+    A high-pass filter at a share of the bandwidth removes load, motion and most of the ringing. If the bandwidth
+    is not known, contacts may last for many samples: then spikes in means over several samples are looked for.
     """
     signal = scipy("signal", "the picking of impacts")
     each = 1 if bandwidth else max(1, round(rate * SHORT))
@@ -185,14 +188,14 @@ def spikes(
     largest = float(np.median(np.sort(size)[-max(3, size.size // 2000) :]))
     apart = max(2, round(APART * rate / edge))
     peaks, _ = signal.find_peaks(size, height=max(LIMIT * noise, SHARE * largest), distance=apart)
-    # the filter spreads a spike over some of its periods
+    # the filter spreads a spike over a few of its periods
     wide = round(SPREAD_OF_SPIKES * rate / edge)
     kept = [i for i in peaks if size[i] >= OWN * size[max(0, i - wide) : i + wide + 1].max()]
     return centred(values.size, rate)[kept], np.sign(left[kept])
 
 
 class Rhythm(NamedTuple):
-    """What the impacts of a record do."""
+    """The behaviour of the impacts of a record."""
 
     status: str
     #: Load cycles in a period, 0 if there is none.
@@ -203,14 +206,14 @@ class Rhythm(NamedTuple):
 
 
 def no_rhythm(status: str) -> Rhythm:
-    """That of a record without a pattern."""
+    """The behaviour of the impacts of a record without a pattern."""
     return Rhythm(status, 0, np.empty(0), np.empty(0))
 
 
 class Repetition(NamedTuple):
-    """What a signal repeats: after how many load cycles (0: never), the scatter of a sample about it, by how
-    much the noise is stronger at low frequencies, and how much more than by it the parts of the record differ,
-    both as ratios of variances."""
+    """The periodicity of a signal: the number of load cycles of a period (0: not periodic), the scatter of a
+    sample about the periodic mean, the factor by which the noise is stronger at low frequencies, and the factor by
+    which parts of the record differ beyond that, both as ratios of variances."""
 
     cycles: int
     noise: float
@@ -219,12 +222,12 @@ class Repetition(NamedTuple):
 
 
 def period_of(values: _Array, rate: float, omega: float) -> Repetition:
-    """After how many load cycles a signal repeats, and its scatter.
+    """The number of load cycles after which a signal repeats, and its scatter.
 
-    It is the least k that no other number of cycles rejects, at a confidence of seven standard deviations: what
-    the mean over periods of k cycles leaves has no mean over periods of others that its scatter does not
-    explain. Where all are rejected, as by noise that is not white, it is the least k whose scatter is about the
-    least of all.
+    It is the smallest k that no other number of cycles rejects, at a confidence of seven standard deviations: the
+    residual of the mean over periods of k cycles has no mean over other periods that its scatter does not explain.
+    If all are rejected, as by noise that is not white, it is the smallest k whose scatter is close to the smallest
+    one.
     """
     turns = omega / (2 * math.pi) * centred(values.size, rate)
     most = most_cycles(turns[-1] - turns[0])
@@ -268,28 +271,28 @@ def white_noise(values: _Array) -> float:
 
 
 def is_smooth(values: _Array, rate: float, omega: float, count: int) -> bool:
-    """Whether a few harmonics of the load describe an acceleration to its white noise, or to a thousandth.
+    """Whether a few harmonics of the load describe an acceleration to within its white noise, or to a thousandth.
 
-    Impacts would have left all harmonics."""
+    Impacts would add all harmonics."""
     left = values - tones(values, rate, omega, count).at(centred(values.size, rate))
     return float(np.std(left)) < max(NOISY * white_noise(values), SMOOTH * float(np.std(values)))
 
 
 def most_cycles(span: float) -> int:
-    """Largest number of load cycles in a period of a record of so many cycles."""
+    """Largest number of load cycles in a period, for a record of a given number of cycles."""
     return max(1, min(MOST_CYCLES, int(span) // LEAST_PERIODS))
 
 
 def unrepeated(values: _Array, phases: _Array, k: int) -> _Array:
-    """What a cubic through the samples of each part of a period leaves of a signal; phases in load cycles from 0
-    to k."""
+    """The residual of a signal after fitting a cubic to the samples of each part of a period; phases in load
+    cycles from 0 to k."""
     count = 512 * k
     while True:
         place = np.minimum((phases / k * count).astype(np.int64), count - 1)
         if np.bincount(place, minlength=count).min() >= 12 or count <= 64 * k:
             break
         count //= 2
-    # powers of the place within a part, from -1 to 1
+    # powers of the position within a part, from -1 to 1
     within = 2 * (phases / k * count - place) - 1
     powers = [np.ones(values.size)]
     for _ in range(6):
@@ -299,7 +302,7 @@ def unrepeated(values: _Array, phases: _Array, k: int) -> _Array:
     matrix = np.stack(
         [np.stack([sums[i + j] for j in range(4)], axis=-1) for i in range(4)], axis=-2
     )
-    # samples that are all at one place tell no slope
+    # samples at a single position do not determine a slope
     matrix += np.diag([1e-9, 1e-6, 1e-6, 1e-6]) * (1 + sums[0][:, None, None])
     found = np.linalg.solve(matrix, right[..., None])[..., 0]
     off = values - sum(found[place, j] * powers[j] for j in range(4))
@@ -310,7 +313,8 @@ def unrepeated(values: _Array, phases: _Array, k: int) -> _Array:
 
 
 def colour_of(off: _Array, group: NDArray[np.int64]) -> float:
-    """Variance of sums of neighbouring samples over that of as many independent ones; 1 of white noise."""
+    """Variance of sums of neighbouring samples, relative to that of as many independent ones; 1 for white
+    noise."""
     numbers = np.bincount(group)
     sums = np.bincount(group, off)
     used = numbers > 0
@@ -320,9 +324,10 @@ def colour_of(off: _Array, group: NDArray[np.int64]) -> float:
 def excess(
     off: _Array, part: NDArray[np.int64], turn: NDArray[np.int64], count: int, colour: float
 ) -> float:
-    """Variance of the means of parts in so many groups of cycles, over that of their scatter.
+    """Variance of the means of parts in a given number of groups of cycles, relative to that expected from their
+    scatter.
 
-    It is 1 if it is not above it at a confidence of seven standard deviations.
+    It is 1 if it does not exceed 1 at a confidence of seven standard deviations.
     """
     group = part + PARTS * turn
     numbers = np.bincount(group, minlength=PARTS * count)
@@ -337,8 +342,8 @@ def excess(
 
 
 def rhythm(cycles: _Array, signs: _Array, span: float, k: int) -> Rhythm:
-    """The pattern of impacts at some times, in load cycles, within a record of so many cycles that repeats "
-    "after k."""
+    """The pattern of impacts at given times, in load cycles, within a record of a given number of cycles that
+    repeats " "after k."""
     if cycles.size < LEAST_PICKS * span:
         return no_rhythm("no impacts")
     run = accumulates(cycles, signs)
@@ -350,7 +355,7 @@ def rhythm(cycles: _Array, signs: _Array, span: float, k: int) -> Rhythm:
 
 
 def repeated(cycles: _Array, signs: _Array, span: float) -> int:
-    """Load cycles after which impacts repeat; 0 if they do not."""
+    """Number of load cycles after which impacts repeat; 0 if they do not."""
     for k in range(1, min(MOST_CYCLES, int(span / 3)) + 1):
         phases, their_signs = folded(cycles, signs, k, span)
         if phases.size < 2:
@@ -369,7 +374,7 @@ def folded(cycles: _Array, signs: _Array, k: int, span: float) -> tuple[_Array, 
         own = np.sort(cycles[signs == sign] % k)
         if not own.size:
             continue
-        # begin behind the largest gap, so that no group lies across 0
+        # begin after the largest gap, so that no group extends across 0
         gaps = np.diff(np.concatenate([own, own[:1] + k]))
         first = (int(np.argmax(gaps)) + 1) % own.size
         own = np.concatenate([own[first:], own[:first] + k])
@@ -383,7 +388,7 @@ def folded(cycles: _Array, signs: _Array, k: int, span: float) -> tuple[_Array, 
 
 def accumulates(cycles: _Array, signs: _Array) -> str:
     """Whether impacts on one wall follow each other at intervals that shrink like a geometric series, and what
-    follows: "rest" where the next impact comes long after the series would have ended, else "accumulation"."""
+    follows: "rest" if the next impact comes long after the series would have ended, otherwise "accumulation"."""
     ends = [*np.flatnonzero(np.diff(signs) != 0) + 1, cycles.size]
     found = []
     first = 0

@@ -1,4 +1,4 @@
-"""The stages of a fit: each record by itself, then all at once, then with a law of restitution."""
+"""The stages of a fit: each record separately, then all together, then with a law of restitution."""
 
 from __future__ import annotations
 
@@ -24,17 +24,19 @@ from .start import start_of, start_of_phases, start_of_times
 from .steps import Step, cycles_of, flown, flown_apart, ordered, silent
 
 _Array = NDArray[np.float64]
-#: Standard errors between an impact of the fitted motion and one of the flights, above which a fit is doubtful.
+#: Distance between an impact of the fitted motion and that of the flights, in standard errors, above which a fit
+#: is doubtful.
 FAR = 5.0
-#: Damping ratios with which a fit that stopped short is begun again.
+#: Damping ratios with which a fit that failed is repeated.
 STARTS = (0.003, 0.01, 0.02, 0.04)
-#: Jumps of the velocity below so many errors may be on the other wall; most such impacts that are tried.
+#: Jumps of the velocity below this number of errors may be on the other wall; largest number of such impacts that
+#: are tried.
 UNCLEAR, MOST_UNCLEAR = 4.0, 3
 #: Coefficients of restitution with which the linear equations are tried.
 TRIED = (0.7, 0.6, 0.85)
-#: Largest ratio of two load amplitudes that should be the same.
+#: Largest ratio of two load amplitudes that should be equal.
 LARGEST_RATIO = 1.5
-#: What a wrong unit changes a record by, for the message.
+#: Factors by which a wrong unit changes a record, for the message.
 FACTORS = {
     9.80665: "g for m/s^2",
     1000.0: "a milli- or kilo-unit",
@@ -49,7 +51,7 @@ def fitted(
     law: Law, law_speed: float | None,
 ) -> tuple[Fit, Law]:  # fmt: skip
     """The fit of exact motions to all records, and the law of restitution with its reference speed and knots."""
-    # constants first: what is known of a law does not hold for them
+    # constants first: known parameters of a law do not apply to them
     constant = {
         name: value for name, value in shared.items()
         if law.kind == "constant" or name not in ("R1", "R2", *KNOWN_OF_LAW)
@@ -58,8 +60,8 @@ def fitted(
     found: list[Measured] = []
     single: list[Fit] = []
     for step in steps:
-        # each record by itself, with a coefficient of each impact if they follow a law, and then all from what
-        # these tell together
+        # first each record separately, with a coefficient for each impact if there is a law; then all records,
+        # starting from the combined results
         rough = law.kind != "constant" or len(steps) > 1
         single.append(alone(step, scale, constant, guess, law, rough))
         assert step.data is not None
@@ -82,7 +84,7 @@ def fitted(
         law, of_law = start_of_law(single, found, law, shared, law_speed)
         middle |= of_law
     if law.kind == "knees":
-        # through one knee of both walls
+        # by way of one knee for both walls
         alike = replace(law, kind="knee")
         begin = middle | {name: middle[name + "1"] for name in ("exponent", "knee")}
         known = {name: value for name, value in shared.items() if name not in KNOWN_OF_LAW}
@@ -92,7 +94,7 @@ def fitted(
             name: shared.get(name, one.values[name.rstrip("12") if name[0] != "R" else name])
             for name in law.shared
         }
-    # from what all tell together, and then from what one of them tells
+    # start from the combined results of all records, then from the results of single records
     starts = [middle]
     if law.kind == "constant":
         starts += [middle | {name: one.values[name] for name in law.shared} for one in single]
@@ -115,9 +117,9 @@ def alone(
 ) -> Fit:  # fmt: skip
     """The fit to one record.
 
-    Near a fold or a pitchfork, where exact motions cease to be, a fit may stop short of what the flights alone
-    say. It is then begun again with other damping ratios, with which the linear equations for the start give other
-    parameters.
+    Near a fold or a pitchfork, beyond which no exact motion exists, a fit may stop before it reaches the values
+    from the flights alone. It is then repeated with other damping ratios, for which the linear equations give
+    other starting parameters.
     """
     M, K = scale.get("M"), scale.get("K")
     best: Fit | None = None
@@ -138,7 +140,7 @@ def alone(
             continue
         if best is None or max(found.misfits) < max(best.misfits):
             best = found
-        # that the rig changed during the record is not the fit's
+        # a change of the rig during the record is not an error of the fit
         if max(best.misfits) < DOUBTFUL * step.data.drift:
             return best
     if best is None and step.free is not None and step.free.misfit < DOUBTFUL:
@@ -154,10 +156,10 @@ def from_phases(
     step: Step, data: Measured, scale: Mapping[str, float], constant: dict[str, float],
     guess: Mapping[str, float], law: Law, rough: bool,
 ) -> Fit | None:  # fmt: skip
-    """The fit to a record where Newton's method fails, or goes elsewhere, from what the flights give.
+    """The fit to a record for which Newton's method fails, or finds another motion, if it starts from the flights.
 
-    Each start is by the linear equations for the phases of the impacts, which need no guess, with several damping
-    ratios and coefficients of restitution; None if none leads to a motion.
+    Each start uses the linear equations for the phases of the impacts, which need no guess, with several damping
+    ratios and coefficients of restitution. The result is None if none leads to a motion.
     """
     assert step.free is not None
     own = law if law.kind == "constant" else Law("impacts", data.angles.size)
@@ -178,10 +180,10 @@ def halved(
     steps: Sequence[Step], found: Fit, law: Law, scale: Mapping[str, float], shared: dict[str, float],
     guess: dict[str, float],
 ) -> tuple[list[Step], Fit] | None:  # fmt: skip
-    """The fit of motions of half the period, begun from one of the whole period; None if there is none.
+    """The fit of motions of half the period, started from a motion of the whole period; None if there is none.
 
-    Twice the period has more freedom, so that a fit may get there where another one does not. The shorter period
-    is that of the record if it describes it as well.
+    A fit with twice the period has more freedom and may succeed where the other fails. If the shorter period
+    describes the record equally well, it is the right one.
     """
     others = [copy(step) for step in steps]
     try:
@@ -196,7 +198,7 @@ def halved(
             return None
         M, K = scale.get("M"), scale.get("K")
         near = [first_half(motion, one) for motion, one in zip(found.motions, data, strict=True)]
-        # where it ends at a fold, at which motions cease to be, it does not converge
+        # it does not converge if it ends at a fold, beyond which no motion exists
         half = fit(
             data, shared, found.values, found.lengths, found.phases, M, K, law, near, rough=True
         )
@@ -216,10 +218,11 @@ def identified_by(
     steps: list[Step], scale: Mapping[str, float], shared: dict[str, float], guess: dict[str, float],
     law: Law, law_speed: float | None, progress: Callable[[float, str], None] | None = None,
 ) -> tuple[list[Step], Fit | None, Law]:  # fmt: skip
-    """The steps with their flights and the fit of exact motions, or where records have none, of single flights.
+    """The steps with their flights and the fit of exact motions or, for records that have none, of single flights.
 
-    Where there is no exact motion the weakest impact may be none, or the motion not quite periodic, or the period
-    twice as long. `progress` is told the share of what may be tried, most of which seldom is.
+    If there is no exact motion, the weakest impact may not be an impact, or the motion may not be quite periodic,
+    or the period may be twice as long. `progress` receives the share of all possible attempts, most of which are
+    seldom needed.
     """
     given = scale, shared, guess, law, law_speed
     told(steps, progress, 0, 6)
@@ -230,7 +233,7 @@ def identified_by(
     single: tuple[list[Step], Fit | None, Law] | None = None
     attempts = ["as it is", "other walls", "fewer", "exactly", "apart", "twice"]
     if len(steps) == 1 and steps[0].restless:
-        # what almost repeats is sooner found by single flights, and little else is tried
+        # an almost periodic record is found sooner by single flights, so little else is tried
         single = apart(steps, *given)
         if clear(single[1]) and not again(single[0][0]):
             return because(single, "its scatter from period to period is more than its noise")
@@ -292,7 +295,7 @@ def identified_by(
             if len(steps) == 1 and single is not None and aperiodic():
                 return because(single, str(failed))
             continue
-        # what only another pattern makes possible has to be good
+        # a fit that only another pattern makes possible must be good
         if failed is not None and max(found.misfits) > DOUBTFUL:
             continue
         if attempt == "twice":
@@ -308,14 +311,14 @@ def identified_by(
     assert failed is not None
     if described or any(step.record is None for step in steps):
         raise failed
-    # no flights that repeat describe it
+    # no periodic flights describe it
     return because(single or apart(steps, *given), str(failed))
 
 
 def told(
     steps: Sequence[Step], progress: Callable[[float, str], None] | None, begin: int, parts: int
 ) -> None:
-    """Let the flights of the records report to `progress`, as one of so many parts of the work."""
+    """Let the flights of the records report to `progress`, as one of several parts of the work."""
     if progress is None:
         return
     for i, step in enumerate(steps):
@@ -325,12 +328,12 @@ def told(
 def part_of(
     progress: Callable[[float, str], None], begin: float, size: float, parts: int, share: float, note: str
 ) -> None:  # fmt: skip
-    """Report a share of a part of the work."""
+    """Report the progress of a part of the work."""
     progress((begin + size * share) / parts, note)
 
 
 def hopeless(step: Step) -> bool:
-    """Whether no flights that repeat were found that are near a record."""
+    """Whether no periodic flights were found that describe a record even roughly."""
     known = [free.misfit for free, _ in step.known_flights.values()]
     return bool(known) and min(known) > HOPELESS
 
@@ -338,7 +341,8 @@ def hopeless(step: Step) -> bool:
 def on_other_walls(
     step: Step, scale: Mapping[str, float], constant: dict[str, float], guess: Mapping[str, float], law: Law
 ) -> Fit:  # fmt: skip
-    """The fit to a record some of whose impacts are on another wall than the sign of an unclear jump says."""
+    """The fit to a record in which some impacts are on the wall opposite to the one that the sign of an unclear
+    jump suggests."""
     data, best = step.data, None
     assert data is not None
     clear_by = abs(data.jumps) / data.jump_errors
@@ -358,14 +362,14 @@ def on_other_walls(
 
 
 def several(step: Step) -> bool:
-    """Whether more impacts are picked in a record than noise may look like."""
+    """Whether more impacts are picked in a record than noise could produce."""
     return step.record is not None and (
         step.times.size >= LEAST_PICKS * cycles_of(step.record, step.Omega)
     )
 
 
 def again(step: Step) -> bool:
-    """Whether the impacts of single flights repeat, within what a period is told by."""
+    """Whether the impacts of single flights repeat, within the tolerance for a period."""
     assert step.record is not None
     turn = step.Omega / (2 * math.pi)
     own = step.resolved
@@ -381,7 +385,7 @@ def clear(found: Fit | None) -> bool:
 def because(
     single: tuple[list[Step], Fit | None, Law], why: str
 ) -> tuple[list[Step], Fit | None, Law]:
-    """The fit to single flights of a record that seemed to be periodic, with what tells against that."""
+    """The fit to single flights of a record that seemed to be periodic, with the reasons against that."""
     for step in single[0]:
         step.notes.insert(
             0,
@@ -392,7 +396,7 @@ def because(
 
 
 def far_off(steps: Sequence[Step], found: Fit) -> bool:
-    """Whether an impact of a fitted motion is not where the flights alone have it."""
+    """Whether an impact of a fitted motion is far from its time in the flights alone."""
     return any(
         step.data is not None and bool((distances(step.data, motion) > FAR).any())
         for step, motion in zip(steps, found.motions, strict=True)
@@ -400,7 +404,7 @@ def far_off(steps: Sequence[Step], found: Fit) -> bool:
 
 
 def distances(data: Measured, motion: Impacting) -> _Array:
-    """Between impacts of a fitted motion and those of the flights alone, in standard errors of these."""
+    """Distances between impacts of a fitted motion and of the flights alone, in standard errors of the latter."""
     away: _Array = np.abs(motion.angles - data.angles) / data.angle_errors
     return away
 
@@ -409,7 +413,7 @@ def apart(
     steps: list[Step], scale: Mapping[str, float], shared: dict[str, float], guess: dict[str, float], law: Law,
     law_speed: float | None,
 ) -> tuple[list[Step], Fit | None, Law]:  # fmt: skip
-    """The parameters from the single flights of a record that is not periodic, if they tell them."""
+    """The parameters from the single flights of a record that is not periodic, if they determine them."""
     steps = [not_periodic(step) for step in steps]
     step = steps[0]
     if len(steps) > 1 or step.apart is None:
@@ -424,7 +428,7 @@ def apart(
         found, law, lawful = by_laws(step.windows, flights, shared, guess, law, law_speed)
     except (SingularError, np.linalg.LinAlgError) as error:
         step.notes.append(f"impacts give no parameters: {error}")
-        # beside rests, in which the masses are one, short flights may be none
+        # next to rests, in which the masses move together, short flights may be missing
         clean = flights.resolved.sum() >= max(LEAST_IMPACTS, 0.5 * flights.times.size)
         return steps, by_flights(step.windows, flights, shared, law) if clean else None, law
     step.notes.append(
@@ -435,7 +439,7 @@ def apart(
 
 
 def not_periodic(step: Step) -> Step:
-    """A step whose record is not taken as periodic."""
+    """A step whose record does not count as periodic."""
     other = copy(step)
     other.data, other.notes = None, [*step.notes]
     return other
@@ -444,7 +448,7 @@ def not_periodic(step: Step) -> Step:
 def with_other_loads(
     steps: list[Step], scale: Mapping[str, float], shared: dict[str, float], guess: dict[str, float]
 ) -> None:
-    """An error if records that are not fitted would be with a load of another sign or size."""
+    """Raises an error if records that could not be fitted could be with a load of another sign or size."""
     for turned in (True, False):
         others = [copy(step) for step in steps]
         try:
@@ -474,7 +478,7 @@ def with_other_loads(
 
 
 def units_agree(step: Step, force: float) -> None:
-    """An error if the load by its channel is not about the load by the motion."""
+    """Raises an error if the load of its channel differs much from the load implied by the motion."""
     assert step.data is not None
     assert step.data.F0 is not None
     ratio = step.data.F0 / force
@@ -494,11 +498,12 @@ def start_of_law(
     single: Sequence[Fit], found: Sequence[Measured], law: Law, known: Mapping[str, float],
     speed: float | None,
 ) -> tuple[Law, dict[str, float]]:  # fmt: skip
-    """The law at the speeds of the impacts, and its parameters by a power law through their coefficients."""
+    """The law at the speeds of the impacts, and its initial parameters from a power law through their
+    coefficients."""
     v = np.concatenate([one.motions[0].speeds for one in single])
     left = np.concatenate([data.pattern.signs for data in found]) < 0
     law = law.about([v[~left], v[left]], speed)
-    # log R = level - exponent log(v/v0); impacts of nearly the same speed tell no exponent
+    # log R = level - exponent log(v/v0); impacts of nearly equal speeds do not determine the exponent
     x = np.log(v / law.v0)
     one_exponent = law.kind == law.shape
     columns = [~left, left, *([-x] if one_exponent else [-x * ~left, -x * left])]
@@ -515,7 +520,7 @@ def start_of_law(
 
 
 def errors_of(one: Fit) -> _Array:
-    """Standard errors of the logarithms of the coefficients of the impacts of a record, 0.02 at the least."""
+    """Standard errors of the logarithms of the coefficients of the impacts of a record, at least 0.02."""
     places = [one.names.index(name) for name in Law("impacts", one.motions[0].angles.size).names]
     errors = np.sqrt(np.diag(one.covariance)[places]) / one.motions[0].restitution
     vague = [one.names[place] in one.undetermined for place in places]

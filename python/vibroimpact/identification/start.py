@@ -1,4 +1,4 @@
-"""Where a fit starts: parameters by linear equations, and a motion near the picked impacts."""
+"""The start of a fit: parameters from linear equations, and a motion near the picked impacts."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .steps import Step
 def start_of(
     step: Step, known: dict[str, float], guess: dict[str, float]
 ) -> tuple[dict[str, float], float, float]:
-    """Parameters to start from, by linear equations: the shared ones, F0/K, and the load phase."""
+    """Initial parameters from linear equations: the shared ones, F0/K, and the load phase."""
     free, data = step.free, step.data
     assert free is not None
     assert data is not None
@@ -80,10 +80,11 @@ def start_of(
 def start_of_phases(
     data: Measured, known: Mapping[str, float], values: Mapping[str, float], static: float
 ) -> tuple[dict[str, float], float, float, Impacting]:
-    """d, F0/K and load phase by the linear equations (26) and (30) for the phases of the impacts, and the motion.
+    """d, F0/K and load phase from the linear equations (26) and (30) for the phases of the impacts, and the
+    motion.
 
-    With these phases given, the equations need no guess, and Newton's method starts where they are fulfilled,
-    though not by the load that was measured.
+    For given phases the equations need no guess. Newton's method then starts from their solution, although its
+    load differs from the measured one.
     """
     osc = Oscillator(xi=values["xi"], mu=values["mu"], restitution=(values["R1"], values["R2"]))
     linear = periodic(osc, data.Omega / values["omega"], data.angles - data.angles[0], data.pattern)
@@ -105,7 +106,7 @@ def start_of_times(
     shared: Mapping[str, float],
     guess: Mapping[str, float],
 ) -> tuple[Measured, dict[str, float], float, float]:
-    """Jumps and parameters to start from, where there are impact times alone: the linear equations tell D."""
+    """Initial jumps and parameters if there are only impact times: the linear equations determine D."""
     values = {**guess, **shared}
     osc = Oscillator(xi=values["xi"], mu=values["mu"], restitution=(values["R1"], values["R2"]))
     linear = periodic(osc, data.Omega / values["omega"], data.angles - data.angles[0], data.pattern)

@@ -1,4 +1,4 @@
-"""What errors of the states of flights add to the information on parameters, which is none."""
+"""The spurious information on parameters that errors of the states of flights seem to add."""
 
 from __future__ import annotations
 
@@ -11,18 +11,20 @@ from ..base.libraries import scipy
 from .coupled import banded
 
 _Array = NDArray[np.float64]
-#: Draws of errors of the states, and share of the information on a direction of the parameters that they add,
-#: above which the states are taken to tell nothing of it: the fit would follow the noise.
+#: Number of random draws of errors of the states, and the share of the information on a direction of the
+#: parameters that comes from them above which the direction counts as undetermined: the fit would follow the
+#: noise.
 DRAWS, MOST_NOISE = 4, 0.15
 
 
-@np.errstate(all="ignore")  # of flights that are none
+@np.errstate(all="ignore")  # for flights that do not exist
 def noise_information(equations: Any, here: _Array, spread: _Array, seed: int) -> _Array:
-    """What errors of the states add to the information on the parameters.
+    """The spurious information that errors of the states add to the information on the parameters.
 
-    The derivatives of the constraints are taken at states with errors, which make them vary from impact to impact
-    also where the states themselves do not, as of a motion that repeats. Errors of the same size, once more, add
-    as much again. They are drawn from what remains of the errors of the states when the constraints are fulfilled.
+    The derivatives of the constraints are evaluated at states with errors, so that they vary from impact to impact
+    even if the true states do not, as for a periodic motion. Adding errors of the same size once more adds the
+    same amount again; this measures the effect. The errors are drawn from the remaining errors of the states under
+    the constraints.
     """
     banded_solve = scipy("linalg", "the fit of impacts").solveh_banded
     random = np.random.default_rng(seed)
@@ -53,10 +55,10 @@ def noise_information(equations: Any, here: _Array, spread: _Array, seed: int) -
 
 
 def without_noise(information: _Array, of_noise: _Array) -> _Array:
-    """Derivatives J whose J'J is the information of parameters without that which noise adds.
+    """Derivatives J such that J'J is the information on the parameters without the part that noise adds.
 
-    With information I, of which I - N is that of the states without errors, the covariance of the parameters is
-    (I - N)^-1 I (I - N)^-1. Directions of which noise tells a larger share than MOST_NOISE are not determined.
+    With the information I, of which I - N is that of states without errors, the covariance of the parameters is
+    (I - N)^-1 I (I - N)^-1. Directions for which the share of noise exceeds MOST_NOISE are not determined.
     """
     size, axes = np.linalg.eigh(information)
     size = np.maximum(size, 1e-14 * max(float(size[-1]), 1e-300))

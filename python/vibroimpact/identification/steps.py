@@ -1,4 +1,4 @@
-"""The steps from one record, or from impact times alone, to what is fitted."""
+"""The steps from one record, or from impact times alone, to the data of the fit."""
 
 from __future__ import annotations
 
@@ -48,37 +48,38 @@ from .windows import Flown, Windows, picked
 _Array = NDArray[np.float64]
 #: Least number of load cycles of a record.
 LEAST_CYCLES = 8
-#: Harmonics of the load that are measured, in its own channel and, at most, in that of the motion.
+#: Number of measured harmonics of the load in its own channel, and largest number in the motion channel.
 LOAD_TONES, MOTION_TONES = 12, 90
-#: Samples, and load cycles, during which a channel that works may stay the same.
+#: Samples, and load cycles, for which a working channel may stay constant.
 STUCK, STUCK_CYCLES = 16, 0.05
-#: Error of the load phase of a part of a record, over its standard error and in samples, that is none of noise.
+#: Error of the load phase of a part of a record, relative to its standard error and in samples, that noise does
+#: not explain.
 UNSTEADY, SHIFT = 8.0, 0.2
-#: Time from an impact to its spike, over the inverse of the bandwidth.
+#: Time from an impact to its spike, times the bandwidth.
 RISE = 0.2
-#: Delay (s) that an unknown filter may have, and by which share the delays of filters of one -3 dB frequency
-#: differ: of order 2 it is half that of order 4, of order 8 twice.
+#: Delay (s) that an unknown filter may have, and the relative range of delays of filters with one -3 dB frequency:
+#: order 2 has half the delay of order 4, order 8 twice the delay.
 UNKNOWN_DELAY, DELAY_OF_OTHERS = 2e-3, 0.5
-#: Variance of the parts of a record over that of noise above which the frequency of the load may be off.
+#: Variance of the parts of a record, relative to that of noise, above which the load frequency may be inaccurate.
 SLIPPED = 1.2
-#: Misfit of free flights above which others are looked for; share of it that others may have at the most.
+#: Misfit of free flights above which others are looked for; largest share of this misfit that others may have.
 POOR, LESS = 2.0, 0.5
-#: Scatter from period to period over the noise of samples, or its variance at low frequencies over that of white
-#: noise, above which a motion may not quite repeat, if it is more than a share of the motion.
+#: Scatter from period to period, relative to the noise of samples, or its variance at low frequencies, relative to
+#: that of white noise, above which a motion may not quite repeat, if it exceeds a share of the motion.
 RESTLESS, COLOURED, MUCH = 1.4, 3.0, 0.03
 
 
 def silent(share: float, note: str) -> None:
-    """Tell nobody what share of the work is done, and what is done next."""
+    """A progress function that does nothing."""
 
 
 def unasked() -> bool:
-    """Nothing is known of whether a record repeats nothing."""
+    """A function that says that it is not known whether a record is not periodic."""
     return False
 
 
 class Step:
-    """What one record says, step by step."""
+    """The data from one record, step by step."""
 
     def __init__(self, record: SensorRecord | None, quantity: str) -> None:
         self.record = record
@@ -90,30 +91,31 @@ class Step:
         self.signs: _Array = np.empty(0)
         self.rhythm = no_rhythm("no impacts")
         self.data: Measured | None = None
-        #: The load, and what its flights are one by one, if the record does not repeat.
+        #: The load and, if the record is not periodic, its single flights.
         self.apart: Measured | None = None
         self.windows: Windows | None = None
         #: Flights with impacts of any times and jumps, and the folded record that they describe; scatter of a
         #: sample.
         self.free: FreeFit | None = None
         self.fold: Folded | None = None
-        #: By the load cycles of a period, and whether the sensors are exact; copies of a step share them.
+        #: Flights by the number of load cycles of a period and whether the sensors count as exact; copies of a
+        #: step share them.
         self.known_flights: dict[tuple[int, bool], tuple[FreeFit, Folded]] = {}
         self.noise = math.nan
-        #: Whether the scatter from period to period is more than noise, as of a motion that almost repeats.
+        #: Whether the scatter from period to period exceeds the noise, as for an almost periodic motion.
         self.restless = False
-        #: Which of all picked impacts the flights one by one resolve.
+        #: The picked impacts that the single flights resolve.
         self.resolved: NDArray[np.bool_] = np.empty(0, dtype=bool)
         #: Largest number of load cycles in a period.
         self.most_cycles = 0
-        #: Amplitude of the load by its channel, and its error (N).
+        #: Amplitude of the load from its channel, and its error (N).
         self.F0: float | None = None
         self.F0_error = math.nan
         #: Its error without that of the calibration.
         self.F0_scatter = math.nan
-        #: What is doubtful.
+        #: Doubts about the record.
         self.notes: list[str] = []
-        #: Told what share of the flights is fitted.
+        #: Receives the share of the flights that is fitted.
         self.report: Callable[[float, str], None] = silent
         #: Whether single flights show that the record repeats nothing; asked where flights that repeat are
         #: hopeless.
@@ -124,7 +126,7 @@ def of_record(
     record: SensorRecord, frequency: float | None, scale: Mapping[str, float], i: int, count: int,
     calibration: float = 0.0,
 ) -> Step:  # fmt: skip
-    """The steps before the fit; errors name what is wrong with the record."""
+    """The steps before the fit; errors say what is wrong with the record."""
     where = (record.name and f"{record.name}: ") or (f"record {i + 1}: " if count > 1 else "")
     quantity = next((name for name in MOTIONS if getattr(record, name) is not None), None)
     if quantity is None:
@@ -144,15 +146,15 @@ def of_record(
     near = None if frequency is None else 2 * math.pi * frequency
     force = record.load
     order = MOTIONS[quantity]
-    # as a displacement, in which the load frequency is strongest
+    # converted to a displacement, in which the load frequency is strongest
     source = force if force is not None else smooth(values, rate, order)
     Omega = load_frequency(source, rate, near)
     repetition = (
         period_of(values, rate, Omega) if cycles_of(record, Omega) >= LEAST_CYCLES else None
     )
     if repetition and repetition.cycles and repetition.drift > SLIPPED:
-        # parts of the record may differ because the frequency of the load, which noise blurs, is a little off; the
-        # high harmonics of the motion tell it better
+        # parts of the record may differ because the load frequency is slightly inaccurate due to noise; the high
+        # harmonics of the motion determine it better
         k = repetition.cycles
         better = Omega + k * tones(values, rate, Omega / k, tones_of(rate, Omega, k)).off
         other = period_of(values, rate, better)
@@ -212,14 +214,14 @@ def of_record(
     if force is None and not repeats:
         return step
     if force is None:
-        # the high harmonics tell the frequency better than the first one
+        # the high harmonics determine the frequency better than the first one
         Omega += k * tones(values, rate, Omega / k, tones_of(rate, Omega, k)).off
         step.Omega = Omega
     data = Measured(
         Omega, max(k, 1), order=order, colour=colour, drift=drift, calibration=calibration
     )
     if step.load is not None:
-        # the load as the sensor of the motion shows it: through no low-pass, but as late
+        # the load with the same delay as the motion channel, but without its low-pass
         hertz = np.arange(LOAD_TONES + 1) * Omega / (2 * math.pi)
         through = record.response(quantity, hertz)
         load = step.load.values / record.response("load", hertz) * (through / abs(through))
@@ -227,7 +229,8 @@ def of_record(
         data.phase, data.phase_error = (
             float(np.angle(1j * load[1])), float(step.load.errors[1] / abs(step.load.values[1])),
         )  # fmt: skip
-        # a -3 dB frequency tells the delay of a low-pass only about; alike channels are equally late
+        # a -3 dB frequency determines the delay of a low-pass only approximately; similar channels have equal
+        # delays
         late = UNKNOWN_DELAY
         if bandwidth is not None or quantity in record.delay:
             late = DELAY_OF_OTHERS * abs(record.lowpass_lag(quantity) - record.lowpass_lag("load"))
@@ -266,21 +269,21 @@ def cycles_of(record: SensorRecord, Omega: float) -> float:
 
 
 def tones_of(rate: float, Omega: float, k: int) -> int:
-    """Number of harmonics of a motion of k load cycles that tell its frequency."""
+    """Number of harmonics of a motion of k load cycles from which its frequency is determined."""
     return int(min(0.4 * rate * 2 * math.pi / Omega, MOTION_TONES)) * k
 
 
 def known_of(
     data: Measured, scale: Mapping[str, float], known: Mapping[str, float]
 ) -> tuple[float | None, dict[str, tuple[float, float]], tuple[float, float, float] | None]:
-    """The natural frequency if it is known, what is known of other parameters of flights with its errors, and,
-    with a known mass alone, this mass, the load and its error."""
+    """The natural frequency if it is known; other known parameters of flights with their errors; and, if only the
+    mass is known, this mass, the load and its error."""
     omega = known.get("omega")
     priors: dict[str, tuple[float, float]] = {}
     stiffness = scale.get("K", scale.get("M", math.nan) * (omega or math.nan) ** 2)
     if data.F0 is not None and math.isfinite(stiffness):
         static = data.F0 / stiffness
-        # as the sensor of the motion shows it
+        # as shown by the motion sensor
         error = math.hypot(data.F0_error / stiffness, data.calibration * static)
         priors["static"] = static, max(error, 1e-6 * static)
     if data.phase is not None:
@@ -301,8 +304,8 @@ def flown(
     step: Step, scale: Mapping[str, float], known: Mapping[str, float], guess: Mapping[str, float],
     fewer: bool = False, exactly: bool = False, quick: bool = False,
 ) -> None:  # fmt: skip
-    """The free flights of a record, from which its impacts are known below the sample; perhaps without the
-    weakest, perhaps as if the sensors were exact, from which a fit may start, and perhaps from one start alone."""
+    """The free flights of a record, which give its impact times to better than a sample. Options: without the
+    weakest impact, with sensors taken as exact (as the start of a fit), or from one start only."""
     assert step.data is not None
     record = step.record
     assert record is not None
@@ -312,7 +315,7 @@ def flown(
     flights = flights_of(step, scale, known, guess, exactly)
     free = best_of(step, flights, starts, exactly)
     if free.misfit > POOR and not (exactly or quick):
-        # a load that is known to its calibration alone may lead to other impacts
+        # a load known only to within its calibration may lead to other impacts
         other = flights_of(step, scale, known, guess, True)
         if free.misfit > HOPELESS:
             starts = [flights.begin]
@@ -361,7 +364,7 @@ def flown(
 
 
 def ordered(data: Measured, signs: _Array) -> Measured:
-    """Impacts on walls of some signs, begun where R comes before L, as in `Pattern.standard`."""
+    """Impacts on the walls given by signs, rotated to the standard first impact as in `Pattern.standard`."""
     whole = 2 * math.pi * data.k
     order = np.argsort(data.angles % whole)
     sides = letters_of(signs[order])
@@ -379,7 +382,7 @@ def flights_of(
     step: Step, scale: Mapping[str, float], known: Mapping[str, float], guess: Mapping[str, float],
     exactly: bool,
 ) -> Flights:  # fmt: skip
-    """The folded record whose flights are looked for, perhaps as if the sensors were exact."""
+    """The folded record whose flights are looked for, optionally with sensors taken as exact."""
     data, record = step.data, step.record
     assert data is not None
     assert record is not None
@@ -390,7 +393,7 @@ def flights_of(
 
 
 def best_of(step: Step, flights: Flights, starts: list[_Array], exactly: bool) -> FreeFit:
-    """The best flights of several starts, which copies of the step share."""
+    """The best flights from several starts; copies of the step share them."""
     which = flights.data.k, exactly
     if which in step.known_flights:
         free, flights.fold = step.known_flights[which]
@@ -403,13 +406,13 @@ def best_of(step: Step, flights: Flights, starts: list[_Array], exactly: bool) -
 def flown_apart(
     step: Step, scale: Mapping[str, float], known: Mapping[str, float], guess: Mapping[str, float]
 ) -> Flown:
-    """The flights of a record one by one, from which its impacts are known below the sample."""
+    """The single flights of a record, which give its impact times to better than a sample."""
     data, record = step.apart, step.record
     assert data is not None
     assert record is not None
     values: _Array = getattr(record, step.quantity)
     omega, priors, _ = known_of(data, scale, known)
-    if "xi" in known:  # held, so that the flights tell whether it is right
+    if "xi" in known:  # fixed, so that the flights show whether it is right
         priors["xi"] = known["xi"], 0.0
     t = centred(len(record), record.rate)
     static = priors.get(
@@ -433,7 +436,7 @@ def letters_of(signs: _Array) -> str:
 
 
 def smooth(values: _Array, rate: float, order: int) -> _Array:
-    """About the displacement, of which its derivative of some order was recorded."""
+    """An approximate displacement, from the recorded derivative of a given order."""
     spectrum = np.fft.rfft(values - values.mean())
     w = 2 * math.pi * np.fft.rfftfreq(values.size, 1 / rate)
     w[0] = math.inf
@@ -443,7 +446,7 @@ def smooth(values: _Array, rate: float, order: int) -> _Array:
 
 
 def usable(values: _Array, name: str, most: float | None = None) -> None:
-    """An error if a channel does not vary, or is clipped, as where it reaches its range."""
+    """Raises an error if a channel does not vary, or is clipped, for example because it reaches its range."""
     low, high = float(values.min()), float(values.max())
     if not high > low:
         raise ParameterError(f"{name} = {low:g} in all samples: must vary")
@@ -466,7 +469,8 @@ def usable(values: _Array, name: str, most: float | None = None) -> None:
 
 
 def changing(values: _Array, rate: float, Omega: float, name: str) -> None:
-    """An error if a channel stays the same for longer than samples of few bits do at the peak of a sine."""
+    """Raises an error if a channel stays constant for longer than samples of few bits do at the peak of a
+    sine."""
     ends = np.append(np.flatnonzero(np.diff(values) != 0), values.size - 1)
     runs = np.diff(ends, prepend=-1)
     longest = int(np.argmax(runs))
@@ -500,7 +504,7 @@ def steadiness(force: _Array, rate: float, load: Tones) -> str:
 def order_of_channels(
     force: _Array, values: _Array, load: Tones, Omega: float, rate: float, quantity: str, where: str
 ) -> None:
-    """An error if the load looks like a motion with impacts, and the motion like a load."""
+    """Raises an error if the load looks like a motion with impacts, and the motion like a load."""
 
     def off_sine(channel: _Array, first: complex) -> float:
         power = float(np.var(channel))
@@ -524,7 +528,7 @@ def of_times(
     impact_times: Any, impact_sides: Any, frequency: float | None, load_phase: float | None,
     scale: Mapping[str, float], shared: Mapping[str, float],
 ) -> Step:  # fmt: skip
-    """The steps before the fit, of impact times alone."""
+    """The steps before the fit, from impact times alone."""
     if frequency is None:
         raise ParameterError(
             "frequency = None: must be the load frequency in Hz if impact_times are given"

@@ -1,4 +1,4 @@
-"""Score tests (Lagrange multiplier tests) of what is known and not fitted: do the records contradict it?"""
+"""Score tests (Lagrange multiplier tests) of known values that are not fitted: do the records contradict them?"""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ WEAK = 1 / 3
 
 
 class Strain(NamedTuple):
-    """A difference between what is known and what the records say of it, in standard errors and as it is."""
+    """A difference between a known value and the value that the records imply, in standard errors and in its own
+    unit."""
 
     size: float
     change: float
@@ -27,9 +28,9 @@ class Strain(NamedTuple):
 def of_known(
     f: _Array, J: _Array, scales: _Array, names: list[str], free_of: Mapping[str, _Array], spread: float
 ) -> tuple[dict[str, Strain], dict[str, dict[str, float]]]:  # fmt: skip
-    """What each value that was not fitted would change by if it were, by the derivatives of the residuals by it:
-    the score test (Lagrange multiplier test) of its value; and how the fitted ones change with it. `spread` is the
-    variance of a residual."""
+    """The change of each value that was not fitted if it were fitted, from the derivatives of the residuals with
+    respect to it (the score test, or Lagrange multiplier test, of its value), and the derivatives of the fitted
+    parameters with respect to it. `spread` is the variance of a residual."""
     U, s, Vt = np.linalg.svd(J * scales, full_matrices=False)
     known, moved = s > 1e-9 * s[0], s > WEAK
     strains, leans = {}, {}
@@ -50,11 +51,12 @@ def held_strains(
     flown: Flown, names: list[str], by: _Array, multiplier: _Array, change: _Array, cov: _Array, B: _Array,
     covariance: _Array, spread: float, places: list[str],
 ) -> tuple[dict[str, Strain], dict[str, dict[str, float]]]:  # fmt: skip
-    """The score test of each known value, and how the fitted ones change with it.
+    """The score test of each known value, and the derivatives of the fitted parameters with respect to it.
 
-    `by` (equations, names) are derivatives of the constraints by what is known, `multiplier` what the constraints
-    leave over their covariance `cov` (bands), `B` their derivatives by the fitted parameters of which `covariance`
-    is that without `spread`, `change` how far the common ones are from those of the flights alone.
+    `by` (equations, names) are derivatives of the constraints with respect to known values; `multiplier` are the
+    residuals of the constraints over their covariance `cov` (bands); `B` are their derivatives with respect to the
+    fitted parameters, whose covariance without `spread` is `covariance`; `change` is the difference of the common
+    parameters from those of the flights alone.
     """
     F, H = flown.free.size, len(flown.held)
     slope, own = np.zeros(len(names)), np.zeros((len(names), len(names)))
@@ -82,8 +84,9 @@ def held_strains(
 def strains_of(
     windows: Windows, common: _Array, variances: Mapping[str, float], spread: float
 ) -> dict[str, Strain]:
-    """How far the load by its channel is from that by the motion: residuals over their own standard errors, which
-    are smaller than that of the channel as far as the fit follows it. `variances` are of the fitted parameters."""
+    """The differences between the load of its channel and that implied by the motion: residuals over their own
+    standard errors, which are smaller than the error of the channel to the extent that the fit follows it.
+    `variances` are those of the fitted parameters."""
     found = {}
     for place, name, fitted, label in (
         (2, "static", "F0/K 0", "F0 0"),

@@ -21,7 +21,7 @@ from .stages import FAR, distances
 from .steps import LOAD_TONES, Step
 
 _Array = NDArray[np.float64]
-#: What records that are not periodic tell and leave open.
+#: What can and cannot be determined from records that are not periodic.
 LEFT_OPEN = {
     "no impacts": ", so that mu, R1, R2 and d do not show in the record",
     "not periodic": "; their times and walls, and the load, are what the record tells",
@@ -30,13 +30,14 @@ LEFT_OPEN = {
     "rest": " at intervals that shrink, of which the last ones may be missing, before the free mass rests on a "
     "wall; times, walls and the load are what the record tells",
 }
-#: What the errors assume of a law.
+#: The assumptions of the errors about a law.
 ASSUMED = {
     "power": "R goes as a power of the speed, without a knee at the speeds of the impacts; R1 and R2 hold at v0",
     "knee": "R is a PowerLaw of sharpness 2; R1 and R2 hold at v0",
     "table": "R is linear between the knots",
 }
-#: Standard errors between a known value and what the records say of it, above which the fit is doubtful.
+#: Difference between a known value and the value that the records imply, in standard errors, above which the fit
+#: is doubtful.
 STRAINED = 4.0
 #: Half the width of a 95 % interval in standard errors.
 WIDTH = 1.959963984540054
@@ -80,7 +81,7 @@ def tables_of(
         phase = found.phases[i] if found is not None else math.nan
         if found is None and step.load is not None:
             phase = float(np.angle(1j * step.load.values[1]))
-        # the phase is that which a channel shows, as late as it is; times of impacts are without this lag
+        # the phase is that in the channel, including its delay; times of impacts are without this delay
         late = 0.0
         if record is not None:
             late = record.lag(step.quantity if found is not None else "load")
@@ -190,8 +191,8 @@ def tables_of(
 def doubts_of(
     i: int, step: Step, found: Fit, away: _Array, scale: Mapping[str, float]
 ) -> list[str]:
-    """What tells against the fit of a record, the likeliest causes first; `away` are distances of its impacts from
-    those of the flights alone, in standard errors."""
+    """The doubts about the fit of a record, the likeliest causes first; `away` are the distances of its impacts
+    from those of the flights alone, in standard errors."""
     data, texts = step.data, []
     strained = {
         name: strain for name, strain in found.strains.items()
@@ -272,7 +273,7 @@ def doubts_of(
 
 
 def unstated(found: Fit, Omega: float) -> list[str]:
-    """What errors of known values, which the stated errors do not contain, would change."""
+    """The effects of errors of known values, which the stated errors do not contain."""
     errors = dict(zip(found.names, np.sqrt(np.diag(found.covariance)).tolist(), strict=True))
     texts = []
     for name, by in found.leans.items():
@@ -299,7 +300,7 @@ def unstated(found: Fit, Omega: float) -> list[str]:
 def add_samples(
     samples: dict[str, list[Any]], i: int, step: Step, record: SensorRecord, found: Fit | None
 ) -> None:
-    """Samples of the first load cycles of a record, with what was fitted to them."""
+    """Samples of the first load cycles of a record, with the fitted values."""
     cycles = SHOWN_CYCLES * max(1, step.rhythm.cycles)
     n = min(len(record), int(cycles * 2 * math.pi / step.Omega * record.rate), SHOWN_SAMPLES * 4)
     here = slice(0, n, max(1, n // SHOWN_SAMPLES))
@@ -325,8 +326,7 @@ def add_samples(
 
 
 def modelled(data: Measured, i: int, step: Step, found: Fit, angles: Any) -> Any:
-    """The fitted motion with the ringing and the offset of the free flights, and within pulses the folded
-    record."""
+    """The fitted motion with the ringing and the offset of the free flights; within pulses, the folded record."""
     free, fold, motion = step.free, step.fold, found.motions[i]
     assert free is not None
     assert fold is not None
@@ -347,7 +347,7 @@ def parameters_of(
     steps: list[Step], found: Fit | None, scale: Mapping[str, float], shared: Mapping[str, float],
     law: Law,
 ) -> dict[str, list[Any]]:  # fmt: skip
-    """The table of parameters: what is known, what was fitted, and what follows from both."""
+    """The table of parameters: known, fitted and derived values."""
     rows: list[tuple[str, float, float, str, str]] = []
     units = (
         KNOWN | dict.fromkeys(law.fixed, "m/s") | {name: KNOWN.get(name, "") for name in law.names}
@@ -459,7 +459,7 @@ def parameters_of(
 
 
 def said(name: str, value: float, error: float | None) -> str:
-    """A parameter with its error in words.
+    """A parameter with its error as a text.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Virtual rigs: simulated motions, as the sensors of a rig would record them."""
+"""Virtual rigs: simulated motions as the sensors of a rig would record them."""
 
 from __future__ import annotations
 
@@ -25,24 +25,25 @@ from .measured import LEAST, MOTIONS, SensorRecord, butterworth_poles, delay_of,
 __all__ = ["VirtualRig", "virtual_record"]
 
 _Array = NDArray[np.float64]
-#: Values of a rig that may have units.
+#: Values of a rig that may be given with units.
 OF_RIG = {*POWERS, *OTHERS, *CYCLES}
-#: Time constants after which a response to an impact is left out.
+#: Number of time constants after which a response to an impact is neglected.
 FADED = 16
 #: Longest contact, load cycles.
 MOST_CONTACT = 0.1
-#: Default duration of a contact of a virtual rig, s, and load cycles that it does not exceed.
+#: Default duration of a contact of a virtual rig, s, and its upper limit in load cycles.
 CONTACT, CONTACT_CYCLES = 0.6e-3, 0.02
-#: What an accelerometer shows at rest, m/s^2.
+#: The reading of an accelerometer at rest, m/s^2.
 GRAVITY = 9.80665
 
 
 @dataclass(frozen=True, kw_only=True)
 class VirtualRig:
-    """A rig on a shaker whose records are made as sensors would make them, from its simulated motion.
+    """A rig on a shaker; its records are made from the simulated motion as sensors would make them.
 
     The primary mass M on spring K and dashpot C is driven by ``F0 sin(2 pi frequency t)`` with harmonics; the free
-    mass m travels d between two walls. All in SI units, or in any consistent ones whose unit of time is 1 s.
+    mass m travels d between two walls. All values are in SI units, or in any consistent units whose unit of time
+    is 1 s.
 
     Parameters
     ----------
@@ -53,24 +54,24 @@ class VirtualRig:
     xi : float
         Damping ratio C/(2 sqrt(K M)).
     restitution : float, PowerLaw or TabulatedRestitution, or two of them
-        Of the right wall and of the left one; speeds of laws in m/s.
+        Coefficients of the right and of the left wall; speeds of laws are in m/s.
     F0, frequency : float
         Amplitude and frequency (Hz) of the load.
     harmonics : sequence of float
-        Amplitudes of its 2nd, 3rd, … harmonic over F0.
+        Amplitudes of the 2nd, 3rd, … harmonic of the load, divided by F0.
     rate : float
         Sampling rate, Hz.
     snr : float or None
         Ratio of signal to white noise in each channel, dB, of rms values; None: no noise.
     bandwidth : float
-        -3 dB frequency (Hz) of the sensors of load and motion, Butterworth low-passes of order 4.
+        -3 dB frequency (Hz) of the sensors of load and motion, which are Butterworth low-passes of order 4.
     ring_frequency, ring_damping, ring_share : float
-        A second mode that rings after each impact: frequency (Hz), damping ratio, and its part of the change of
-        velocity at the sensor over that of the primary mass. A share of 0 is none.
+        A second mode that rings after each impact: frequency (Hz), damping ratio, and its velocity jump at the
+        sensor relative to that of the primary mass. With a share of 0 there is no second mode.
     drift : float
-        Share by which the coefficients of restitution fall from the start to the end of a record.
+        Relative decrease of the coefficients of restitution from the start to the end of a record.
     amplitude : float
-        The load amplitude of a record differs from F0 by up to this share; drawn once for each record.
+        Largest relative deviation of the load amplitude from F0; the deviation is drawn once for each record.
     calibration : float
         Relative standard deviation of the gains of both sensors, drawn once for each record.
     contact : float, optional
@@ -78,11 +79,11 @@ class VirtualRig:
         from the instant of the impact on; 0 is an impulse. By default it is 0.6 ms, or a fiftieth of a load cycle
         if that is shorter.
     offset : float, optional
-        What the sensor of the motion shows without a motion, in its unit; by default 9.80665 m/s^2, gravity, if it
-        is an accelerometer, and nothing otherwise.
+        Reading of the motion sensor at rest, in its unit; by default 9.80665 m/s^2 (gravity) for an accelerometer,
+        and 0 otherwise.
     known_bandwidth : bool
-        Whether records say the bandwidth of their sensors. By default they do not, as most measured ones, and
-        `identify` does not know the delay between the channels either.
+        Whether records state the bandwidth of their sensors. By default they do not, like most measured records,
+        so that `identify` does not know the delay between the channels either.
 
     Raises
     ------
@@ -210,7 +211,7 @@ class VirtualRig:
         return 2 * self.xi * math.sqrt(self.K * self.M)
 
     def _structure(self, factor: float) -> Structure:
-        """Its two masses, with restitution times a factor."""
+        """The two masses as a structure, with restitution times a factor."""
         walls = self.restitution
         right, left = walls if isinstance(walls, (tuple, list)) else (walls, walls)
         gaps = [
@@ -236,7 +237,8 @@ class VirtualRig:
     def _runs(
         self, first: float, last: float, F0: float, settle: float, motion: Motion | None
     ) -> Iterator[Trajectory]:
-        """The motion from one time to another, after some load cycles; load cycle by load cycle if R drifts."""
+        """The motion from one time to another after some load cycles; computed load cycle by load cycle if R
+        drifts."""
         Omega = 2 * math.pi * self.frequency
         sine = np.outer(F0 * np.array([1.0, *self.harmonics]), [1.0, 0.0])
         load = Load(Omega, sine=sine)
@@ -274,16 +276,16 @@ class VirtualRig:
         Parameters
         ----------
         duration : float
-            Its length, s.
+            Duration, s.
         rng : int, numpy.random.Generator or None
-            Seed of the noise, of the load phase at its start and of its load amplitude, or a generator that a seed
-            is drawn from; None: another seed in each call.
+            Seed of the noise, the initial load phase and the load amplitude, or a generator from which a seed is
+            drawn; None: another seed in each call.
         quantity : {"acceleration", "velocity", "displacement"}
             The quantity that the sensor of the motion measures.
         settle : float
             Load cycles before the record begins.
         motion : Motion, optional
-            A motion of the rig with which it begins; by default it begins at rest.
+            A motion of the rig with which the record begins; by default the simulation begins at rest.
 
         Returns
         -------
@@ -368,7 +370,7 @@ class VirtualRig:
         )
         smooth = q
         if quantity == "velocity":
-            # without its jumps, which the response to impacts has
+            # without the velocity jumps, which are part of the response to impacts
             smooth = (
                 v
                 - np.concatenate([[0.0], np.cumsum(jumps)])[
@@ -382,7 +384,7 @@ class VirtualRig:
 
     def _filtered(self, values: _Array) -> _Array:
         """Samples through a sensor."""
-        offset = np.linspace(values[0], values[-1], values.size)  # no step where the ends meet
+        offset = np.linspace(values[0], values[-1], values.size)  # avoid a step where the ends meet
         frequency = np.fft.rfftfreq(values.size, 1 / self.rate)
         passed = np.fft.rfft(values - offset) * sensor_response(frequency, self.bandwidth)
         delay = delay_of(self.bandwidth)
@@ -391,13 +393,13 @@ class VirtualRig:
         return output
 
     def _impacts(self, t: _Array, times: _Array, jumps: _Array, order: int) -> _Array:
-        """The response of the sensor to jumps of velocity: spikes, or what they are integrated, and ringing."""
+        """The response of the sensor to jumps of velocity: spikes (or their integrals) and ringing."""
         signal = scipy("signal", "a virtual rig")
         w, zeta = 2 * math.pi * self.ring_frequency, self.ring_damping
         poles = 2 * math.pi * self.bandwidth * butterworth_poles()
         low = np.real(np.poly(poles))
         mode = np.array([1.0, 2 * zeta * w, w * w])
-        # of the primary mass, unless the smooth part has it, and of the second mode
+        # of the primary mass, unless it is in the smooth part, and of the second mode
         own = mode if order else np.zeros(1)
         top = low[-1] * np.polyadd(own, [self.ring_share, 0.0, 0.0])
         below = np.polymul(low, mode)
@@ -411,7 +413,7 @@ class VirtualRig:
         response = np.zeros(t.size)
         shape: Any
         for c, p in zip(residues, found, strict=True):
-            if p.imag < 0:  # with its conjugate
+            if p.imag < 0:  # plus its complex conjugate
                 continue
             fades = abs(p) > 1e-9
             length = math.ceil(FADED / -p.real * self.rate) if fades else t.size
@@ -428,12 +430,13 @@ class VirtualRig:
 
 
 def after_half_sine(pole: complex, t: _Array, duration: float) -> NDArray[np.complex128]:
-    """What exp(pole t), the response to an impulse of 1, is after a half sine of area 1 that begins at 0."""
+    """The response to a half sine of unit area that begins at 0, where exp(pole t) is the response to a unit
+    impulse."""
     turn = 1j * math.pi / duration
     acted = np.minimum(t, duration)
     found: NDArray[np.complex128] = np.zeros(t.shape, dtype=np.complex128)
     for rate, sign in ((turn, 1), (-turn, -1)):
-        # the integral of exp(rate u + pole (t - u)) over what has acted
+        # the integral of exp(rate u + pole (t - u)) over the elapsed part of the pulse
         found += (
             sign * (np.exp(rate * acted + pole * (t - acted)) - np.exp(pole * t)) / (rate - pole)
         )

@@ -1,8 +1,8 @@
-"""The flights of a record that repeats nothing, one by one, between the impacts that its spikes show.
+"""The single flights of a record that is not periodic, between the impacts that its spikes show.
 
-Each flight of the primary mass between two impacts is a damped oscillator under the load, with its own state. So
-flights are fitted one by one, outside of the pulses, and what they share (natural frequency, damping, load,
-ringing) all at once. An impact is where two flights meet.
+During each flight between two impacts the primary mass is a damped oscillator under the load, with its own state.
+Therefore each flight is fitted separately, outside the pulses, and the shared parameters (natural frequency,
+damping, load, ringing) are fitted to all flights together. An impact is where two flights meet.
 """
 
 from __future__ import annotations
@@ -31,41 +31,43 @@ from .signals import spikes
 
 _Array = NDArray[np.float64]
 _Bool = NDArray[np.bool_]
-#: Seconds around an impact that are left out at first, and at most after it; to which share a pulse shrinks in a
-#: round, and by how much more scatter it is too short.
+#: Seconds around an impact that are excluded at first, and at most after it; the factor by which a pulse shrinks
+#: in a round, and the increase of scatter that shows that it is too short.
 AHEAD, PULSE, LONGEST, SHRINK, WORSE = 0.5e-3, 4e-3, 10e-3, 0.6, 1.05
-#: Mean of what impacts leave over its error at which a pulse lasts, and for how long it may pause (s).
+#: Mean residual after impacts, relative to its error, above which a pulse still lasts, and how long it may be
+#: interrupted (s).
 LASTS, PAUSE = 4.0, 0.8e-3
 #: Least time between two impacts that are picked, s.
 APART = 2.5e-3
-#: Samples of a flight beyond what is fitted to it; rounds; and most steps of a fit in each.
+#: Samples of a flight beyond the number of its parameters; rounds; and largest number of steps of a fit in each.
 SPARE, ROUNDS, STEPS = 4, 12, 12
-#: Standard deviations by which the scatter of a flight is larger where an impact is missing; jumps below so many
-#: errors are none.
+#: Standard deviations by which the scatter of a flight is increased if an impact is missing; number of errors
+#: below which a jump does not count as an impact.
 MISSED, CLEAR = 8.0, 3.5
-#: Standard deviations by which a pulse is unlike the others, where another impact is hidden in it; and least
-#: number of pulses that tell what they are like.
+#: Standard deviations by which a pulse differs from the others if another impact is hidden in it; smallest number
+#: of pulses for this comparison.
 UNLIKE, ALIKE = 10.0, 12
 #: Time from the ends of a flight within which no spike is a missing impact, s.
 NEAR_ENDS = 1e-3
-#: Largest error of the time of an impact that is one, s.
+#: Largest error of the time of a resolved impact, s.
 BLURRED = 2e-3
-#: What a flight counts at most where one more mode is tried.
+#: Largest weight of a flight when one more mode is tried.
 CLIPPED = 50.0
 #: Step for derivatives along the imaginary axis.
 STEP = 1e-30
-#: Samples of a flight over which noise is summed, and colour above which what is left is no noise.
+#: Samples of a flight over which noise is summed, and the variance ratio above which residuals are not noise.
 WIDE, UNEXPLAINED = 24, 10.0
 
 
 class Flown(NamedTuple):
-    """Flights fitted one by one."""
+    """Separately fitted flights."""
 
     #: (N) Times of the impacts, 0 in the middle of the record, jumps of the velocity, and which are resolved.
     times: _Array
     jumps: _Array
     resolved: _Bool
-    #: (N + 1, 2) States of the flights, their covariances, and what the common parameters do to them.
+    #: (N + 1, 2) States of the flights, their covariances, and their derivatives with respect to the common
+    #: parameters.
     states: _Array
     spread: _Array
     turned: _Array
@@ -77,8 +79,8 @@ class Flown(NamedTuple):
     weights: _Array
     noise: float
     colour: float
-    #: Natural frequency and damping ratio that are known (0, 1), what all common parameters do to the states,
-    #: their weights, and minus half the slope of the sum of squares by them.
+    #: Known natural frequency and damping ratio (0, 1), the derivatives of the states with respect to all common
+    #: parameters, their weights, and minus half the gradient of the sum of squares.
     held: NDArray[np.int64]
     every_turned: _Array
     every_weight: _Array
@@ -100,9 +102,9 @@ class Windows:
         self.priors = priors
         self.before, self.after = AHEAD + self.step, PULSE
         self.noise = math.nan
-        #: Whether there is no mode more.
+        #: Whether no further mode is to be added.
         self.rung = False
-        #: Flights that are none, at the end.
+        #: Flights that are discarded at the end.
         self.poor = np.zeros(0, dtype=bool)
 
     @property
@@ -134,7 +136,7 @@ class Windows:
         self.edges = np.searchsorted(self.flight[self.used], [self.own, self.own + 1])
 
     def waves(self, since: _Array, common: _Array) -> tuple[_Array, list[Any]]:
-        """The motions of each flight alone: columns (n, 2 + 2 modes), and the complex waves."""
+        """The basis motions of each flight: columns (n, 2 + 2 modes), and the complex waves."""
         omega, xi = common[:2]
         pole = omega * complex(-xi, math.sqrt(1 - xi**2))
         waves = [pole**self.data.order * np.exp(pole * since)]
@@ -143,7 +145,7 @@ class Windows:
         return np.column_stack(columns), [pole, *waves]
 
     def allowed(self, common: _Array) -> bool:
-        """Whether parameters are those of a damped oscillator and of modes that ring."""
+        """Whether parameters are those of a damped oscillator with ringing modes."""
         within = 0 <= common[1] < 0.9 and common[0] > 0 and common[2] > 0
         for a, b in common[5:].reshape(-1, 2):
             within = within and LEAST_DAMPED * b < -a < MOST_DAMPED * b
@@ -154,7 +156,8 @@ class Windows:
         return bool(within)
 
     def fitted(self, common: _Array) -> tuple[Any, ...]:
-        """States of all flights by linear least squares, what is left, and the equations for the common ones."""
+        """States of all flights by linear least squares, the residuals, and the equations for the common
+        parameters."""
         since, flight = self.since[self.used], self.flight[self.used]
         omega, xi, static, phase, offset = common[:5].tolist()
         none = np.empty(0)
@@ -200,7 +203,7 @@ class Windows:
         return states, inverse, turned, left, weights, G.T @ left[trusted]
 
     def refine(self, enough: float = 1.0) -> tuple[Any, ...]:
-        """The common parameters by the method of Gauss and Newton, with damping."""
+        """The common parameters by the damped Gauss–Newton method."""
         free = self.free()
         self.trusted = np.ones(self.begins.size, dtype=bool)
         now = self.fitted(self.common)
@@ -208,7 +211,7 @@ class Windows:
         for _ in range(2):
             now = self.descended(free, now, enough)
             self.noise = self.scatter(now[3])
-            # flights in which an impact is missing say nothing of what all share
+            # flights in which an impact is missing are not used for the common parameters
             bad = self.bad(now)
             if not bad.any() or bad.sum() > 0.5 * self.own.size:
                 break
@@ -219,7 +222,7 @@ class Windows:
     def descended(
         self, free: NDArray[np.int64], now: tuple[Any, ...], enough: float
     ) -> tuple[Any, ...]:
-        """Steps down to where a further one gains less than `enough`."""
+        """Steps downhill until a further step gains less than `enough`."""
         square = self.total(now[3], self.common)
         damping = 1e-6
         for _ in range(STEPS):
@@ -251,20 +254,20 @@ class Windows:
         return now
 
     def squares(self, left: _Array) -> _Array:
-        """Sums of squares of the flights, over the noise."""
+        """Sums of squares of the flights, relative to the noise."""
         sums = np.zeros(self.begins.size)
         sums[self.own] = np.add.reduceat(left**2, self.edges[0]) / self.noise**2
         return sums
 
     def bad(self, now: tuple[Any, ...]) -> _Bool:
-        """Flights that their states do not describe, as where an impact is missing."""
+        """Flights that their states do not describe, for instance because an impact is missing."""
         numbers = np.bincount(self.flight[self.used], minlength=self.begins.size)
         freedom = np.maximum(numbers - 2 - 2 * self.modes, 1)
         bad: _Bool = self.flies & (self.squares(now[3]) > freedom + MISSED * np.sqrt(2 * freedom))
         return bad
 
     def at(self, t: _Array) -> _Array:
-        """What the flights are at some times, NaN where there is none; after `run`."""
+        """The motion of the flights at given times, NaN where there is none; to be called after `run`."""
         flight = np.searchsorted(self.times, t, side="right")
         since = t - self.begins[flight]
         waves = (self.waves(since, self.common)[0] * self.states[flight]).sum(axis=1)
@@ -274,14 +277,14 @@ class Windows:
         return np.where(self.flies[flight] & inside, self.loaded(t) + waves, math.nan)
 
     def free(self) -> NDArray[np.int64]:
-        """Places of the common parameters that are fitted."""
+        """Indices of the fitted common parameters."""
         fixed = [] if self.free_omega else [0]
         if self.priors.get("xi", (0, 1))[1] == 0:
             fixed.append(1)
         return np.setdiff1d(np.arange(self.common.size), fixed)
 
     def scatter(self, left: _Array) -> float:
-        """The usual scatter of a sample in a flight."""
+        """The typical scatter of a sample in a flight."""
         sums = np.add.reduceat(left**2, self.edges[0])
         numbers = np.diff(self.edges, axis=0)[0]
         freedom = numbers - (2 + 2 * self.modes)
@@ -289,7 +292,7 @@ class Windows:
         return math.sqrt(max(float(np.median((sums / freedom)[clear])), 1e-300))
 
     def with_priors(self, weights: _Array, slope: _Array, common: _Array) -> tuple[_Array, _Array]:
-        """Equations over the noise, with those of what is known."""
+        """Equations relative to the noise, including those of known values."""
         W, g = weights / self.noise**2, slope / self.noise**2
         for place, name in enumerate(("omega", "xi", "static", "phase")):
             if name in self.priors and self.priors[name][1] > 0:
@@ -299,7 +302,7 @@ class Windows:
         return W, g
 
     def total(self, left: _Array, common: _Array) -> float:
-        """The sum of squares, with those of what is known."""
+        """The sum of squares, including the terms of known values."""
         total = float(self.squares(left)[self.trusted].sum())
         for place, name in enumerate(("omega", "xi", "static", "phase")):
             if name in self.priors and self.priors[name][1] > 0:
@@ -307,7 +310,7 @@ class Windows:
         return total
 
     def ringing(self, now: tuple[Any, ...]) -> bool:
-        """Add a mode that rings, if much of what is left is one."""
+        """Add a ringing mode, if it explains much of the residuals."""
         common, kept, before = self.common, self.noise, self.squares(now[3])
         tau, mean, weight = self.echo(now)
         good = (tau > self.after) & (weight > 0)
@@ -331,7 +334,7 @@ class Windows:
             self.cut()
             own = self.flies
             after = self.squares(self.refine()[3])
-            # a flight in which an impact is missing says little
+            # a flight in which an impact is missing gets little weight
             gain = float(
                 np.minimum((before - after * (self.noise / kept) ** 2)[own], CLIPPED).sum()
             )
@@ -345,18 +348,19 @@ class Windows:
         return False
 
     def another(self) -> bool:
-        """Whether the last mode is one, and not the end of a pulse or another one again."""
+        """Whether the last mode is real, and not the tail of a pulse or a duplicate of another mode."""
         *others, (a, b) = self.common[5:].reshape(-1, 2).tolist()
         ends = 1.1 * LEAST_DAMPED * b < -a < 0.9 * MOST_DAMPED * b
         return ends and all(abs(b - other) > 0.1 * other for _, other in others)
 
     def echo(self, now: tuple[Any, ...]) -> tuple[_Array, _Array, _Array]:
-        """What impacts leave on the average over their jump: times since them, means, and their weights."""
+        """The average residual after impacts, relative to their jumps: times since the impacts, means, and their
+        weights."""
         states = now[0]
         if not self.times.size:
             raise SingularError(f"no impacts: {HINT}")
         jumps = self.jumps_of(states)
-        # what each sample has that its flight has not, also within pulses
+        # the residual of each sample against its flight, also within pulses
         own = (self.flies & ~self.bad(now))[self.flight]
         L, _ = self.waves(self.since[own], self.common)
         rest = (
@@ -385,10 +389,11 @@ class Windows:
         return both[0], both[1], both[2]
 
     def crowded(self, states: _Array) -> _Bool:
-        """Impacts whose pulse is unlike the others, over their jumps, so that another impact is hidden in it.
+        """Impacts whose pulse, relative to the jump, differs from the others, so that another impact is hidden in
+        it.
 
-        No flight shows such an impact, but the free mass has it. It would spoil the equations of its neighbours by
-        less than they may be off by chance, and still move the parameters by several errors.
+        No flight shows such an impact. It would change the equations of its neighbours by less than their random
+        errors, but would still shift the parameters by several errors.
         """
         jumps = self.jumps_of(states)
         # the contact itself may look different in each sample
@@ -408,7 +413,8 @@ class Windows:
             some = own & strong
             if some.sum() < ALIKE:
                 continue
-            # a straight line through what strong impacts leave over their jumps, within the sample
+            # a straight line through the residuals of strong impacts relative to their jumps, over the time
+            # within a sample
             place = since - since[some].mean()
             shape = np.column_stack([np.ones(place.size), place])
             ratio = rest[some] / jump[some]
@@ -433,7 +439,7 @@ class Windows:
         return np.asarray(load.value + offset, dtype=np.float64)
 
     def early(self, rest: _Array, flight: NDArray[np.int64], own: _Bool, jumps: _Array) -> float:
-        """For how long before impacts the flights do not describe the record (s)."""
+        """The time before impacts during which the flights do not describe the record (s)."""
         ends = np.append(self.times, math.inf)
         left = ends[flight] - self.t[own]
         size = max(0.8 * self.step, 0.1e-3)
@@ -446,27 +452,27 @@ class Windows:
         return float((lasts[-1] + 1) * size) if lasts.size else 0.0
 
     def jumps_of(self, states: _Array) -> _Array:
-        """Jumps of the velocity where flights meet, 0 where they do not."""
+        """Jumps of the velocity where flights meet; 0 where they do not meet."""
         here = self.events(states, self.common, self.times)
         return np.where(self.flies[:-1] & self.flies[1:], here[3] - here[2], 0.0)
 
     def lengths(self, now: tuple[Any, ...]) -> None:
-        """Pulses as long as the data say."""
+        """Determine the lengths of pulses from the data."""
         tau, mean, weight = self.echo(now)
         lasts = tau[abs(mean) * np.sqrt(weight) > LASTS]
         ends = np.flatnonzero(np.diff(np.append(lasts, math.inf)) > max(PAUSE, 6 * self.step))
         last = float(lasts[ends[0]]) if lasts.size and lasts[0] < PAUSE + 2 * self.step else 0.0
-        # no faster than the flights get better
+        # not faster than the flights improve
         after = min(last * (1 + MARGIN) + 2 * self.step, LONGEST)
         self.after = max(after, SHRINK * self.after)
         self.before = max(min(self.ahead, 1e-3) + 2 * self.step, SHRINK * self.before)
 
-    @np.errstate(all="ignore")  # where flights are none, or do not meet
+    @np.errstate(all="ignore")  # where flights do not exist or do not meet
     def events(self, states: Any, common: Any, times: Any) -> Any:
-        """Where flights meet: times, displacements, velocities before and after (4, ..., N).
+        """The points where flights meet: times, displacements, velocities before and after (4, ..., N).
 
-        All may have a small imaginary part. `states` (..., N + 1, 2); the times are those about which the flights
-        meet to first order.
+        All arguments may have a small imaginary part. `states` is (..., N + 1, 2); the times are those about which
+        the crossing of the flights is linearized.
         """
         omega, xi, static, phase = (common[..., None, i] for i in range(4))
         decay, rate = xi * omega, omega * np.sqrt(1 - xi**2)
@@ -488,13 +494,13 @@ class Windows:
         load, speed = under_load(self.data, omega, xi, static, phase, t)
         return np.stack([t, X + load, V + speed, V_after + speed])
 
-    @np.errstate(all="ignore")  # where flights are none, or do not meet
+    @np.errstate(all="ignore")  # where flights do not exist or do not meet
     def by_states(self, states: _Array, common: _Array, times: _Array) -> _Array:
-        """Derivatives of time and jump of each impact by the states of the flights before and after it
-        (2 flights, N, 2 of time and jump, 2 of a state)."""
+        """Derivatives of time and jump of each impact with respect to the states of the flights before and after
+        it (2 flights, N, 2 for time and jump, 2 for a state)."""
         flights = np.arange(states.shape[0])
         found = np.zeros((2, times.size, 2, 2))
-        # of two flights in sequence one is moved at a time
+        # of two consecutive flights one is varied at a time
         for parity in (0, 1):
             own = flights % 2 == parity
             each = []
@@ -506,7 +512,7 @@ class Windows:
         return np.where(np.isfinite(found), found, 0.0)
 
     def met(self, states: _Array, inverse: _Array) -> tuple[_Array, _Array, _Array, _Bool]:
-        """Times of the impacts by the flights, jumps, errors of the times, and which are resolved."""
+        """Times of the impacts from the flights, jumps, errors of the times, and which impacts are resolved."""
         t, states = self.times.copy(), states[:, :2]
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
             for _ in range(4):
@@ -528,8 +534,8 @@ class Windows:
         )
 
     def run(self, report: Callable[[float, str], None]) -> Flown:
-        """All rounds: flights, ringing, pulses, missing impacts and such that are none; `report` is told the share
-        of them."""
+        """All rounds: flights, ringing, pulses, missing and spurious impacts; `report` receives the share that is
+        done."""
         self.cut()
         now = self.refine()
         settled = False
@@ -548,7 +554,7 @@ class Windows:
             self.cut()
             now = self.refine()
             if self.noise > WORSE * noise and not settled:
-                # within the pulses no flight is one
+                # flights entirely within pulses do not count
                 self.before, self.after = (1.2 * length for length in before)
                 settled = True
                 self.cut()
@@ -556,9 +562,9 @@ class Windows:
             change = max(abs(before[0] - self.before), abs(before[1] - self.after))
             if change < 0.5 * self.step and not weak and not more:
                 break
-            # pulses of another length may hide, or show, a mode
+            # pulses of other lengths may hide or reveal a mode
             self.rung = self.rung and (change < 0.5e-3 or i > 2)
-        # without flights in which impacts are hidden
+        # without flights with hidden impacts
         self.poor = self.bad(now)
         self.cut()
         now = self.refine(1e-3)
@@ -581,7 +587,7 @@ class Windows:
         )  # fmt: skip
 
     def colour(self, left: _Array) -> float:
-        """Variance of sums of neighbouring samples over that of as many independent ones."""
+        """Variance of sums of neighbouring samples, relative to that of as many independent ones."""
         sums, numbers, used = 0.0, 0, 0.0
         for a, b in self.edges.T.tolist():
             count = (b - a) // WIDE
@@ -594,7 +600,8 @@ class Windows:
         return max(1.0, sums / used) if numbers > 20 else 1.0
 
     def needless(self, now: tuple[Any, ...], places: NDArray[np.int64]) -> list[int]:
-        """Of some impacts those without which one flight describes what two do."""
+        """The impacts that are not needed: one flight describes the record as well as the two around the
+        impact."""
         found: list[int] = []
         q = 2 + 2 * self.modes
         for i in places.tolist():
@@ -602,7 +609,7 @@ class Windows:
                 continue
             first, last = np.searchsorted(self.flight[self.used], [i, i + 2]).tolist()
             before = float(now[3][first:last] @ now[3][first:last])
-            # with the samples of the pulse, which there is only at an impact
+            # with the samples of the pulse, which exists only at an impact
             own = slice(int(self.used[first]), int(self.used[last - 1]) + 1)
             A = self.waves(self.t[own] - self.begins[i], self.common)[0]
             rest = self.values[own] - self.loaded(self.t[own])
@@ -614,7 +621,7 @@ class Windows:
         return found
 
     def missing(self, now: tuple[Any, ...]) -> list[float]:
-        """Times of impacts, one in each flight that one more describes better."""
+        """Times of missing impacts: one in each flight that is described better with another impact."""
         left = now[3]
         found: list[tuple[float, float]] = []
         q = 2 + 2 * self.modes
@@ -631,30 +638,30 @@ class Windows:
             tau = t[:, None] - grid
             wave = pole**self.data.order * np.exp(pole * np.maximum(tau, 0))
             response = np.where(tau > 0, wave.imag, 0.0)
-            # samples within the pulse that it would have
+            # samples within the pulse that the impact would have
             response[(tau > -self.before) & (tau < min(self.after, 2e-3))] = 0
             size = np.linalg.norm(own, axis=0)
             response -= (own / size) @ np.linalg.lstsq(own / size, response, rcond=1e-10)[0]
             gain = (response.T @ left[a:b]) ** 2 / np.maximum((response**2).sum(axis=0), 1e-300)
-            # or what the pulse itself hides
+            # or samples hidden by the pulse itself
             place, peak = int(np.argmax(gain)), int(np.argmax(abs(left[a:b])))
             inside = min(t[peak] - t[0], t[-1] - t[peak]) > NEAR_ENDS
             if inside and abs(left[a + peak]) > MISSED * self.noise:
                 found.append((excess, float(t[peak]) - 0.5 * self.step))
             elif gain[place] / self.noise**2 > LEAST_GAIN:
                 found.append((excess, float(grid[place])))
-        # where they are many, it is not they that are missing
+        # if there are many, missing impacts are not the cause
         worst = sorted(found)[-max(1, self.own.size // 8) :]
         return [time for _, time in worst]
 
 
 def picked(values: _Array, rate: float, Omega: float, order: int) -> _Array:
-    """Times at which impacts seem to be, 0 in the middle of the record, from a derivative of the displacement."""
+    """Times of possible impacts, 0 in the middle of the record, from a derivative of the displacement."""
     for _ in range(2 - order):
         values = np.gradient(values) * rate
     kept: list[float] = []
     for time in spikes(values, rate, Omega, None)[0].tolist():
-        # a long pulse has several
+        # a long pulse has several spikes
         if not kept or time > kept[-1] + APART:
             kept.append(time)
     return np.array(kept)
@@ -663,7 +670,7 @@ def picked(values: _Array, rate: float, Omega: float, order: int) -> _Array:
 def under_load(
     data: Measured, omega: Any, xi: Any, static: Any, phase: Any, t: Any
 ) -> tuple[Any, Any]:
-    """Displacement and velocity of the steady motion under the load; all may have an imaginary part."""
+    """Displacement and velocity of the steady motion under the load; all arguments may have an imaginary part."""
     X, V = 0.0, 0.0
     for n, shape in zip(data.orders.tolist(), data.shape.tolist(), strict=True):
         w = n * data.Omega

@@ -1,1 +1,1 @@
-"""Motions and trajectories: periodic, exact and simulated ones, and the quantities taken from them."""
+"""Motions and trajectories: periodic, exact and simulated, and their response quantities."""

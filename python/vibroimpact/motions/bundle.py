@@ -18,8 +18,8 @@ from ..systems.verbs import physical_arguments
 
 __all__ = ["Bundle", "simulate_bundle"]
 
-#: Total number of load cycles that take only a moment unless there are very many impacts; they are simulated
-#: without checks for Ctrl-C.
+#: Total number of load cycles that take only a moment, unless there are very many impacts; up to this number,
+#: Ctrl-C is not checked.
 LITTLE = 2000
 
 
@@ -69,7 +69,7 @@ def simulate_bundle(
 ) -> Bundle:
     """Simulate many initial states or parameters in one call, on several threads.
 
-    The results have the same bits for any number of threads. In a forked child of the process there is one.
+    The results are identical for any number of threads. A forked child process uses one thread.
 
     Parameters
     ----------

@@ -38,7 +38,7 @@ ALIKE = 1e-6
 
 
 def _guess_by_gaps(given: dict[str, Any]) -> None:
-    """Turns a guess for an oscillator into one for a structure: load phases, gaps, cycles."""
+    """Converts a guess for an oscillator to one for a structure: load phases, gaps, cycles."""
     guess = given.get("guess")
     if isinstance(guess, Motion) and not guess.of_structure:
         if guess.pattern.has_rest:
@@ -55,7 +55,7 @@ def _guess_by_gaps(given: dict[str, Any]) -> None:
 def exact_structure(
     structure: Structure, load: Load | None, guess: Motion | Trajectory | tuple[Any, ...]
 ) -> Motion:
-    """As `exact`, of a structure."""
+    """As `exact`, for a structure."""
     if isinstance(guess, (Motion, Trajectory)) and not guess.of_structure:
         raise ParameterError(
             f"guess = {guess!r}: must be for a structure, since the system is a structure"
@@ -194,20 +194,19 @@ def exact(
     """The exact periodic motion near a guess, by Newton's method with the analytic derivative.
 
     Without rest the unknowns are the N positions and N phases of the impacts. With accumulation and rest they are
-    the phase and velocity at a release, a fixed point of the return map there.
+    the phase and velocity at a release, as a fixed point of the return map.
 
-    The system is `osc, r, clearance`, or a point from `Oscillator.at`, or `structure, load`. Of a structure the
-    unknowns are the phases and approach speeds of the impacts and the mean positions of modes of frequency 0, and
-    a guess by numbers is (phases, gaps) or (phases, gaps, cycles), with the load phases of the impacts and the gap
-    of each; with rest the unknown is the state in the middle of the longest flight, a fixed point of the period.
-    An oscillator whose restitution depends on the speed is solved as a structure: phases of its guess are load
-    phases, too.
+    The system is `osc, r, clearance`, or a point from `Oscillator.at`, or `structure, load`. For a structure the
+    unknowns are the phases and approach speeds of the impacts and the mean positions of modes of frequency 0; a
+    guess by numbers is (phases, gaps) or (phases, gaps, cycles), with the load phase and the gap of each impact.
+    With rest the unknown is the state in the middle of the longest flight, as a fixed point of the map over the
+    period. An oscillator whose restitution depends on the speed is solved as a structure: the phases of its guess
+    are also load phases.
 
-    Without a load, or with a constant one, the motion is self-excited, as of a mass on a belt that sticks and
-    slips: the unknowns are the state in the middle of the longest flight and the period. `Motion.load` then has
-    the frequency 2 pi/T of the motion and no harmonics, phases are counted from the first event, and one
-    multiplier is the trivial 1 of a shift in time; its index is `Motion.trivial`, and it does not count for
-    `stable`.
+    Without a load, or with a constant one, the motion is self-excited, such as that of a mass on a belt that
+    sticks and slips: the unknowns are the state in the middle of the longest flight and the period. `Motion.load`
+    then has the frequency 2 pi/T of the motion and no harmonics, phases are measured from the first event, and one
+    multiplier is the trivial 1 of a shift in time; its index is `Motion.trivial`, and `stable` ignores it.
 
     Parameters
     ----------
@@ -215,7 +214,7 @@ def exact(
     r, clearance : float
         As in `simulate`.
     structure, load : Structure, Load or None
-        In place of them; None or `Load.none()`: no load.
+        In place of them; None or `Load.none()` for no load.
     guess : Motion, Trajectory or (phases, pattern)
         A motion at other parameters; a trajectory whose last cycles are approximately periodic; or impact
         phases, for which the linear equations of 1983 give the rest of the guess. Of the periods of up to 16 load
@@ -237,8 +236,8 @@ def exact(
         If an argument is not allowed, or the trajectory has no impacts at its end or is not approximately
         periodic.
     SingularError
-        If the iteration does not converge, or leads from a motion to one of a shorter period or one that is
-        its own mirror image: the motions of the guess end there, at a flip or a pitchfork.
+        If the iteration does not converge, or leads from a motion to one with a shorter period or to one that is
+        its own mirror image: motions like the guess then end at a flip or a pitchfork.
 
     Examples
     --------
@@ -314,9 +313,9 @@ def exact(
 
 
 def of_same_kind(found: Motion, guess: Motion) -> Motion:
-    """A motion found from an exact one; an error if it has a shorter period or a symmetry that the guess lacks.
+    """A motion found from an exact motion; an error if it has a shorter period or a symmetry that the guess lacks.
 
-    At a flip and a pitchfork two motions merge, and beyond it Newton's method converges to the one that is left.
+    At a flip or a pitchfork two motions merge; beyond it Newton's method converges to the remaining one.
     """
     if guess.consistent:
         if is_repeated(found) and not is_repeated(guess):
@@ -351,7 +350,7 @@ def is_mirrored(motion: Motion) -> bool:
 
 
 def repeats(motion: Motion, sign: int) -> bool:
-    """Whether a motion of a structure repeats itself, or as its mirror image -q (sign -1), after a part of its
+    """Whether a motion of a structure repeats itself, or its mirror image -q (sign -1), after a fraction of its
     period."""
     many, cycles = len(motion.gaps), motion.cycles
     # where all gaps are closed at 0, the coordinates at the impacts are
@@ -372,7 +371,7 @@ def repeats(motion: Motion, sign: int) -> bool:
 
 
 def attractor_at_end(run: Trajectory, cycles: int) -> Motion | None:
-    """The exact motion with which a trajectory ends, if it is stable and has a period of some load cycles."""
+    """The exact motion on which a trajectory ends, if it is stable and has the given period in load cycles."""
     osc, r, clearance, load = run.osc, run.r, run.clearance, run.load
     system = (osc.xi, osc.mu, osc.restitution, r, load, clearance)
     answer = roomy(_core.end_of_trajectory, *system, *end_of(run, cycles), 2)
@@ -382,7 +381,7 @@ def attractor_at_end(run: Trajectory, cycles: int) -> Motion | None:
 def motion_at_end(
     osc: Oscillator, r: float, clearance: float, load: float, run: Trajectory
 ) -> Motion:
-    """The exact motion with which a trajectory ends."""
+    """The exact motion on which a trajectory ends."""
     system = (osc.xi, osc.mu, osc.restitution, r, load, clearance)
     try:
         answer = roomy(_core.end_of_trajectory, *system, *end_of(run), 1)
@@ -406,7 +405,7 @@ def newton(
 ) -> Motion:
     """Newton's method on x_i and theta_i = alpha_i + tau of a pattern without rest.
 
-    `given` are phases from which these are a solution of the linear equations, for the record.
+    `given` are the phases from which these values were obtained by the linear equations, for the result's record.
     """
     each = impact_restitution(osc, pattern, None) if restitution is None else restitution
     phases, impacts, scalars, multipliers, verdicts, status, _ = _core.exact(
@@ -429,7 +428,7 @@ def of_releases(motion: Motion, factor: float) -> NDArray[np.float64]:
 
 
 class Parts(NamedTuple):
-    """A motion in the form that the core compares: the impacts of one without rest, the releases of one with
+    """A motion in the form that the core compares: impacts of a motion without rest, releases of a motion with
     rest; the other parts are zero."""
 
     sides: NDArray[np.int32]
@@ -449,7 +448,8 @@ def release_motion(
     osc: Oscillator, r: float, clearance: float, load: float, cycles: int,
     releases: NDArray[np.float64],
 ) -> Motion:  # fmt: skip
-    """Newton's method on the return map of releases (3, m): side, phase and velocity, from the last one on."""
+    """Newton's method on the return map of releases (3, m): side, phase and velocity, starting with the last
+    one."""
     _, *answer = found_motion(
         osc, r, clearance, load, cycles, np.zeros(1, np.int32), np.zeros(2), releases, 0
     )
@@ -466,7 +466,7 @@ def found_motion(
 
 
 def roomy(procedure: Any, *arguments: Any) -> Any:
-    """The answer of a procedure of the core, with room for all events of a motion with rest."""
+    """The result of a procedure of the core, with space for all events of a motion with rest."""
     for capacity in REST_EVENTS:
         answer = with_stack(procedure, *arguments, capacity)
         if answer[-1] != MORE_EVENTS:

@@ -64,11 +64,11 @@ def stability_flags(
 ) -> StabilityFlags:
     """Whether motions with given phases are stable, for many points.
 
-    The verdicts are those of `periodic_batch`, at a fraction of its time: many points are computed
-    side by side, and Jury's conditions on the characteristic polynomial of [P] replace its eigenvalues. A point
-    is computed with LAPACK, as in `periodic_batch`, where rounding could change a verdict: usually where the
-    spectral radius is within 1e-8 of 1. Apart from its arguments and its
-    result the call needs little memory. The results have the same bits for any number of threads.
+    The verdicts are those of `periodic_batch`, at a fraction of its time: many points are computed side by side,
+    and Jury's conditions on the characteristic polynomial of [P] replace its eigenvalues. A point is computed with
+    LAPACK, as in `periodic_batch`, where rounding could change a verdict: usually where the spectral radius is
+    within 1e-8 of 1. Apart from its arguments and its result the call needs little memory. The results are
+    identical for any number of threads.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Comparison of motions, which may be given over several periods, starting at any impact, or as a mirror image.
+"""Comparison of motions, which may extend over several periods, start at any impact, or be mirror images.
 
 The core compares them, with the same tolerance for all studies.
 """
@@ -18,8 +18,8 @@ __all__ = ["is_symmetric", "motion_images", "same_motion", "standard_motion"]
 
 
 def standard_motion(motion: Motion, *, mirrored: bool = False) -> Motion:
-    """A motion, or its mirror image, over its shortest period, with its impacts counted from the one that puts
-    R before L.
+    """A motion, or its mirror image, over its shortest period, with the first impact chosen such that R comes
+    before L.
 
     The mirror image is x -> -x, R <-> L, half a cycle later; it is a motion if both walls have the same
     restitution.
@@ -47,7 +47,7 @@ def standard_motion(motion: Motion, *, mirrored: bool = False) -> Motion:
 
 
 def motion_images(motion: Motion) -> Iterator[Motion]:
-    """A motion in standard form, and its mirror image where both walls have the same restitution.
+    """A motion in standard form, and its mirror image if both walls have the same restitution.
 
     Raises
     ------
@@ -78,7 +78,7 @@ def _images(motion: Motion) -> Iterator[Motion]:
     if motion.osc.restitution[0] == motion.osc.restitution[1]:
         try:
             image = standard_motion(motion, mirrored=True)
-        except SingularError:  # at the limit of convergence, as is the motion itself
+        except SingularError:  # accurate to the limit of convergence, like the motion itself
             return
         yield image
 
@@ -86,23 +86,23 @@ def _images(motion: Motion) -> Iterator[Motion]:
 def same_motion(one: Motion, other: Motion, *, mirrored: bool = False) -> bool:
     """Whether two motions of one system, or one and the other's mirror image, are the same.
 
-    The impact with which each begins does not matter. Motions of a structure have the same period, the same gaps
-    in order, phases within 1e-6 rad and speeds within 1e-6 of the largest one; impacts of accumulations count down
-    to 1e-3 of the largest speed.
+    The first impact of each does not matter. Motions of a structure are the same if they have the same period, the
+    same gaps in order, phases within 1e-6 rad and speeds within 1e-6 of the largest one; impacts of accumulations
+    count down to 1e-3 of the largest speed.
 
     Parameters
     ----------
     one, other : Motion
         Both of one system.
     mirrored : bool
-        Of an oscillator: compare with the mirror image of the other.
+        For an oscillator: compare with the mirror image of the other.
 
     Raises
     ------
     ParameterTypeError
         If one is not a motion, or they belong to different systems.
     ParameterError
-        If `mirrored` is asked for motions of a structure.
+        If `mirrored` is True for motions of a structure.
 
     Examples
     --------
@@ -150,7 +150,7 @@ def same_motion(one: Motion, other: Motion, *, mirrored: bool = False) -> bool:
 
 
 def is_symmetric(motion: Motion) -> bool:
-    """Whether a motion without rest is its own mirror image half a period later; of a structure, whether -q is.
+    """Whether a motion without rest is its own mirror image half a period later (for a structure, -q).
 
     Raises
     ------

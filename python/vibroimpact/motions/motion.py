@@ -58,7 +58,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Motion", "Motions", "Sample"]
 
-#: Columns of the core's tables of motions and impacts; those of impacts by their names here.
+#: Columns of the core's tables of motions and impacts; those of impacts by their attribute names.
 OF_MOTION = (
     "r", "clearance", "A", "tau", "residual", "x_min", "x_max", "load", "kind", "precision",
 )  # fmt: skip
@@ -67,7 +67,7 @@ OF_IMPACTS = {
     "restitution": "restitution", "alpha": "phase", "X": "X", "Z": "Z", "X_dot_before": "X_dot_before",
     "X_dot_after": "X_dot_after", "Z_dot_before": "Z_dot_before", "Z_dot_after": "Z_dot_after",
 }  # fmt: skip
-#: The same of a structure.
+#: The same for a structure.
 OF_STRUCTURE = ("cycles", "residual", "determinant", "law")
 IMPACTS_OF_STRUCTURE = {"gaps": "gap", "phases": "phase", "speeds": "speed", "impulses": "impulse"}
 RESTS = np.dtype([("gap", "i4"), ("begin", "f8"), ("end", "f8")])
@@ -82,7 +82,7 @@ CODES = {True: 1, False: 0, None: -1}
 ACCEPTANCE = 0.03
 #: Largest phase of an impact, in magnitude.
 MOST_PHASE = 1e6
-#: Phases (rad) between events that are at one instant but for rounding, and between the last impact of an
+#: Largest phase difference (rad) of events at one instant (due to rounding), and between the last impact of an
 #: accumulation and its end.
 AT_ONCE, SHORT = 1e-9, 1e-5
 
@@ -156,14 +156,15 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         example).
     osc : Oscillator
     r : float
-        For an oscillator, as all up to `rest_events`: frequency ratio Omega/omega.
+        Frequency ratio Omega/omega. This and all attributes down to `rest_events` are for an oscillator.
     clearance : float
         D = d K/F0; d is the whole travel of the free mass between the walls.
     pattern : Pattern
     restitution : ndarray (N,)
         Coefficient of restitution of each impact.
     alpha : ndarray (N,)
-        Phase of each impact counted from the first, alpha_i; `load_phase` is that of the first in the load.
+        Phase of each impact measured from the first one, alpha_i; `load_phase` is the load phase of the first
+        impact.
     X, Z : ndarray (N,)
         Positions of primary and free mass at each impact.
     X_dot_before, X_dot_after, Z_dot_before, Z_dot_after : ndarray (N,)
@@ -178,13 +179,13 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
     kind : str
         The method: "periodic" or "equispaced" (the linear equations), or "exact".
     guess : ndarray (N,) or None
-        Of an exact motion: the phases alpha from which it was found, if it began with the linear equations.
+        For an exact motion: the phases alpha from which it was found, if it started with the linear equations.
     rest_events : structured ndarray or None
         For a pattern with a star: all impacts, sticks and releases of a period from the first impact on.
         The arrays above then have one entry per symbol; for a starred symbol it is the first impact of the
         accumulation.
     structure : Structure
-        For a structure, as all that follow.
+        The structure. This and all following attributes are for a structure.
     self_excited : bool
     trivial : int or None
     matrix : ndarray (2n, 2n)
@@ -291,16 +292,17 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
 
     @property
     def self_excited(self) -> bool:
-        """Whether the motion has no periodic load, so that its phase is free (period 2 pi/load.frequency)."""
+        """Whether the motion has no periodic load, so that its phase is free (its period is 2
+        pi/load.frequency)."""
         return self.of_structure and not len(self.load.sine) and not self.structure._moves
 
     @property
     def _given_load(self) -> Load:
-        """For a structure: its load; of a self-excited motion without the frequency, which is a result."""
+        """For a structure: its load; for a self-excited motion, without the frequency, which is a result."""
         return Load(constant=self.load.constant) if self.self_excited else self.load
 
     def _groups(self) -> list[tuple[str, dict[str, Any]]]:
-        """For a structure: the groups of it and its load."""
+        """For a structure: the namelist groups of the structure and its load."""
         load = self._given_load
         bare = self.self_excited and not load.constant.any()
         return [*self.structure._groups(), *([] if bare else load._groups())]
@@ -313,13 +315,13 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         return sentence(NO_DERIVATIVE if self._has_meetings else GRAZE)
 
     def _refuse_meetings(self) -> None:
-        """SingularError if impacts on coupled gaps at one instant leave it without derivatives."""
+        """Raises SingularError if simultaneous impacts on coupled gaps leave the motion without derivatives."""
         if self._has_meetings and self.without_multipliers:
             raise SingularError(self.without_multipliers)
 
     @property
     def _has_meetings(self) -> bool:
-        """For a structure: whether impacts are at one instant."""
+        """For a structure: whether there are simultaneous impacts."""
         if not self.of_structure or not len(self.phases):
             return False
         whole = 2 * np.pi * self.cycles
@@ -328,14 +330,14 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
 
     @property
     def trivial(self) -> int | None:
-        """Of a self-excited motion: the place in `multipliers` of the 1 of a shift in time; else None."""
+        """For a self-excited motion: the index in `multipliers` of the 1 of a shift in time; otherwise None."""
         if not self.self_excited or np.isnan(self.multipliers).any():
             return None
         return int(np.abs(self.multipliers - 1).argmin())
 
     @property
     def _nontrivial(self) -> NDArray[np.complex128]:
-        """The multipliers but the trivial one."""
+        """All multipliers except the trivial one."""
         return (
             self.multipliers if self.trivial is None else np.delete(self.multipliers, self.trivial)
         )
@@ -362,9 +364,10 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
 
     @property
     def leading_kind(self) -> str | None:
-        """Where the leading multiplier lies: "positive", "negative" or "complex" (None: unknown).
+        """The kind of the leading multiplier: "positive", "negative" or "complex" (None: unknown).
 
-        Crossing the unit circle there is a fold or pitchfork, a flip, or a Neimark-Sacker bifurcation.
+        If it crosses the unit circle, the bifurcation is a fold or pitchfork, a flip, or a Neimark-Sacker
+        bifurcation, respectively.
         """
         leading = complex(next(iter(self._nontrivial), math.nan))
         if leading != leading:
@@ -384,7 +387,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
             times (m,), the load phase being Omega t. At an impact velocities and accelerations are those just
             after it.
         output : str, optional
-            For a structure: the output that is sampled, in place of all coordinates.
+            For a structure: the output to sample, in place of all coordinates.
 
         Returns
         -------
@@ -465,7 +468,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         True
         """
         if self.of_structure:
-            # impacts at the first instant of the period would be divided between its ends
+            # impacts at the first instant of the period would be split between its ends
             whole = self.structure._is_rigid and (len(self.rests) or not self._has_meetings)
             run = self._run() if whole else self._from_flight()
             return run.quantities(harmonics=harmonics)
@@ -491,8 +494,8 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         kind : str, optional
             As in `Trajectory.plot`.
         cycles : float, optional
-            Load cycles shown: of an oscillator from the first impact on, by default one period, at least two
-            cycles; for a structure the last ones of a period.
+            Load cycles shown: for an oscillator, from the first impact on; by default one period, but at least two
+            cycles. For a structure, the last ones of a period.
         window : (float, float), optional
             For a structure: times between which it is drawn, by default a period.
         units : Units or str, optional
@@ -533,7 +536,8 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         Returns
         -------
         Path
-            Without `path` matplotlib's FuncAnimation, which a notebook shows by its `to_jshtml()`.
+            The path of the file; without `path`, matplotlib's FuncAnimation, which a notebook shows by its
+            `to_jshtml()`.
 
         Examples
         --------
@@ -576,7 +580,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         return np.moveaxis(maps, 2, 0)
 
     def stability_matrix(self) -> NDArray[np.float64]:
-        """[P] = [P_N] ... [P_1] of equation (32), (4, 4), of a structure `matrix`; its eigenvalues are the
+        """[P] = [P_N] ... [P_1] of equation (32), (4, 4); for a structure `matrix`. Its eigenvalues are the
         multipliers."""
         if self.of_structure:
             return self.matrix
@@ -586,22 +590,22 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         return product
 
     def gradient(self, parameters: Sequence[Wanted] | None = None) -> Gradient:
-        """The derivatives of all quantities of the exact motion by parameters.
+        """The derivatives of all quantities of the exact motion with respect to parameters.
 
-        They are those of the exact motion, with the phases as functions of the parameters, from the
-        implicit-function theorem and the derivatives of [P_i]; no difference quotients are taken.
+        The phases are functions of the parameters; the derivatives follow from the implicit-function theorem and
+        the derivatives of [P_i], without difference quotients.
 
-        For an oscillator, the parameters are r, clearance, xi, mu, R1, R2, R and load. R1 and R2 change
-        the restitution of all impacts on their wall, R that of all impacts.
-        Besides attributes of the motion, the quantities are `load_phase`, `attenuation`, the response `x_rms`,
-        `fundamental_amplitude` and `fundamental_phase` (as `quantities` has them), and the distances to the
-        boundaries of its zone: `approach_speeds` at the impacts; `gaps_right` and `gaps_left`, the least distance
-        to each wall where the relative position is stationary in the flight after each impact (NaN if it is so
-        nowhere); and `stability_margin`, which is 1 - max|lambda|.
+        For an oscillator, the parameters are r, clearance, xi, mu, R1, R2, R and load. R1 and R2 change the
+        restitution of all impacts on their wall, R that of all impacts. Besides attributes of the motion, the
+        quantities are `load_phase`, `attenuation`, the response `x_rms`, `fundamental_amplitude` and
+        `fundamental_phase` (as in `quantities`), and the distances to the boundaries of its zone:
+        `approach_speeds` at the impacts; `gaps_right` and `gaps_left`, the least distance to each wall at a
+        stationary point of the relative position in the flight after each impact (NaN if there is none); and
+        `stability_margin`, which is 1 - max|lambda|.
 
         For a structure, the quantities are phases, speeds, impulses, ``q`` and ``q_dot``, the states just after
-        the impacts, multipliers and `stability_margin`. With rest, the accumulations are summed to their limit. Of
-        a self-excited motion also `period`, and phases are counted from the first event.
+        the impacts, multipliers and `stability_margin`. With rest, the accumulations are summed to their limit. A
+        self-excited motion also has `period`, and its phases are measured from the first event.
 
         Parameters
         ----------
@@ -609,20 +613,20 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
             For a structure: names as in `branch`: 'frequency'; 'load', 'constant', 'mass', 'damping', 'stiffness'
             (factors, 1 for the motion); 'opening', 'restitution' (of all gaps, which all change by the same);
             'opening_J', 'restitution_J' (of gap J); 'mass_I_J', 'damping_I_J', 'stiffness_I_J' (an entry, with its
-            mirror image). Of a `PowerLaw` the restitution is R0. Or tuples (name, function, value) of a smooth
-            function that gives (Structure, Load), and the value of its argument at the motion; the function is
-            called within 5 % of it (within 0.05 of 0). 'contact' or 'contact_J' is the stiffness of stops, 'slip'
-            or 'slip_J' the slip level of friction, with the stick level in proportion, 'stick' or 'stick_J' the
-            stick level alone, and 'speed' or 'speed_J' that of a belt; 'wall' or 'wall_J' is a
-            factor of the motions of walls. By default frequency, load, and all openings, motions of walls,
-            coefficients of restitution, stiffnesses of stops and slip levels.
+            mirror image). For a `PowerLaw` the restitution is R0. Or tuples (name, function, value) with a smooth
+            function that returns (Structure, Load), and the value of its argument at the motion; the function is
+            called within 5 % of this value (within 0.05 of 0). 'contact' or 'contact_J' is the stiffness of stops,
+            'slip' or 'slip_J' the slip level of friction, with the stick level in proportion, 'stick' or 'stick_J'
+            the stick level alone, and 'speed' or 'speed_J' that of a belt; 'wall' or 'wall_J' is a factor of the
+            motions of walls. By default frequency, load, and all openings, motions of walls, coefficients of
+            restitution, stiffnesses of stops and slip levels.
 
         Returns
         -------
         Gradient
-            NaN with a `status` where a single quantity has no derivatives: multipliers that coincide, or a
-            greatest value that is reached twice, as by symmetric motions if R1 alone changes. Of a motion of an
-            oscillator with rest or with more than 24 impacts there are no gaps, rms and fundamental.
+            Entries are NaN, with a `status`, if a single quantity has no derivatives: multipliers that coincide,
+            or a greatest value that is reached twice, as in symmetric motions if only R1 changes. For a motion of
+            an oscillator with rest or with more than 24 impacts, gaps, rms and fundamental are missing.
 
         Raises
         ------
@@ -662,7 +666,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         return found
 
     def prove(self) -> Any:
-        """Prove in ball arithmetic what is true of this motion (extra `proof`).
+        """Prove the existence, admissibility and stability of this motion in ball arithmetic (extra `proof`).
 
         Each of these is proven, refuted or left undecided: existence and uniqueness in a box around these numbers,
         by Krawczyk's operator; that the masses approach at each impact and both gaps stay open in between; and
@@ -672,8 +676,8 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         Returns
         -------
         Certificate
-            It holds for the parameters as decimal numbers: 0.028 is 28/1000. What is not proven is None, with the
-            reason in `undecided`.
+            It holds for the parameters as decimal numbers: 0.028 is 28/1000. Undecided properties are None, with
+            the reason in `undecided`.
 
         Raises
         ------
@@ -696,7 +700,8 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         """The case as a namelist, from which `vibroimpact run` and `vibroimpact-batch` compute it again.
 
         The digits are the same if the motion was computed from phases. Otherwise the motion itself is the guess
-        for Newton's method, which then ends within rounding of it. An equispaced motion comes with its twin.
+        for Newton's method, which then returns it to within rounding. The case of an equispaced motion computes
+        both motions of the pair.
         """
         if not self.of_structure:
             return namelist.case(self.osc, self.r, motion=self._keys())
@@ -707,7 +712,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         return namelist.text([*self._groups(), ("motion", self.request)])
 
     def _keys(self) -> dict[str, Any]:
-        """The group &motion that produces it, of an oscillator."""
+        """For an oscillator: the group &motion that reproduces the motion."""
         if self.pattern.has_rest or self.load != 1.0:
             what = "rest" if self.pattern.has_rest else f"load = {self.load!r}"
             raise ParameterError(
@@ -736,7 +741,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
 
     @property
     def _result(self) -> Result:
-        """Its tables, with the columns that the core declares for &motion."""
+        """The tables of the motion, with the columns that the core declares for &motion."""
         try:
             case = self.to_namelist()
         except ParameterError:
@@ -785,7 +790,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
 
     @classmethod
     def of_result(cls, result: Result) -> Motion:
-        """The motion of a result that has one."""
+        """The motion of a result that contains one motion."""
         if not result.of_structure:
             found = motions_of(result)
             if len(found) != 1:
@@ -799,10 +804,11 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         return of_tables(result, structure, load, "motion", None, None, request)
 
     def _run(self) -> Trajectory:
-        """For a structure: the period from just after the first impact, by the flights and rests of the motion.
+        """For a structure: the trajectory over a period from just after the first impact, built from the flights
+        and rests.
 
-        Nothing is simulated: a simulation would leave an unstable motion, would stop at the first gap that a
-        motion closes in between, and could not start again from a gap that is closed to rounding.
+        It is not simulated: a simulation would leave an unstable motion, would stop at the first gap that an
+        inadmissible motion closes in between, and could not start again from a gap that is closed to rounding.
         """
         if not self.structure._is_rigid:
             return self._simulated()
@@ -812,8 +818,8 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         numbers = np.arange(1, count + 1) % count
         kinds = ["impact"] * count
         gaps, clock = self.gaps[numbers].tolist(), times[1:].tolist()
-        # a rest begins with the last impact of its accumulation, which no other event parts from it; of events at
-        # one instant the releases are the last
+        # a rest begins with the last impact of its accumulation, with no other event in between; among
+        # simultaneous events, releases come last
         keys = [(times[i], i, False) for i in range(1, count + 1)]
         whole = 2 * np.pi * self.cycles
         for gap, begin, end in self.rests.tolist():
@@ -854,9 +860,10 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         )  # fmt: skip
 
     def _simulated(self) -> Trajectory:
-        """For a structure with stops or friction: the period from just after the first event, simulated.
+        """For a structure with stops or friction: the simulated trajectory over a period from just after the
+        first event.
 
-        The first event may come again at the start, where its limit is reached to rounding.
+        The first event may occur again at the start, where its condition is met to rounding.
         """
         start = float(self.phases[0] / self.load.frequency)
         return simulate_structure(
@@ -864,8 +871,8 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         )
 
     def _from_flight(self) -> Trajectory:
-        """For a structure with stops or friction: the period from the middle of its longest flight, in which each
-        event comes once."""
+        """For a structure with stops or friction: the trajectory over a period from the middle of the longest
+        flight; it contains each event once."""
         start, state = self._run()._between_events()
         return simulate_structure(
             self.structure, self.load, duration=self.period, state=state, start=start
@@ -884,7 +891,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         }
 
     def verdicts(self) -> str:
-        """The three verdicts in words, with the numbers behind them."""
+        """The three verdicts as a text, with the numbers behind them."""
         words = [
             {True: name, False: f"not {name}", None: f"{name}?"}[value]
             for name, value in (("consistent", self.consistent), ("admissible", self.admissible))
@@ -893,7 +900,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
             words[0] += f" (residual {self.residual:.2g})"
         modulus = np.abs(self._nontrivial).max(initial=0.0)
         if self.trivial is not None and modulus < np.finfo(float).eps:
-            modulus = 0.0  # what sticks loses a direction
+            modulus = 0.0  # friction that sticks removes a direction
         stability = {True: "stable", False: "unstable", None: "stable?"}[self.stable]
         beside = "" if self.trivial is None else " beside 1"
         known = f"max|lambda| = {modulus:.4g}{beside}, {self.leading_kind}"
@@ -956,7 +963,8 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
 
 
 class MotionSet(Noun, study="motion", formerly="StructureMotionResult"):
-    """The motions of a &motion case: two of the equispaced kind, else one; none if there is no such motion."""
+    """The motions of a &motion case: two for the equispaced kind, otherwise one; none if there is no such
+    motion."""
 
     __slots__ = ()
     printable = True
@@ -982,12 +990,12 @@ class MotionSet(Noun, study="motion", formerly="StructureMotionResult"):
 
 
 def motions_of(result: Result, osc: Oscillator | None = None) -> list[Motion]:
-    """The motions of the core's tables, without those that failed.
+    """The motions in the core's tables, without those that failed.
 
     Parameters
     ----------
     osc : Oscillator, optional
-        Their system, if the caller has it.
+        The system, if the caller has it.
     """
     names = (*OF_MOTION, *VERDICTS, "sides", "cycles", "status")
     fields = {name: result.column("motions", name).decoded().ravel().tolist() for name in names}
@@ -1030,7 +1038,7 @@ def of_tables(
     result: Result, structure: Structure, load: Load, table: str, row: int | None,
     parts: Sequence[slice] | None, request: dict[str, Any] | None,
 ) -> Motion:  # fmt: skip
-    """A motion of a structure from the core's tables: their rows `parts` of impacts, multipliers, derivative and
+    """A motion of a structure from the core's tables: the rows `parts` of impacts, multipliers, derivative and
     rests, and a row of the table of motions."""
     whole = slice(None)
     impacts, multipliers, derivative, rests = parts or [whole] * 4
@@ -1109,7 +1117,7 @@ def rests_of(gaps: Any = (), phases: Any = ((), ())) -> NDArray[Any]:
 def check_numbers(
     cycles: int, phases: _Array, states: _Array, multipliers: NDArray[Any], matrix: _Array
 ) -> None:
-    """An error unless the numbers of a motion from a file are those that a motion can have."""
+    """Raises an error unless the numbers of a motion from a file are possible for a motion."""
     checks.integer(cycles, "motion.cycles", 1, 10_000)
     n = 2 * states.shape[-1]
     if matrix.shape != (n, n) or multipliers.shape != (n,):
@@ -1128,7 +1136,7 @@ def check_numbers(
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
 class Motions:
-    """Many motions of one pattern as arrays, points on the last axis; an index gives one `Motion`.
+    """Many motions of one pattern as arrays, with points on the last axis; an index returns one `Motion`.
 
     Attributes
     ----------

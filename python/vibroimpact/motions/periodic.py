@@ -31,7 +31,7 @@ from .trajectory import core_arrays
 __all__ = ["equispaced", "equispaced_batch", "linear_system", "periodic", "periodic_batch"]
 
 PRECISIONS = ("double", "single")
-#: What the core is asked for, of a structure.
+#: The computations that the core can do for a structure.
 ELIMINATED, FULL, EXACT = 0, 1, 2
 _Array = NDArray[np.float64]
 
@@ -45,7 +45,7 @@ def periodic_structure(
     full: bool = False,
     kinds: Sequence[str] | None = None,
 ) -> Motion:
-    """As `periodic`, of a structure."""
+    """As `periodic`, for a structure."""
     checks.truth(full, "full")
     checks.instance(structure, "structure", Structure)
     if not structure._is_rigid:
@@ -98,7 +98,8 @@ def motion_from_events(
 def gap_pattern(
     structure: Any, load: Any, phases: Any, gaps: Any, cycles: Any, stops: bool = False
 ) -> tuple[NDArray[np.int32], _Array, int]:
-    """Checks the arguments that describe a motion of a structure, which has stops only where it may."""
+    """Checks the arguments that describe a motion of a structure, and that the structure has stops only if they
+    are allowed."""
     check_load(structure, load, frequency=True, stops=stops)
     cycles = checks.integer(cycles, "cycles", 1, 10_000)
     wanted = "gap numbers from 0, one an impact, 1 to 1000 of them"
@@ -190,16 +191,16 @@ def periodic(
     For N = 2 impacts the equations are a square linear system (LAPACK DGESV). For N > 2 they are overdetermined
     (DGELS), and the motion is consistent only if its `residual` is small.
 
-    Of a structure the arguments are `structure, load, phases, gaps`, with load phases of impacts and their gaps,
-    then `cycles`, and `full` to solve for the state after the first impact as well, with periodicity among
-    the equations, instead of eliminating it by the periodic response of each mode. For a motion both give the
-    same; for other phases they minimise different residuals. The system is overdetermined (DGELS), and the motion
-    is consistent only if its `residual` is at the level of rounding.
+    For a structure the arguments are `structure, load, phases, gaps` (load phases and gaps of the impacts),
+    `cycles`, and `full`. With `full` the state after the first impact is a further unknown and periodicity a
+    further equation; otherwise the state is eliminated by the periodic response of each mode. For the phases of a
+    motion both give the same result; for other phases they minimise different residuals. The system is
+    overdetermined (DGELS), and the motion is consistent only if its `residual` is at the level of rounding.
 
-    With stops or friction, phases and gaps are those of all events, and `kinds` has a word for each: 'impact' of a
-    gap; 'touch', 'leave', 'let_go' and 'press' of a stop; 'halt', 'slip_up' and 'slip_down' of friction, whose
-    numbers follow those of gaps and stops. Multipliers are NaN unless the motion is consistent, and it is
-    admissible if a simulation passes the same events.
+    With stops or friction, phases and gaps are those of all events, and `kinds` has a word for each event:
+    'impact' for a gap; 'touch', 'leave', 'let_go' and 'press' for a stop; 'halt', 'slip_up' and 'slip_down' for
+    friction, whose numbers follow those of gaps and stops. Multipliers are NaN unless the motion is consistent; it
+    is admissible if a simulation has the same events.
 
     Parameters
     ----------
@@ -221,15 +222,16 @@ def periodic(
     Returns
     -------
     Motion
-        Of an oscillator the clearance d K/F0 is part of the result; d is the whole travel between the walls.
+        The motion. For an oscillator the clearance d K/F0 is part of the result; d is the whole travel between
+        the walls.
 
     Raises
     ------
     ParameterError, ParameterTypeError
         If an argument is not allowed; nothing was computed.
     SingularError
-        If there is no unique motion with these phases, or one without load. Of a structure: if a mode without
-        damping resonates with the load or the period, or no impact balances a constant force on a mode of
+        If there is no unique motion with these phases, or a motion without load. For a structure: if a mode
+        without damping resonates with the load or the period, or no impact balances a constant force on a mode of
         frequency 0.
 
     Examples
@@ -242,7 +244,7 @@ def periodic(
     >>> motion
     <Motion RL/1 at r = 0.94, d K/F0 = 38.221: admissible, stable (max|lambda| = 0.9347)>
 
-    The same from the matrices of its two masses, at d K/F0 = 37:
+    The same motion from the matrices of its two masses, at d K/F0 = 37:
 
     >>> gaps = [vi.Gap([-1, 1], 18.5, 0.75), vi.Gap([1, -1], 18.5, 0.75)]
     >>> damper = vi.Structure(mass=[1, 0.042], damping=[0.01, 0], stiffness=[1, 0], gaps=gaps)
@@ -277,7 +279,7 @@ def periodic_batch(
     acceptance: float = 0.03,
     flights: bool = True,
 ) -> Motions:
-    """`periodic` for many sets of phases in one call.
+    """The function `periodic` for many sets of phases in one call.
 
     Parameters
     ----------
@@ -291,8 +293,8 @@ def periodic_batch(
     acceptance : float
         As in `periodic`.
     flights : bool
-        Whether to examine every flight too: `admissible`, `x_min`, `x_max`. Without it they are
-        -1 and NaN, and the call is faster.
+        Whether to examine every flight as well, for `admissible`, `x_min` and `x_max`. Without it these are -1 and
+        NaN, and the call is faster.
 
     Returns
     -------
@@ -402,7 +404,7 @@ def equispaced_batch(
     cycles: int = 1,
     precision: str = "double",
 ) -> tuple[Motions, Motions]:
-    """`equispaced` at many points (r, clearance) in one call.
+    """The function `equispaced` at many points (r, clearance) in one call.
 
     Parameters
     ----------
@@ -415,7 +417,7 @@ def equispaced_batch(
     Returns
     -------
     tuple of two Motions
-        The two solutions at each point; `status` is not 0 where they do not exist.
+        The two solutions at each point; `status` is nonzero where they do not exist.
 
     Raises
     ------
@@ -460,7 +462,7 @@ def equispaced_batch(
 
 
 def equispaced_pattern(osc: Oscillator, cycles: int) -> Pattern:
-    """RL over an odd number of load cycles; an error if the walls differ."""
+    """The pattern RL over an odd number of load cycles; an error if the walls differ."""
     of_numbers(osc)
     if osc.restitution[0] != osc.restitution[1]:
         raise ParameterError(

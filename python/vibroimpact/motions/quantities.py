@@ -23,10 +23,10 @@ __all__ = ["Quantities", "Signal"]
 
 _Array = NDArray[np.float64]
 _Complex = NDArray[np.complex128]
-#: Columns of the impacts of a structure, and further ones of an oscillator.
+#: Columns of the impacts of a structure, and further columns for an oscillator.
 IMPACT_TYPE = [("time", "f8"), ("gap", "i4"), ("speed", "f8"), ("impulse", "f8"), ("loss", "f8")]
 OF_OSCILLATOR = [("side", "U1"), ("jump", "f8")]
-#: Mass of a free mass without mass: with it, the primary mass moves as without.
+#: Mass used for a free mass of zero mass: so small that it does not affect the primary mass.
 MASSLESS = 1e-30
 
 
@@ -44,7 +44,7 @@ class Signal:
     mean, rms : float
         Mean value, and root of the mean square (with the mean).
     least, greatest : float
-        Extremes, with both sides of each jump.
+        Extremes, including both sides of each jump.
     harmonics : ndarray (H,) of complex
         c_h, where the part of h times the load frequency is ``Re(c_h exp(i h phi))`` at the load phase phi.
     """
@@ -56,7 +56,7 @@ class Signal:
     harmonics: _Complex
 
     def of(self, i: int) -> Signal:
-        """That of one coordinate."""
+        """The signal of one coordinate."""
         return Signal(*(plain(part[i]) for part in vars(self).values()))
 
     @property
@@ -80,12 +80,13 @@ class Signal:
 class Quantities:
     """Response quantities over a window of time, exact except for rounding.
 
-    In the units of the structure, or, for an oscillator, with lengths in F0/K, time in 1/omega and forces in F0.
+    Values are in the units of the structure or, for an oscillator, with lengths in F0/K, time in 1/omega and
+    forces in F0.
 
     Attributes
     ----------
     duration : float
-        Length of the window; of a motion its period.
+        Length of the window; for a motion its period.
     cycles : float
         Load cycles in the window; NaN without a load frequency.
     q, q_dot, q_ddot : Signal
@@ -100,8 +101,8 @@ class Quantities:
         Displacement, velocity and acceleration of the primary mass, for an oscillator only.
     impacts : structured ndarray
         ``time``, ``gap``, ``speed`` (of approach), ``impulse`` (> 0) and ``loss`` (of energy); for an oscillator
-        ``side`` and ``jump`` (of the acceleration of the primary mass), too. Of impacts that accumulate, the last
-        and smallest are not listed; energies and harmonics contain them.
+        ``side`` and ``jump`` (of the acceleration of the primary mass), too. The last and smallest impacts of an
+        accumulation are not listed; energies and harmonics contain them.
     work : float
         Energy supplied by the load (with its constant part), by the belts, and by moving walls: the contact force,
         or the impulse of an impact, times the speed of the wall.
@@ -127,7 +128,7 @@ class Quantities:
     friction_loss: float
     energy_change: float
     of_structure: bool
-    #: The unit of each, in the dimensionless ones of an oscillator.
+    #: The dimensionless unit of each for an oscillator.
     units: ClassVar[dict[str, str]] = {
         "duration": "1/omega", "q": "F0/K", "q_dot": "omega F0/K", "q_ddot": "omega^2 F0/K",
         "x": "F0/K", "x_dot": "omega F0/K", "x_ddot": "omega^2 F0/K",
@@ -169,7 +170,7 @@ def integrated(
     arguments: tuple[Any, ...], segments: tuple[_Array, NDArray[np.int32]], window: tuple[float, float],
     harmonics: Any, impacts: NDArray[Any], of_structure: bool,
 ) -> Quantities:  # fmt: skip
-    """The quantities of a structure, given as the core takes it, over a window."""
+    """The quantities over a window of a structure given as arguments of the core."""
     harmonics = checks.integer(harmonics, "harmonics", 1, 10_000)
     frequency, whole = arguments[3], window[1] - window[0]
     orders = harmonics if frequency else 0
@@ -197,7 +198,7 @@ def structure_quantities(
     run: Any, arguments: tuple[Any, ...], segments: tuple[_Array, NDArray[np.int32]],
     window: tuple[float, float], harmonics: Any,
 ) -> Quantities:  # fmt: skip
-    """The quantities of a trajectory of a structure, given also as the core takes it."""
+    """The quantities of a trajectory of a structure, which is also given as arguments of the core."""
     time = run.events["time"]
     hits = (time > window[0]) & (time <= window[1]) & (run.events["kind"] == "impact")
     impacts = np.empty(hits.sum(), dtype=IMPACT_TYPE)
@@ -210,11 +211,11 @@ def structure_quantities(
         for i, gap in enumerate(gaps):
             here = impacts["gap"] == i
             wall[here] = opening_speed_at(gap, impacts["time"][here], run.load.frequency)
-    # what the gaps close with just after the impacts is negative
+    # the closing speed of the gaps just after the impacts is negative
     closing = (directions[impacts["gap"]] * run.states[hits, 1]).sum(axis=1) - wall
     impacts["loss"] = 0.5 * impacts["impulse"] * (impacts["speed"] + closing)
     found = integrated(arguments, segments, window, harmonics, impacts, True)
-    # a wall that moves pushes with its speed
+    # the work of a moving wall contains its speed
     return replace(found, work=math.fsum([found.work, *(-impacts["impulse"] * wall)]))
 
 
@@ -222,8 +223,8 @@ def oscillator_quantities(
     osc: Oscillator, r: float, load: float, clearance: float, starts: _Array, resting: NDArray[np.int32],
     window: tuple[float, float], events: NDArray[Any], harmonics: Any,
 ) -> Quantities:  # fmt: skip
-    """The quantities of an oscillator, the structure of its two masses, from the start (6, n) of each segment and
-    the side of rest in it or 0."""
+    """The quantities of an oscillator, as the structure of its two masses, from the state (6, n) at the start of
+    each segment and the side of a rest in it, or 0."""
     walls = np.array([[-1.0, 1.0], [1.0, -1.0]])
     matrices = [np.diag([1, max(osc.mu, MASSLESS)]), np.diag([2 * osc.xi, 0]), np.diag([1.0, 0])]
     force = Load(r, sine=[load, 0])._arrays()
@@ -231,7 +232,7 @@ def oscillator_quantities(
         np.stack(matrices, axis=-1), walls, np.array([[0.5 * clearance] * 2, [0.0] * 2]), *force, 0.0,
         np.zeros((2, 1)),
     )  # fmt: skip
-    # impact, stick and release; where rest ends, the gap that rested
+    # impact, stick and release; for a release, the gap that rested
     before = np.append(0, resting[:-1])
     kinds = np.where(resting != 0, 2, np.where(before != 0, 3, 1))
     labels = np.array([kinds, np.where(resting + (resting == 0) * before < 0, 2, 1)], np.int32)

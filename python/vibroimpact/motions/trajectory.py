@@ -67,7 +67,8 @@ __all__ = ["Period", "State", "Trajectory", "simulate"]
 
 _Array = NDArray[np.float64]
 
-#: The moments of a trajectory in the core's table, and the keys of a &simulate: of an oscillator, of a structure.
+#: The moments of a trajectory in the core's table, and the keys of a &simulate: for an oscillator, and for a
+#: structure.
 MOMENTS = ("initial", "initial flight", "final", "final flight")
 REQUEST = ("clearance", "cycles", "discard", "load", *NEEDED, "max_events")
 REQUEST_OF_STRUCTURE = ("duration", "cycles", "discard", "q", "q_dot", "start", "max_events")
@@ -75,8 +76,8 @@ REQUEST_OF_STRUCTURE = ("duration", "cycles", "discard", "q", "q_dot", "start", 
 FULL = "max_events was reached"
 #: Largest numbers of events and of load cycles in a call of the core; Ctrl-C takes effect between calls.
 CHUNK, SPAN = 65_536, 1_000_000
-#: Bytes reserved for events of a structure at first; what is not written to takes no memory. With more events the
-#: simulation is run again.
+#: Bytes initially reserved for events of a structure; unused ones take no memory. If there are more events, the
+#: simulation is repeated.
 ROOM = 2**26
 #: Names of the kinds of events 1 to 10, and the columns of the events of a structure.
 KINDS = np.array([
@@ -89,9 +90,9 @@ EVENTS_OF_STRUCTURE = np.dtype([
 TURN = 2 * np.pi
 #: Largest number of events of a trajectory, as in the core: 88 bytes each.
 MOST_KEPT = 50_000_000
-#: Load cycles from which a simulation shows a bar.
+#: Number of load cycles above which a simulation shows a bar.
 MANY_CYCLES = 10_000
-#: Longest period in load cycles, and largest difference of its phases from the period before.
+#: Longest period in load cycles, and largest difference of its phases from those of the previous period.
 MOST_CYCLES, TOLERANCE = 16, 0.05
 
 
@@ -102,10 +103,10 @@ class Period(NamedTuple):
     ----------
     pattern : Pattern
     events : structured ndarray
-        The event that begins each letter of the pattern, with the columns of `Trajectory.events`: an impact, the
-        first one of an accumulation.
+        The event that begins each letter of the pattern, with the columns of `Trajectory.events`: an impact, or
+        the first impact of an accumulation.
     mismatch : float
-        Largest difference of their phases from those of the period before (radians).
+        Largest difference of their phases from those of the previous period (radians).
     """
 
     pattern: Pattern
@@ -113,12 +114,12 @@ class Period(NamedTuple):
     mismatch: float
 
     def __repr__(self) -> str:
-        """In one line: the events are a table."""
+        """A single line, without the table of events."""
         return f"<Period {self.pattern.sides}/{self.pattern.cycles}, phases repeat within {self.mismatch:.2g}>"
 
 
 def refuse_output(output: Any) -> None:
-    """An error if an output of an oscillator is asked for, which has none."""
+    """Raises an error if an output of an oscillator is requested, which has none."""
     if output is not None:
         raise ParameterError(f"output = {output!r}: must be left out for an Oscillator")
 
@@ -144,17 +145,17 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         In order of time: ``time`` and ``kind``: "impact", "stick" where accumulating impacts end in rest,
         "release" where the rest ends. For an oscillator further ``side`` ("R" or "L"), ``phase`` (of the load, in
         [0, 2 pi)), ``x``, ``x_dot_before``, ``x_dot_after``, ``z_dot_before``, ``z_dot_after``; for a structure
-        ``gap`` (from 0), ``speed`` (approach speed) and ``impulse``. Kinds of a stop are "touch" and "leave", and,
-        where it cannot pull, "let_go" where its force vanishes at a depth and "press" where it pushes again; their
-        ``speed`` is that of the opening. Of friction, whose numbers follow those of all gaps and stops, they are
-        "halt" where it sticks, and "slip_up" and "slip_down" where it begins to slip with s > 0 or s < 0.
+        ``gap`` (from 0), ``speed`` (approach speed) and ``impulse``. Kinds of a stop are "touch" and "leave" and,
+        for a stop that cannot pull, "let_go" (its force vanishes at a depth) and "press" (it pushes again); their
+        ``speed`` is that of the opening. Kinds of friction, whose numbers follow those of all gaps and stops, are
+        "halt" (it sticks), "slip_up" and "slip_down" (it begins to slip with s > 0 or s < 0).
     states : ndarray (events, 2, n)
         Coordinates and velocities just after each event; for an oscillator those of its two masses.
     start, end : float
         Start and end times of the part that is kept.
     initial_state, final_state
-        States at both ends: of an oscillator mappings, of a structure (coordinates, velocities). The final state
-        of an oscillator continues bit for bit when given to `simulate`.
+        States at both ends: mappings for an oscillator, (coordinates, velocities) for a structure. A simulation
+        from the final state of an oscillator continues the trajectory bit for bit.
     load : float, Load, Record or None
         The amplitude of the load of an oscillator; the load of a structure.
     complete : bool
@@ -169,7 +170,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         For an oscillator: frequency ratio and clearance.
     structure : Structure
     permanent : tuple of int
-        For a structure: gaps that are at rest from `start` to `end`, so that they have no events.
+        For a structure: gaps that rest from `start` to `end`, and therefore have no events.
     """
 
     __slots__ = (
@@ -248,7 +249,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         return sample(self.osc, self.r, self.load, self.clearance, starts, resting, times)
 
     def _sampled(self, t: ArrayLike, parts: int, output: str | None = None) -> _Array:
-        """For a structure: coordinates and velocities, and with three `parts` accelerations (parts, n, m); of an
+        """For a structure: coordinates, velocities and, with three `parts`, accelerations (parts, n, m); for an
         output (parts, m)."""
         row = None if output is None else self.structure._row(output)
         wanted = f"times from {self.start!r} to {self.end!r}"
@@ -288,7 +289,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         Returns
         -------
         ndarray (n, m)
-            For an oscillator, those of its two masses; (m,) of an output.
+            Accelerations; for an oscillator, of its two masses; (m,) for an output.
 
         Raises
         ------
@@ -420,36 +421,37 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
     def gradient(self, parameters: Sequence[Wanted] | None = None) -> Gradient:
         """Derivatives of all events and the final state with respect to the initial state and parameters.
 
-        They are carried through impacts, accumulations, rests and releases in closed form (saltation). Of an
-        oscillator the quantities are ``time``, ``x``, ``x_dot_before``, ``x_dot_after``, ``z_dot_before`` and
-        ``z_dot_after`` of the events, and ``final_t``, ``final_x``, ``final_x_dot``, ``final_z`` and
+        The derivatives are carried through impacts, accumulations, rests and releases in closed form (saltation).
+        For an oscillator the quantities are ``time``, ``x``, ``x_dot_before``, ``x_dot_after``, ``z_dot_before``
+        and ``z_dot_after`` of the events, and ``final_t``, ``final_x``, ``final_x_dot``, ``final_z`` and
         ``final_z_dot``; for a structure ``time``, ``speed``, ``impulse``, ``q`` and ``q_dot`` (just after it) of
         the events, and ``final_time``, ``final_q`` and ``final_q_dot``. The number of load cycles, or the
-        duration, is fixed, and so is the initial state while another parameter changes: the end of time changes
-        with the frequency.
+        duration, is fixed; so is the initial state while another parameter changes. The final time therefore
+        changes with the frequency.
 
         Parameters
         ----------
         parameters : sequence, optional
-            For a structure: names or tuples as in `Motion.gradient`, and of the start: 'start' (its time, the
-            state being fixed), 'q_I' and 'q_dot_I'. For a record, 'load' is a factor. By default those of the
-            start, frequency, load, and all openings and coefficients of restitution. Those of an oscillator are t,
-            x, x_dot, z and z_dot of the initial state, and r, clearance, xi, mu, R1, R2, R (both walls) and load.
+            For a structure: names or tuples as in `Motion.gradient`, and for the start: 'start' (its time, for a
+            fixed state), 'q_I' and 'q_dot_I'. For a record, 'load' is a factor. By default all parameters of the
+            start, frequency, load, and all openings and coefficients of restitution. For an oscillator, the
+            parameters are always t, x, x_dot, z and z_dot of the initial state, and r, clearance, xi, mu, R1, R2,
+            R (both walls) and load.
 
         Returns
         -------
         Gradient
-            NaN from the first event on that has no derivatives: an impact without approach speed, or a rest that
-            ends without its contact force falling through 0; `status` names it. If a gap rests at the start, those
-            by what would open or close it further are NaN; for an oscillator those by z and z_dot, and the other
-            ones move both masses.
+            Entries are NaN from the first event without derivatives: an impact without approach speed, or a rest
+            that ends without its contact force falling through 0; `status` names it. If a gap rests at the start,
+            derivatives with respect to quantities that would open it or close it further are NaN; for an
+            oscillator these are z and z_dot, and derivatives with respect to the others move both masses.
 
         Raises
         ------
         ParameterError, ParameterTypeError
             If a parameter does not exist, or the trajectory is not complete, or has more than a million events.
         SingularError
-            If the events are not those of the structure, or gaps that depend on each other rest.
+            If the events do not belong to the structure, or gaps that depend on each other rest.
 
         Examples
         --------
@@ -493,7 +495,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
 
     @property
     def _result(self) -> Result:
-        """Its tables, with the columns that the core declares for &simulate."""
+        """The tables of the trajectory, with the columns that the core declares for &simulate."""
         cut = "" if self.complete else self.cut or FULL
         writable = self.request is not None and not (
             self.of_structure and not self.structure._parts
@@ -584,7 +586,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
 
     @classmethod
     def _of_structure(cls, result: Result) -> Trajectory:
-        """As `of_result`, of a structure."""
+        """As `of_result`, for a structure."""
 
         def values(table: str, *names: str) -> list[Any]:
             return [result.column(table, name).decoded() for name in names]
@@ -630,24 +632,24 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
     ) -> Any:  # fmt: skip
         """Draw the trajectory, or one panel of its figure (extra `plot`).
 
-        For an oscillator, time history, load, acceleration and phase portrait; for a structure the structure, the
-        histories of its bodies, its impacts, and the energy of its modes.
+        The panels for an oscillator are time history, load, acceleration and phase portrait; for a structure, a
+        sketch, the histories of its bodies, its impacts, and the energy of its modes.
 
         Parameters
         ----------
         ax : matplotlib Axes, optional
-            Where to draw one panel; without it a figure with all panels is made.
+            Axes for one panel; without it, a figure with all panels is made.
         kind : str, optional
-            Which panel: "history", "load", "acceleration" or "portrait", of a structure "sketch", "history",
-            "impacts" or "energy"; "history" if `ax` is given alone.
+            Which panel: "history", "load", "acceleration" or "portrait"; for a structure "sketch", "history",
+            "impacts" or "energy". "history" if only `ax` is given.
         cycles : float, optional
-            Load cycles shown, the last ones: 3 of an oscillator by default.
+            The number of last load cycles shown; 3 by default for an oscillator.
         window : (float, float), optional
             Start and end of the time window drawn, in place of `cycles`; for a structure, by default everything.
 
         units : Units or str, optional
-            For an oscillator: "mm N s", say, or "dimensionless"; by default its own units, if it knows M, K and
-            F0. Times on the axis then begin at 0 where the picture begins.
+            For an oscillator: units such as "mm N s", or "dimensionless"; by default its own units, if it knows M,
+            K and F0. In physical units, the time axis begins at 0.
 
         Returns
         -------
@@ -669,8 +671,8 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         cycles : float, optional
             As in `plot`.
         seconds : float, optional
-            For an oscillator: duration of a load cycle on the screen, 3 by default. For a structure: of all that
-            is shown, 10 by default.
+            For an oscillator: duration of a load cycle on the screen, 3 by default. For a structure: duration of
+            the whole animation, 10 by default.
         window : (float, float), optional
             As in `plot`.
         units : Units or str, optional
@@ -679,7 +681,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         Returns
         -------
         Path
-            Without `path` matplotlib's FuncAnimation, as in `Motion.animate`.
+            The path of the file; without `path`, matplotlib's FuncAnimation, as in `Motion.animate`.
 
         Examples
         --------
@@ -696,14 +698,14 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
     def _shown(
         self, cycles: float | None, window: ArrayLike | None
     ) -> tuple[float, tuple[float, float] | None]:
-        """What is shown, as pictures take it: load cycles of an oscillator, or a window."""
+        """The shown part as arguments of pictures: load cycles of an oscillator, or a window."""
         if self.of_structure or window is not None:
             return 3.0, self._times(cycles, window)
         return 3.0 if cycles is None else cycles, None
 
     def _segments(self) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
-        """Start of each segment (6, n), and the side on which the free mass rests in it; for a structure as the
-        core takes them."""
+        """State at the start of each segment (6, n), and the side on which the free mass rests in it; for a
+        structure in the form of the core's arguments."""
         if self.of_structure:
             return segments_of_events(self.start, self.initial_state, self.events, self.states)
         state = self.initial_state
@@ -734,7 +736,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         else:
             place = f"at {place_text(self.osc, self.r, self.clearance)}, "
             if self.initial_state["resting"] and not (self.events["kind"] == "release").any():
-                # this rest began before the first event, which therefore does not tell of it
+                # this rest began before the first event, so no event shows it
                 wall = "R" if self.initial_state["side"] > 0 else "L"
                 rests += f", m rests on {wall} all the time"
         cut = "" if self.complete else f"; cut short, {self.cut or FULL}"
@@ -744,7 +746,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
 def request_of(
     result: Result, group: str, names: Sequence[str], lists: set[str]
 ) -> dict[str, Any] | None:
-    """The keys of the study of a result's case, of which some are lists; None without a case."""
+    """The keys of the study in the case of a result, some of which are lists; None without a case."""
     if not result.case:
         return None
     *_, (last, keys) = [item for item in namelist.parts_of(result.case) if item[0] != "output"]
@@ -773,7 +775,7 @@ class Simulation(Noun, study="simulate", formerly="StructureSimulation"):
 
 
 def check_times(times: _Array, start: float, end: float) -> None:
-    """An error unless the events of a trajectory are in order between its ends."""
+    """Raises an error unless the events of a trajectory are in order between its ends."""
     if not (np.isfinite([start, end]).all() and start <= end):
         raise ParameterError(f"moments.time = {start!r}, {end!r}: must be finite, and in order")
     apart = np.diff(np.concatenate([[start], times, [end]]))
@@ -787,7 +789,7 @@ def check_times(times: _Array, start: float, end: float) -> None:
 def segments_of_events(
     start: float, first: Sequence[_Array], events: NDArray[Any], states: _Array
 ) -> tuple[_Array, NDArray[np.int32]]:
-    """The segments that begin at the start and just after each event, as the core takes them.
+    """The segments that begin at the start and just after each event, as arguments of the core.
 
     They are time, coordinates and velocities (1 + 2n, segments), and kind and gap (2, segments).
     """
@@ -806,7 +808,7 @@ def segments_of_events(
 def core_arrays(
     structure: Structure, load: Load | Record | None, stops: bool = False
 ) -> tuple[_Array, _Array, _Array, float, _Array, _Array, float, _Array]:
-    """The arguments of the core for a structure, which has stops only where it may, and its load."""
+    """The arguments of the core for a structure and its load; stops are rejected unless they are allowed."""
     if not stops:
         structure._rigid()
     matrices, directions, values = structure._arrays()
@@ -835,7 +837,7 @@ def simulate_structure(
     max_events: int = 1_000_000,
     discard: float = 0.0,
 ) -> Trajectory:
-    """As `simulate`, of a structure."""
+    """As `simulate`, for a structure."""
     check_load(structure, load, kinds=(Load, Record, type(None)), stops=True)
     load = without_none(load)
     n = structure.coordinates
@@ -907,7 +909,7 @@ def simulate_structure(
     events["gap"] = labels[1, :count] - 1
     states = table[3:, :count].T
     if 2 * count < room:
-        states = np.ascontiguousarray(states)  # else most of the table stays in memory
+        states = np.ascontiguousarray(states)  # otherwise most of the table stays in memory
     states = states.reshape(count, 2, n)
     for array in (events, states, kept, final):
         array.flags.writeable = False
@@ -977,20 +979,20 @@ def simulate(
     max_events: int = 10_000_000,
     progress: Callable[[float, str], None] | None = None,
 ) -> Trajectory:
-    """Simulate from an initial state; no impact is missed, and accumulating impacts are completed.
+    """Simulate from an initial state. No impact is missed, and accumulating impacts are completed.
 
-    Between impacts the motion has a closed form. The next contact is approached in steps that a bound on the
-    derivatives proves to be free of contact. Accumulating impacts are summed to their limit (the error of
-    the time of the limit is at most 1e-16); the free mass then rests on the wall until the contact force
-    vanishes.
+    Between impacts the motion has a closed form. The next contact is approached in steps that are proven to be
+    free of contact by a bound on the derivatives. Accumulating impacts are summed to their limit (the error of the
+    time of the limit is at most 1e-16); the free mass then rests on the wall until the contact force vanishes.
 
     The system is `osc, r, clearance`, or a point from `Oscillator.at`, or `structure, load`: a structure with gaps
     under a `Load`, a `Record` (after its last sample the force is 0) or none. At an impact on one of its gaps the
     velocities jump by the impulse (1 + R) m v along M^-1 G, with v the approach speed and 1/m = G.M^-1 G. For a
-    structure, give `cycles` or `duration` (in time) by keyword, and neither for a whole record; `state` is
+    structure, give `cycles` or `duration` (in time) by keyword, or neither for a whole record; `state` is
     (coordinates, velocities) at the time `start`, zero by default; `discard` is in load cycles if `cycles` is
-    given, else in time; `max_events` is a million by default, without `progress`. An oscillator whose restitution
-    depends on the speed is simulated as a structure, too: its `final_state` continues from ``start=run.end``.
+    given, otherwise in time; `max_events` is a million by default; there is no `progress`. An oscillator whose
+    restitution depends on the speed is also simulated as a structure: to continue from its `final_state`, give
+    ``start=run.end``.
 
     Parameters
     ----------
@@ -1003,14 +1005,13 @@ def simulate(
     cycles : float
         Load cycles to simulate, 0 to 1e9.
     state : mapping, optional
-        Some of ``t, x, x_dot, z, z_dot``, with the load phase r t at time t; those not given are 0, and so are all
-        by default. Or the `final_state` of a trajectory, which continues it bit for bit. If all are 0, the free
-        mass stays at rest in the middle until |X| reaches D/2. Without impacts |X| settles to the amplitude A, so
-        that with D > 2 A no wall reaches the free mass, except perhaps during the transient: with such D, give it
-        an initial velocity.
+        Some of ``t, x, x_dot, z, z_dot``, with the load phase r t at time t; missing ones are 0 (by default all).
+        Or the `final_state` of a trajectory, which is then continued bit for bit. If all are 0, the free mass
+        stays at rest in the middle until |X| reaches D/2. Without impacts |X| settles to the amplitude A, so that
+        with D > 2 A no wall reaches the free mass, except perhaps during the transient: for such D, give it an
+        initial velocity.
     load : float
-        Load amplitude f >= 0 in units of the load that defines the unit of length; 0 is free
-        vibration.
+        Load amplitude f >= 0, relative to the load that defines the unit of length; 0 is free vibration.
     discard : float
         Load cycles simulated before those that are kept.
     max_events : int
@@ -1029,9 +1030,10 @@ def simulate(
     ParameterError, ParameterTypeError
         If an argument is not allowed; nothing was computed.
     SingularError
-        If an event cannot be found within millions of oscillations. For a structure: if a gap is less than closed
-        at the start, a mode without damping resonates with the load, two modes coincide by damping, or coupled
-        gaps close at one instant; if events came before, the motion up to there is the attribute `result`.
+        If an event cannot be found within millions of oscillations. For a structure: if a gap is penetrated at the
+        start, a mode without damping resonates with the load, two modes coincide because of damping, or coupled
+        gaps close at one instant; if there were events before, the attribute `result` is the motion up to this
+        point.
 
     Examples
     --------
@@ -1072,11 +1074,11 @@ def simulate(
         )
     whole = discard + cycles or 1.0
     checks.progress(progress)
-    # a bar costs as much as some impacts
+    # a bar takes as long as several impacts
     with reported(progress, "simulate") if whole > MANY_CYCLES else nullcontext(progress) as told:
 
         def report(done: float) -> None:
-            """Reports the number of load cycles that are done."""
+            """Reports the number of finished load cycles."""
             if told is not None:
                 told(done / whole, "simulation")
 
@@ -1111,8 +1113,8 @@ def _run(
 ) -> tuple[NDArray[Any], Moment, Moment, bool]:  # fmt: skip
     """Simulate some cycles in chunks.
 
-    `now` is the moment from which the cycles count, and `begun` the one at which its flight or rest began;
-    `report` is called with the number of cycles done.
+    `now` is the moment at which the cycles begin, and `begun` the moment at which the current flight or rest
+    began; `report` is called with the number of finished cycles.
 
     Returns
     -------
@@ -1152,7 +1154,7 @@ def _run(
 def last_period(
     trajectory: Trajectory, most_cycles: int = MOST_CYCLES, tolerance: float = TOLERANCE
 ) -> Period:
-    """The shortest period with which a trajectory ends; see `Trajectory.period`."""
+    """The shortest period on which a trajectory has settled; see `Trajectory.period`."""
     osc, r = trajectory.osc, trajectory.r
     most_cycles = checks.integer(most_cycles, "most_cycles", 1, 1000)
     end = end_of(trajectory, most_cycles, tolerance)
@@ -1168,9 +1170,9 @@ def last_period(
 def end_of(
     trajectory: Trajectory, most_cycles: int = MOST_CYCLES, tolerance: float = TOLERANCE
 ) -> tuple[_Array, _Array, NDArray[np.int32], int, float]:
-    """The end of a trajectory as the core takes it, with what a period is."""
+    """The end of a trajectory as arguments of the core, with the criteria for a period."""
     events, r = trajectory.events, trajectory.r
-    # two periods, and as many cycles after the last release
+    # two periods, and the same number of cycles after the last release
     begin = trajectory.final_state["t"] - (3 * most_cycles + 1) * 2 * math.pi / r
     begin = max(begin, trajectory.initial_state["t"])
     values, labels = event_arrays(events[np.searchsorted(events["time"], begin) :])
@@ -1192,7 +1194,7 @@ def steady_amplitude(osc: Oscillator, r: float, load: float) -> float:
 
 
 def without_impacts(trajectory: Trajectory, begin: float) -> ParameterError:
-    """The error for a trajectory that has no impacts from some time on."""
+    """The error for a trajectory without impacts after some time."""
     osc, r, half = trajectory.osc, trajectory.r, 0.5 * trajectory.clearance
     when = f"since t = {begin:.6g}" if len(trajectory.events) else "in it"
     amplitude = steady_amplitude(osc, r, trajectory.load)

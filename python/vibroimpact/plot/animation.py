@@ -49,13 +49,13 @@ def animate(
     ----------
     thing : Motion or Trajectory
     path : str or path, optional
-        Ends with .gif (Pillow writes it) or .mp4 (the program ffmpeg, or that of imageio-ffmpeg).
+        Ends with .gif (written by Pillow) or .mp4 (written by ffmpeg, installed or from imageio-ffmpeg).
     cycles : float
-        Load cycles shown: of a motion from its first impact on, of a trajectory its last ones.
+        Load cycles shown: for a motion, from its first impact on; for a trajectory, the last ones.
     window : (float, float), optional
-        Times of a trajectory between which it is shown, in place of them.
+        The interval of time of a trajectory to show, in place of `cycles`.
     seconds : float
-        How long a load cycle lasts on the screen; of a structure, all that is shown.
+        Duration of a load cycle on the screen; for a structure, of the whole animation.
     units : Units, optional
         Physical units of the axes and numbers; without them they are dimensionless.
 
@@ -95,7 +95,7 @@ def film(
     target: Path | None,
     writer: str,
 ) -> Any:
-    """An animation of a scene, made on the two axes of a new figure: matplotlib's, or the path of its file."""
+    """An animation of a scene on the two axes of a new figure: the matplotlib object, or the path of its file."""
     plt = pyplot()
     with plt.rc_context({**SETTINGS, "savefig.bbox": None}):
         figure, axes = plt.subplots(
@@ -212,7 +212,7 @@ def glow(events: NDArray[Any], time: float, flash: float, resting: int = 0) -> G
 
 
 class _Scene:
-    """The artists of a frame, and their positions at a time."""
+    """The artists of a frame; `show` moves them to their positions at a time."""
 
     def __init__(self, thing: Motion | Trajectory, h: History, axes: Any) -> None:
         from matplotlib.patches import Rectangle
@@ -222,8 +222,8 @@ class _Scene:
         ax, below = axes
         low, high = float(h.sample.X.min()), float(h.sample.X.max())
         span = high - low + 2 * h.half
-        # The inner faces are half a width of the free mass beyond X +- d/2, so that it touches them where |Y| =
-        # d/2 and its free travel is the clearance, in the scale of the axis.
+        # The inner faces are half a width of the free mass beyond X +- d/2. The mass then touches them where |Y| =
+        # d/2, and its free travel is the clearance on the scale of the axis.
         self.width = 0.08 * span
         self.thick = 0.5 * self.width
         self.reach = h.half + 0.5 * self.width + self.thick
@@ -286,7 +286,7 @@ def _mix(first: str, second: str, share: float) -> tuple[float, ...]:
 
 class _Bodies:
     """The artists of a frame of a structure: a dot at each coordinate, coloured by its last event, and a bar at
-    each fixed or moving wall that stops a single coordinate."""
+    each fixed or moving wall that limits a single coordinate."""
 
     def __init__(self, run: Any, begin: float, end: float, axes: Any) -> None:
         from matplotlib.ticker import MaxNLocator
@@ -326,7 +326,7 @@ class _Bodies:
         self.cursor = below.axvline(begin, color="0.2", lw=0.8)
 
     def _faces(self, time: float) -> list[float]:
-        """Where the walls of single coordinates are at a time."""
+        """The positions at a time of the walls of single coordinates."""
         return [
             float(opening_at(gap, time, self.frequency) / gap.direction[gap.direction != 0][0])
             for gap in self.faced

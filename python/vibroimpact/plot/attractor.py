@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ..studies.response import Response
     from ..systems.units import Units
 
-#: Colour of each wall, and the marks of its impacts. Those of a sweep down are larger and open, and are drawn
+#: Colour of each wall, and the marks of its impacts. Marks of a sweep down are larger and open, and are drawn
 #: under those of the sweep up: a dot in a ring is an impact of both sweeps, a dot or ring alone is an impact of
 #: one sweep only.
 WALLS = {"R": style.PRIMARY, "L": style.FREE}
@@ -34,7 +34,7 @@ SWEEPS: dict[str, dict[str, Any]] = {
 
 #: The label of a state in which a gap of a structure is closed.
 CLOSED = -4
-#: Symbols and units of what can be drawn of the impacts.
+#: Symbols and units of the quantities of impacts that can be drawn.
 QUANTITIES = {
     "phase": ("load phase at the impacts", "rad"), "x": ("$X$ at the impacts", "F0/K"),
     "x_dot_before": (r"$\dot X_b$", "omega F0/K"), "x_dot_after": (r"$\dot X_a$", "omega F0/K"),
@@ -47,8 +47,8 @@ def axes(
     ax: Any, result: Any, scales: style.Scales | None = None, width: float = style.ONE_COLUMN, height: float = 3.0,
     swept: str = "", pad: float = 6.0,
 ) -> Any:  # fmt: skip
-    """The given Axes, or those of a new figure with a line that identifies the system, of a structure above a
-    legend if `pad` leaves room for it."""
+    """The given Axes, or those of a new figure with a line that identifies the system; for a structure, this line
+    is above a legend if `pad` leaves room for it."""
     if ax is not None:
         return ax
     plt = style.pyplot()
@@ -158,8 +158,8 @@ def draw_bifurcation(
 
 
 def draw_basins(basins: Basins, ax: Any = None, units: Units | None = None) -> Any:
-    """The plane of initial states, one colour for each attractor; undecided states are grey, and white is where a
-    gap of a structure is closed."""
+    """The plane of initial states, one colour for each attractor; undecided states are grey, and states with a
+    closed gap of a structure are white."""
     from matplotlib.colors import BoundaryNorm, ListedColormap
     from matplotlib.patches import Patch
 
@@ -195,7 +195,7 @@ def draw_basins(basins: Basins, ax: Any = None, units: Units | None = None) -> A
 
 
 def draw_response(response: Response, ax: Any = None, units: Units | None = None) -> Any:
-    """max|X|/A along r: each attractor a dot, and the envelopes over those that coexist."""
+    """max|X|/A along r: a dot for each attractor, and the envelopes over coexisting attractors."""
     scales = style.Scales(units)
     ax = axes(ax, response, scales)
     every, along = response.attenuation, scales.r(response.r)

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from ..studies.branch import Branch
     from ..systems.units import Units
 
-#: What can be drawn of an oscillator, besides the multipliers.
+#: The columns of an oscillator that can be drawn, besides the multipliers.
 COLUMNS = (
     "r", "clearance", "xi", "mu", "R1", "R2", "attenuation", "x_max", "x_min", "tau", "A",
 )  # fmt: skip
@@ -60,7 +60,7 @@ def draw_branch(
 
 
 def columns_of(branch: Branch, scales: style.Scales) -> dict[str, tuple[Any, str]]:
-    """What can be drawn of a branch, with the labels of its axes."""
+    """The columns of a branch that can be drawn, with the labels of their axes."""
     largest = np.abs(branch.multipliers).max(axis=0)
     if not branch.of_structure:
         columns = {name: getattr(branch, name) for name in COLUMNS} | {"largest": largest}
@@ -83,11 +83,12 @@ def add_legend_once(ax: Any) -> None:
 
 
 def draw_curve(branch: Branch, ax: Any, column: Any, along: Any) -> None:
-    """Draw a column of a branch, by its verdicts, and mark the special points."""
+    """Draw a column of a branch, styled by its verdicts, and mark the special points."""
     good, stable = branch.admissible == 1, branch.stable == 1
     kinds = {"stable": good & stable, "unstable": good & ~stable, "inadmissible": ~good}
     for name, mask in kinds.items():
-        # a segment between two points is of a kind if one of them is, so that curves have no gaps at changes
+        # a segment has the style of either of its end points, so that curves have no gaps where the verdict
+        # changes
         pairs = mask[:-1] & (mask[1:] | np.roll(mask, -1)[:-1])
         edges = pairs | (mask[1:] & ~good[:-1] & good[1:])
         shown = np.zeros(len(mask), dtype=bool)

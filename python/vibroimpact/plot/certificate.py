@@ -1,4 +1,4 @@
-"""What a certificate of a zone proves, in the plane of r and d K/F0."""
+"""The proven regions of a certificate of a zone, in the plane of r and d K/F0."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ import numpy as np
 
 from . import style
 
-#: Colours of what is proven and what is not: they differ in lightness too.
+#: Colours of proven and undecided intervals; they also differ in lightness.
 FILLS = {"proven inside": "#0072B2", "not decided": "#000000", "proven outside": "#F2E6C0"}
-#: Lines of constant r that are drawn.
+#: Number of lines of constant r that are drawn.
 LINES = 600
 
 
@@ -37,8 +37,8 @@ def draw_certificate(certificate: Any, ax: Any = None) -> Any:
     ax.set_xlabel(style.parameter_label("r"))
     ax.set_ylabel(style.parameter_label("clearance"))
     for name, color in FILLS.items():
-        # a bar without area stands for the strips, with an edge where its colour is that of the axes
+        # in the legend a bar without area represents the strips, with an edge if its colour is that of the axes
         ax.bar(low, 0, 0, color=color, edgecolor="0.3", linewidth=0.5, label=name)
-    # the best place takes long to find among so many strips
+    # matplotlib's search for the best place takes long with so many strips
     style.add_legend(ax, loc="lower center")
     return ax

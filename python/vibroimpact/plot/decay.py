@@ -24,7 +24,8 @@ SMALL = 0.01
 def draw_decay(
     decay: Decay, ax: Any = None, kind: str | None = None, units: Units | None = None
 ) -> Any:
-    """Draw one panel into `ax`, the peaks unless `kind` is "damping", or both into a new figure (or one)."""
+    """Draw one panel into `ax` (the peaks unless `kind` is "damping"), or both panels, or one, into a new
+    figure."""
     if kind is not None:
         checks.choice(kind, "kind", tuple(PANELS))
     scales = style.Scales(units)

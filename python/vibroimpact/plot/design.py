@@ -26,7 +26,7 @@ TARGETS = {
 SYMBOLS = style.SYMBOLS | {"restitution": "$R$"}
 #: Formats of reports.
 FORMATS = (".pdf", ".png", ".svg")
-#: Edges of a page, and the lowest end of its text, as shares.
+#: Margins of a page, and the lowest end of its text, as fractions of the page.
 LEFT, RIGHT, LOWEST = 0.1, 0.95, 0.5
 
 
@@ -55,14 +55,15 @@ def _panels(grid: Any) -> Any:
 
 
 def report(design: Design, path: Any) -> None:
-    """One page with the answer, what was asked and chosen, and the five panels."""
+    """One page with the answer, the task, the chosen values, and the five panels."""
     place = place_for(path, FORMATS)
     with style.pyplot().rc_context(style.SETTINGS):
         style.save(_page(design), place)
 
 
 def _page(design: Design) -> Any:
-    """The panels of the page; they begin below its text, whose letters are as small as the page demands."""
+    """The panels of the page, below its text; the font size of the text is reduced until the page is large
+    enough."""
     figure = style.pyplot().figure(figsize=(8.27, 11.69))
     figure.text(LEFT, 0.955, "Design of an impact damper", fontsize=14, weight="bold", va="top")
     text = figure.text(
@@ -129,12 +130,12 @@ def _lines(design: Design) -> list[str]:
 
 
 def _wrapped(text: str) -> list[str]:
-    """Lines of a page; names and numbers are not divided."""
+    """Lines of a page; names and numbers are not broken."""
     return textwrap.wrap(text, 105, break_long_words=False, break_on_hyphens=False)
 
 
 def _dimensions(design: Design, units: Units | None) -> list[str]:
-    """What was chosen, in physical units."""
+    """The chosen values in physical units."""
     if units is None:
         return []
     chosen = design.values
@@ -197,7 +198,7 @@ def _draw_front(ax: Any, design: Design, scales: style.Scales) -> None:
 
 
 def _within(design: Design, rows: Any) -> Any:
-    """Candidates whose levels fit in a picture with that of the chosen one."""
+    """Candidates whose levels fit in one picture with the level of the chosen one."""
     near = abs(rows["level"]) <= 4 * abs(design.level)
     return rows[near & np.isfinite(rows["nominal"])]
 

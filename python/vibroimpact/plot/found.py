@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ..studies.find import FoundMotions
     from ..systems.units import Units
 
-#: Panels in a row; largest number of motions drawn.
+#: Number of panels in a row; largest number of motions drawn.
 COLUMNS, MOST = 3, 8
 #: Distance below which the labels of two multipliers are placed together.
 NEAR = 0.1
@@ -29,8 +29,8 @@ STABILITY = (
 def draw_found(found: FoundMotions, ax: Any = None, units: Units | None = None) -> Any:
     """A panel for each motion over its period, and a last one with the multipliers of all.
 
-    The motions are numbered as in the table; of more than eight the first ones are drawn. With `ax` only
-    the multipliers are drawn, and of a structure always.
+    The motions are numbered as in the table; only the first eight are drawn. With `ax`, and for a structure, only
+    the multipliers are drawn.
     """
     motions = found[:MOST]
     if found.of_structure:
@@ -84,13 +84,15 @@ def add_legend(figure: Any, panels: Any) -> None:
 def draw_multipliers(motions: Sequence[Any], ax: Any) -> None:
     """All multipliers with the unit circle; the leading one of each motion has the number of the motion.
 
-    The distance from the origin is |lambda| up to 1, and 1 + log10 |lambda| beyond. The numbers of motions
-    whose leading multipliers coincide stand together; of a complex pair the upper one is numbered.
+    The distance from the origin is |lambda| up to 1, and 1 + log10 |lambda| beyond. The numbers of motions whose
+    leading multipliers coincide are written together; of a complex pair, the upper one is numbered.
     """
     turn = np.linspace(0, 2 * np.pi, 201)
     ax.plot(np.cos(turn), np.sin(turn), color=style.LOAD, lw=0.7)
     leading: list[tuple[complex, list[int]]] = []
-    for number in range(len(motions), 0, -1):  # the stable motions, which come first, on top
+    for number in range(
+        len(motions), 0, -1
+    ):  # the stable motions, which come first in the list, on top
         motion = motions[number - 1]
         points = drawn_at(motion.multipliers[np.isfinite(motion.multipliers)])
         label, colour, marker = STABILITY[motion.stable is True]
@@ -128,7 +130,7 @@ def draw_multipliers(motions: Sequence[Any], ax: Any) -> None:
 
 
 def drawn_at(values: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """The places at which multipliers are drawn: those outside of the unit circle are moved nearer to it."""
+    """The positions at which multipliers are drawn: those outside the unit circle are moved closer to it."""
     modulus = np.abs(values)
     distance = np.where(modulus > 1, 1 + np.log10(np.maximum(modulus, 1)), modulus)
     return np.asarray(distance * np.exp(1j * np.angle(values)))

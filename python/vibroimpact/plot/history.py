@@ -1,7 +1,7 @@
 """Panels of motions and trajectories.
 
-Of an oscillator time histories, acceleration with impact spikes, and the phase portrait of the relative motion; of
-a structure its sketch, histories, impacts in space and time, and the energy of its modes.
+For an oscillator: time histories, acceleration with impact spikes, and the phase portrait of the relative motion.
+For a structure: its sketch, histories, impacts in space and time, and the energy of its modes.
 """
 
 from __future__ import annotations
@@ -40,13 +40,13 @@ if TYPE_CHECKING:
 
 __all__ = ["KINDS", "History", "draw", "history"]
 
-#: Okabe and Ito's colours of lines, without those of impacts and rests.
+#: The colours of Okabe and Ito for lines, except those of impacts and rests.
 COLOURS = (PRIMARY, FREE, "#56B4E9", "#E69F00", "0.15", "0.6")
-#: Colours of the modes in the picture of energies; that of free masses is their own.
+#: Colours of the modes in the picture of energies; free masses have a colour of their own.
 BANDS = (PRIMARY, "#56B4E9", "#E69F00", "#F0E442", "0.15", "0.55")
-#: Most coordinates that are drawn over each other; more are drawn one above the other.
+#: Largest number of coordinates in one diagram; more are drawn in separate lanes, one above the other.
 OVERLAID = 6
-#: Samples of a history, and the number of modes of which shares are shown.
+#: Number of samples of a history, and of modes whose shares are shown.
 SAMPLES, MODES = 1500, 6
 TIME = "time $t$"
 
@@ -60,7 +60,7 @@ SAMPLE_UNITS = (
 class History(NamedTuple):
     """The data of the panels: times in load cycles, the samples, and the events in the window.
 
-    In physical units all have these; times are then from the start of the window.
+    In physical units all numbers have their units, and times are measured from the start of the window.
     """
 
     cycles: NDArray[np.float64]
@@ -85,16 +85,17 @@ def draw(
     Parameters
     ----------
     thing : Motion or Trajectory
-        Of a structure a trajectory.
+        For a structure, a trajectory.
     ax : matplotlib Axes, optional
-        Without it a figure with all panels is made (or with one, if `kind` is given).
+        Without it, a new figure with all panels is made, or with one if `kind` is given.
     kind : str, optional
-        Which panel: "history", "load", "acceleration" or "portrait", of a structure "sketch", "history", "impacts"
-        or "energy"; "history" if `ax` is given alone.
+        Which panel: "history", "load", "acceleration" or "portrait"; for a structure "sketch", "history",
+        "impacts" or "energy". "history" if only `ax` is given.
     cycles : float
-        Of an oscillator: load cycles shown: of a motion from its first impact on, of a trajectory its last ones.
+        For an oscillator, the load cycles shown: for a motion, from its first impact on; for a trajectory, the
+        last ones.
     window : (float, float), optional
-        Times of a trajectory between which it is drawn; all of it by default of a structure.
+        The interval of time of a trajectory to draw; by default, for a structure, the whole trajectory.
 
     Returns
     -------
@@ -177,7 +178,7 @@ def history(
             side = 1 if before[-1]["side"] == "R" else -1
             resting = side if before[-1]["kind"] == "stick" else 0
     events = events[(events["time"] >= first) & (events["time"] <= last)]
-    # the end itself is the start of the next period
+    # the end is the start of the next period, so it is left out
     even = np.linspace(first, np.nextafter(last, -np.inf), int(400 * (last - first) / cycle) + 2)
     before = np.nextafter(events["time"], -np.inf)
     times = np.unique(np.concatenate([even, events["time"], before]))
@@ -201,7 +202,7 @@ def time_label(h: History) -> str:
 
 
 def _draw_history(ax: Any, h: History) -> None:
-    """x with the two walls that move with it, z between them, and the impacts."""
+    """x with the two walls that move with it, z between the walls, and the impacts."""
     ax.fill_between(
         h.cycles, h.sample.X - h.half, h.sample.X + h.half, color=PRIMARY, alpha=0.08, lw=0
     )
@@ -295,7 +296,7 @@ def events_in(run: Trajectory, begin: float, end: float) -> NDArray[Any]:
 
 
 def times_of(run: Trajectory, begin: float, end: float) -> NDArray[np.float64]:
-    """Times dense enough for smooth curves, with the events, at which they have corners."""
+    """Times dense enough for smooth curves, including the events, where curves have corners."""
     times = np.linspace(begin, end, SAMPLES)
     if len(run.events) <= 20 * SAMPLES:
         times = np.union1d(times, events_in(run, begin, end)["time"])
@@ -307,7 +308,7 @@ def _draw_sketch(ax: Any, run: Trajectory, begin: float, end: float) -> None:
 
 
 def _mark_events(ax: Any, run: Trajectory, begin: float, end: float, y: Any) -> None:
-    """Marks at the coordinates that an event concerns; `y` gives their ordinates."""
+    """Marks at the coordinates that an event affects; `y` returns their ordinates."""
     events = events_in(run, begin, end)
     q = run.states[:, 0][(run.events["time"] >= begin) & (run.events["time"] <= end)]
     directions = np.array([gap.direction for gap in run.structure.gaps])
@@ -328,8 +329,8 @@ def _mark_events(ax: Any, run: Trajectory, begin: float, end: float, y: Any) -> 
 
 
 def _draw_coordinates(ax: Any, run: Trajectory, begin: float, end: float) -> None:
-    """The outputs, or without any the coordinates, over each other or, if there are many, one above the other; and
-    the events."""
+    """The outputs (or the coordinates if there are no outputs) in one diagram or, if there are many, in separate
+    lanes; and the events."""
     times = times_of(run, begin, end)
     q = run.sample(times)[0]
     n = len(q)
@@ -393,7 +394,7 @@ def _draw_outputs(ax: Any, run: Trajectory, times: NDArray[Any], q: NDArray[Any]
 
 
 def _draw_openings(ax: Any, run: Trajectory, times: NDArray[Any], q: NDArray[Any]) -> None:
-    """The openings of the gaps, where coordinates are no displacements of bodies."""
+    """The openings of the gaps, if coordinates are not displacements of bodies."""
     begin, end = float(times[0]), float(times[-1])
     for j, gap in enumerate(run.structure.gaps[:OVERLAID]):
         opening = opening_at(gap, times, getattr(run.load, "frequency", 0.0))
@@ -458,8 +459,8 @@ def _draw_impacts(ax: Any, run: Trajectory, begin: float, end: float) -> None:
 
 
 def modes_of(run: Trajectory) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Circular frequencies and mass-normalised shapes (n, modes), body by body, so that modes of equal frequency
-    stay with their body; in the order of frequency."""
+    """Circular frequencies and mass-normalised shapes (n, modes), in order of frequency; they are computed body by
+    body, so that modes of equal frequency are not mixed between bodies."""
     s = run.structure
     n = s.coordinates
     omega, shapes, at = np.zeros(n), np.zeros((n, n)), 0
@@ -478,7 +479,7 @@ def modes_of(run: Trajectory) -> tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
 def _draw_energy(ax: Any, run: Trajectory, begin: float, end: float) -> None:
-    """Shares of the modes in the energy, which is kinetic energy alone where the frequency is 0."""
+    """Shares of the modes in the energy; for modes of frequency 0 this is only the kinetic energy."""
     times = times_of(run, begin, end)
     omega, shapes = modes_of(run)
     projected = shapes.T @ run.structure.mass

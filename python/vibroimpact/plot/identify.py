@@ -13,7 +13,7 @@ from . import style
 if TYPE_CHECKING:
     from ..identification.identify import Identification
 
-#: Axis labels of what was recorded.
+#: Axis labels of the recorded quantities.
 LABELS = {
     "acceleration": r"$\ddot{x}$ (m/s$^2$)", "velocity": r"$\dot{x}$ (m/s)", "displacement": "$x$ (m)",
     "impact times": "",
@@ -25,7 +25,7 @@ WALLS = {"R": style.FREE, "L": style.REST}
 def draw_identification(
     found: Identification, ax: Any = None, kind: str | None = None, record: int = 0
 ) -> Any:
-    """Draw one panel into `ax`, that of the motion unless `kind` names another one, or all into a new figure."""
+    """Draw one panel into `ax` (the motion unless `kind` names another one), or all panels into a new figure."""
     if kind is not None:
         checks.choice(kind, "kind", tuple(PANELS))
     record = checks.integer(record, "record", 0, found.records - 1)
@@ -49,7 +49,7 @@ def draw_identification(
 
 
 def title(found: Identification, record: int) -> str:
-    """Pattern and parameters, some in a line."""
+    """Pattern and parameters, several in a line."""
     from ..identification.tables import said
 
     pattern = found.pattern_of(record)
@@ -115,7 +115,7 @@ def draw_record(ax: Any, found: Identification, record: int) -> None:
 
 
 def draw_impacts(ax: Any, found: Identification, record: int) -> None:
-    """Load phases of all picked impacts, and those of the pattern."""
+    """Load phases of all picked impacts, and the phases of the pattern."""
     times, sides = found._of(record, "picks", "time"), found._of(record, "picks", "side")
     frequency, phase = found._one("frequency", record), found._one("load_phase", record)
     t = found._of(record, "samples", "time")
@@ -133,7 +133,7 @@ def draw_impacts(ax: Any, found: Identification, record: int) -> None:
         )
         for angle, side in zip(fitted, walls_of, strict=True):
             ax.axhline(angle / (2 * math.pi) % 1, color=WALLS[side], lw=0.7, zorder=0)
-    ax.set_ylim(-0.05, 1.05)  # phases at both ends are not cut off
+    ax.set_ylim(-0.05, 1.05)  # marks of phases at both ends are not clipped
     ax.set_ylabel("load phase/2$\\pi$")
     ax.set_xlabel("$t$ (s), whole record")
     legend(ax)
@@ -152,7 +152,7 @@ def draw_motion(ax: Any, found: Identification, record: int) -> None:
 
 
 def draw_residuals(ax: Any, found: Identification, record: int) -> None:
-    """What the fitted motion leaves of the record."""
+    """The residual: the record minus the fitted motion."""
     t, motion, fitted = samples(found, record, "time", "motion", "motion_fit")
     ax.plot(
         t,
@@ -168,7 +168,7 @@ def draw_residuals(ax: Any, found: Identification, record: int) -> None:
 
 
 def legend(ax: Any) -> None:
-    """A legend above the axes where there is something to name."""
+    """A legend above the axes, if there are any labels."""
     handles, labels = ax.get_legend_handles_labels()
     if handles:
         style.add_legend(ax, handles, labels, **style.ABOVE)

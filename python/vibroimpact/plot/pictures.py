@@ -1,4 +1,4 @@
-"""The pictures of results by their classes."""
+"""The functions that draw results, by class."""
 
 from __future__ import annotations
 
@@ -29,7 +29,8 @@ from .identify import draw_identification
 from .uncertainty import draw_uncertainty
 from .zone import draw_atlas, draw_zone
 
-#: The function that draws a result, by class, and of a structure; its options are those of `plot`, in order.
+#: The function that draws a result, by class, with separate entries for structures; its options are those of
+#: `plot`, in order.
 PICTURES: dict[str, Callable[..., Any]] = {
     "Atlas": draw_atlas, "Basins": draw_basins, "BifurcationDiagram": draw_bifurcation, "Branch": draw_branch,
     "Certificate": draw_certificate, "Chart": draw_chart, "Decay": draw_decay, "Design": draw_design,
@@ -56,14 +57,14 @@ def animate_result(result: Any, *options: Any, units: Units | str | None = None)
 
 
 def units_of_picture(result: Any, units: Units | str | None) -> Units | None:
-    """The units in which a result is drawn, or None without a dimension.
+    """The units in which a result is drawn; None for dimensionless pictures.
 
     Parameters
     ----------
     result
         What is drawn.
     units : Units or str, optional
-        By default those of its oscillator, if that knows M, K and F0; "dimensionless" for none.
+        By default those of its oscillator, if it knows M, K and F0; "dimensionless" for none.
 
     Raises
     ------
@@ -87,5 +88,6 @@ def units_of_picture(result: Any, units: Units | str | None) -> Units | None:
 
 
 def drawn_in_units(result: Any) -> bool:
-    """Whether the picture of a result has axes with a dimension; those of an Identification are in SI units."""
+    """Whether the picture of a result can be in chosen units; pictures of an Identification are always in SI
+    units."""
     return type(result).__name__ not in ("Certificate", "Identification")

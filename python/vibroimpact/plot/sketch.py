@@ -14,11 +14,11 @@ from .style import FREE, IMPACT, LOAD, PRIMARY, SETTINGS, pyplot
 
 __all__ = ["bodies_of", "draw_sketch", "draw_system"]
 
-#: Points of print for a unit of length from which labels have their full size.
+#: Printed points per unit of length above which labels have their full size.
 FULL_SIZE = 22.0
-#: Left and right end of M, of its slot, and of m; bottom and top of the same (arbitrary unit).
+#: Left and right end of M, of its slot, and of m; then their bottom and top (arbitrary unit).
 BODY, SLOT, MASS = ((2.6, 8.2, 0.0, 3.0), (3.4, 7.4, 0.8, 2.2), (4.8, 6.0, 0.85, 1.75))
-#: Most bodies that are drawn; of more, the first ones and the last one.
+#: Largest number of bodies that are drawn; of more bodies, the first ones and the last one.
 MOST, FIRST = 10, 3
 #: Width and height of a body, width of one with a slot, and the distance between bodies.
 WIDTH, HEIGHT, SLOTTED, DISTANCE = 1.7, 1.8, 2.9, 1.9
@@ -157,7 +157,7 @@ def bodies_of(structure: Structure) -> list[list[int]]:
 
 @dataclass
 class Box:
-    """A drawn body: its coordinate and place, and the free masses in its slot with the walls that they have."""
+    """A drawn body: its coordinate and position, and the free masses in its slot with their walls."""
 
     coordinate: int
     left: float = 0.0
@@ -177,15 +177,15 @@ class Box:
 
 
 def has_bodies(structure: Structure) -> bool:
-    """Whether the coordinates are displacements of bodies, and gaps lie between two of them or beside one;
-    those of modes are not."""
+    """Whether the coordinates are displacements of bodies, with gaps between two of them or beside one; modal
+    amplitudes are not."""
     off = structure.mass - np.diag(np.diag(structure.mass))
     ends = (sorted(gap.direction[gap.direction != 0]) for gap in structure.gaps)
     return not off.any() and all(end in ([-1], [1], [-1, 1]) for end in ends)
 
 
 def draw_sketch(ax: Any, structure: Structure, load: Load | Record | None = None) -> None:
-    """Draw the bodies, or, where coordinates are no displacements of bodies, a block with its gaps."""
+    """Draw the bodies or, if coordinates are not displacements of bodies, a block with its gaps."""
     if has_bodies(structure):
         _draw_row(ax, structure, load, [np.flatnonzero(gap.direction) for gap in structure.gaps])
     else:
@@ -195,7 +195,7 @@ def draw_sketch(ax: Any, structure: Structure, load: Load | Record | None = None
 
 
 def _hosts(structure: Structure, pairs: list[NDArray[Any]]) -> dict[int, tuple[int, set[int]]]:
-    """The free masses that only touch one other body: that body, and the sides of its walls."""
+    """For each free mass that touches only one other body: this body, and the sides of its walls."""
     found: dict[int, tuple[int, set[int]]] = {}
     alone = [body[0] for body in bodies_of(structure) if len(body) == 1]
     for i in alone:
@@ -231,7 +231,7 @@ def _draw_row(
         place = each.right + DISTANCE
     first, last = boxes[shown[0]], boxes[shown[-1]]
     walls, below = set(), set()
-    # how far the picture reaches to both sides and down, and how much room loads leave above the bodies
+    # the extent of the picture to both sides and down, and the space that loads leave above the bodies
     reach, depth, lift = [first.left, last.right], -0.3, 0.0
     stopped = any(
         len(pair) == 1 and pair[0] == last.coordinate and gap.direction[pair[0]] > 0
@@ -309,7 +309,7 @@ def _draw_row(
         changing = _changing(load)
         acting = changing + np.abs(load.constant)
         for i, box in boxes.items():
-            # a load on a free mass in a slot stands beside that on its body, as in an earthquake
+            # a load on a free mass in a slot is drawn beside the load on its body, as for an earthquake
             names = []
             for j in (i, *(inner for inner, _ in box.inner)):
                 steady = f" = {load.constant[j]:.3g}" if not changing[j] else "$(t)$"
@@ -343,17 +343,17 @@ def _draw_row(
 
 
 def _fit_labels(ax: Any) -> None:
-    """Smaller labels where many bodies share the width, so that they stay within their bodies."""
+    """Reduce labels if many bodies share the width, so that they fit into their bodies."""
     place, size = ax.get_position(), ax.figure.get_size_inches()
     spans = np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim())
-    # points of print for a unit of length of the sketch
+    # printed points per unit of length of the sketch
     unit = 72 * min(place.width * size[0] / spans[0], place.height * size[1] / spans[1])
     for text in ax.texts:
         text.set_fontsize(max(4.0, text.get_fontsize() * min(1.0, unit / FULL_SIZE)))
 
 
 def _changing(load: Load | Record) -> NDArray[np.float64]:
-    """How much of a load changes with time, by coordinate."""
+    """The amplitude of the time-varying part of a load, by coordinate."""
     if isinstance(load, Record):
         total: NDArray[np.float64] = np.abs(load.force).sum(0)
         return total
@@ -469,7 +469,7 @@ def _wall(ax: Any, x: float, side: int, height: float) -> None:
 
 
 def _opening_of(gap: Gap | Stop) -> str:
-    """The opening, of a wall that moves its least and its greatest value."""
+    """The opening as a text; for a moving wall, its least and greatest value."""
     if not moves(gap):
         return f"{gap.opening:.3g}"
     values = opening_at(gap, np.linspace(0, 2 * np.pi, 1441), 1.0)
@@ -477,7 +477,7 @@ def _opening_of(gap: Gap | Stop) -> str:
 
 
 def _stroke(ax: Any, x: float, y: float, moving: bool) -> None:
-    """An arrow to both sides at the face of a wall, if it moves."""
+    """A double arrow at the face of a wall, if it moves."""
     if moving:
         look = {"arrowstyle": "<|-|>", "mutation_scale": 6, "lw": 1.0, "color": IMPACT}
         _arrow(ax, (x - 0.28, y), (x + 0.28, y), **look)
@@ -502,7 +502,7 @@ def _friction_of(rubbing: Friction) -> str:
 
 
 def _rub(ax: Any, box: Box, rubbing: Friction, low: bool) -> None:
-    """Friction of a body on the ground, or on a belt that moves; beside what else is below the body."""
+    """Friction of a body on the ground or on a moving belt, beside other parts below the body."""
     x0, x1 = (box.left + 0.08, box.left + 0.48) if low else (box.left + 0.3, box.right - 0.3)
     bottom = -1.0 if low else -0.2
     if low:
@@ -636,7 +636,7 @@ def _far(ax: Any, low: Box, high: Box, y: float, label: str) -> None:
 
 
 def _draw_block(ax: Any, structure: Structure) -> None:
-    """A structure whose coordinates are no displacements of bodies, such as one given by its modes."""
+    """A structure whose coordinates are not displacements of bodies, such as one given by its modes."""
     from matplotlib.patches import Rectangle
 
     n, gaps = structure.coordinates, structure.gaps

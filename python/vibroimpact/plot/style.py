@@ -18,7 +18,7 @@ from ..base.files import write_bytes
 from ..systems.oscillator import Oscillator
 from ..systems.units import SI, Units
 
-#: Okabe and Ito's colours.
+#: The colours of Okabe and Ito.
 PRIMARY, FREE, LOAD, IMPACT, REST = "#0072B2", "#D55E00", "#000000", "#CC79A7", "#009E73"
 #: Colours of areas, attractors and motions, in order.
 AREAS = (
@@ -73,10 +73,10 @@ ABOVE = {
 
 
 def add_legend(ax: Any, *entries: Any, **options: Any) -> Any:
-    """Adds a legend that is not cut off where the figure is saved as it is.
+    """Adds a legend that is not clipped when the figure is saved at its size.
 
-    Where it does not fit in the figure it gets fewer columns; where that does not help it stands within the axes.
-    A layout engine makes room above the axes and beside them, but none for a legend wider than the figure.
+    If it does not fit in the figure it gets fewer columns; if that does not help it is placed within the axes. A
+    layout engine makes room above and beside the axes, but not for a legend wider than the figure.
     """
     figure = ax.get_figure()
     laid_out = getattr(figure, "get_layout_engine", lambda: None)() is not None
@@ -88,7 +88,7 @@ def add_legend(ax: Any, *entries: Any, **options: Any) -> Any:
         if laid_out and not beside and box.width > 0.6 * room.width:
             with (
                 warnings.catch_warnings()
-            ):  # from a layout engine that has no room for so many columns
+            ):  # from a layout engine that finds no room for so many columns
                 warnings.simplefilter("ignore", UserWarning)
                 figure.draw_without_rendering()  # which moves the axes
             box = legend.get_window_extent()
@@ -113,7 +113,7 @@ class Scales:
         return values if units is None else values * units.scale(unit)
 
     def _units_for(self, unit: str) -> Units | None:
-        """The units of a quantity: accelerations are in m/s^2 where lengths are in mm."""
+        """The units of a quantity: accelerations are in m/s^2 if lengths are in mm."""
         if self.units is None or unit != "omega^2 F0/K" or self.units.names != "mm N s":
             return self.units
         return self.units.to(SI)
@@ -168,7 +168,7 @@ class Scales:
 
 
 class Plane(Scales):
-    """Scales of the plane of frequency ratio and clearance, or F0/(d K), which stays without a dimension."""
+    """Scales of the plane of frequency ratio and clearance; F0/(d K) remains dimensionless."""
 
     def __init__(self, units: Units | None, inverse: bool) -> None:
         super().__init__(units)
@@ -215,7 +215,7 @@ def save(axes: Any, path: Path) -> Path:
 
 
 def identify(ax: Any, values: Mapping[str, Any], head: str = "") -> None:
-    """A small line above a figure: what is drawn, and the parameters that are constant in it."""
+    """A small line above a figure: its subject, and the parameters that are constant in it."""
     text = given(values)
     ax.figure.suptitle(f"{head}: {text}" if head else text, fontsize=7)
 
@@ -265,7 +265,7 @@ def log_scale(ax: Any, which: str) -> None:
 
 
 def plain(value: float) -> str:
-    """A number on an axis; powers of ten only where there would be many zeros."""
+    """A number on an axis; powers of ten only if there would be many zeros."""
     if 1e-3 <= value < 1e5:
         return f"{value:.6g}"
     power = math.floor(math.log10(value) + 1e-9)

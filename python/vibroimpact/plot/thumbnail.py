@@ -10,7 +10,7 @@ from . import style
 
 
 def thumbnail(noun: Any) -> str:
-    """The address of an image that contains it; empty if matplotlib is missing or there is nothing to draw."""
+    """The image as a data URL; empty if matplotlib is missing or the result cannot be drawn."""
     if not noun.drawable:
         return ""
     try:

@@ -91,7 +91,7 @@ def draw_uncertainty(
 
 
 def band_label(quantiles: tuple[float, float]) -> str:
-    """How a band between two quantiles is named in a legend."""
+    """The name of a band between two quantiles in a legend."""
     return f"band of {100 * (quantiles[1] - quantiles[0]):g} %"
 
 
@@ -99,7 +99,8 @@ def draw_bands(
     bands: Sequence[BoundaryBand], ax: Any, inverse: bool = False, *, color: str = FREE, label: str = "",
     fill: bool = True, lines: bool = True, units: Units | None = None,
 ) -> None:  # fmt: skip
-    """Draw bands: sampled ones filled or solid, those to first order dashed, crosses where first order fails."""
+    """Draw bands: sampled bands filled or solid, first-order bands dashed, with crosses where first order does
+    not hold."""
     plane = Plane(units, inverse)
     names = {"sampled": label, "first": "to first order", "off": "first order does not hold"}
     if not label:
@@ -125,7 +126,7 @@ def draw_bands(
         off = ~band.holds
         if off.any():
             r, y = plane.r(band.r), plane.gap(band.clearance)
-            # crosses at each point would cover the boundary: one in 4 % of the diagonal of the axes
+            # crosses at every point would cover the boundary: one per 4 % of the diagonal of the axes
             ax.plot(
                 r[off], y[off], "x", color=color, ms=3.5, mew=0.8, markevery=0.04, label=names.pop("off", "")
             )  # fmt: skip

@@ -14,7 +14,7 @@ from ..studies.zone import Piece, Zone, default_label
 from ..systems.units import Units
 from . import style
 
-#: Line style and colour of each type of boundary: no two differ by colour alone.
+#: Line style and colour of each type of boundary; no two types differ only by colour.
 LINES = {
     "fold": ("-", "#000000"), "pitchfork": ((0, (6, 1.5)), style.PRIMARY),
     "flip": ((0, (3, 1.2)), style.FREE), "neimark_sacker": ((0, (5, 1, 1, 1)), style.REST),
@@ -24,14 +24,14 @@ LINES = {
     "window": ("-", "0.8"),
     "joint": ((0, (1, 4)), "#000000"), "cut": ((0, (2, 4)), "#808080"),
 }  # fmt: skip
-#: The same of structures, also with stops and friction.
+#: The same for structures, also with stops and friction.
 LINES_OF_STRUCTURE = LINES | {
     "stick_begins": ((0, (7, 1, 1, 1)), style.FREE), "stick_vanishes": ((0, (7, 1, 1, 1, 1, 1)), style.REST),
     "contact_vanishes": ((0, (7, 3)), style.IMPACT),
 }  # fmt: skip
 
 
-#: Mark and colour of the points of a survey that no zone explains, by outcome: no two differ by colour alone.
+#: Mark and colour of the points of a survey that lie in no zone, by outcome; no two differ only by colour.
 MARKS = {
     "in no zone": ("*", "#000000"), "beyond the limits": ("^", style.PRIMARY), "chaotic": ("x", "0.45"),
     "not settled": ("+", style.FREE), "not confirmed": ("D", style.IMPACT),
@@ -68,10 +68,10 @@ def draw_zone(
 ) -> Any:  # fmt: skip
     """Draw one zone: a light fill, the pieces of its boundary, and its name inside.
 
-    The fill of each further zone in the same axes has another colour.
+    Each further zone in the same axes is filled with another colour.
 
-    A boundary that another zone of the same figure shares, and that `drawn` contains, is not drawn again: the
-    gaps of a dashed line would be filled.
+    A boundary shared with another zone of the same figure, contained in `drawn`, is not drawn again: a second
+    dashed line would fill the gaps of the first.
     """
     if zone.of_structure and inverse:
         raise ParameterError("inverse = True: must be False for a zone of a structure")
@@ -119,8 +119,8 @@ def draw_atlas(
 ) -> Any:
     """Draw all zones of an atlas, each filled in a colour and named.
 
-    The region where the motion without impacts exists is hatched; marks are the points of the survey that no
-    zone explains.
+    The region where the motion without impacts exists is hatched; marks are the points of the survey that lie in
+    no zone.
     """
     if atlas.of_structure and inverse:
         raise ParameterError("inverse = True: must be False for an atlas of a structure")
@@ -148,7 +148,7 @@ def draw_atlas(
 
 
 def draw_without_impacts(atlas: Atlas, ax: Any, plane: style.Plane) -> None:
-    """Hatch where the free mass can rest untouched, and draw the boundary d K/F0 = 2A."""
+    """Hatch the region where the free mass can rest without contact, and draw its boundary d K/F0 = 2A."""
     low, high = atlas.clearance
     r, least = atlas.without_impacts.boundary()
     if not (least < high).any():
@@ -168,7 +168,7 @@ def draw_without_impacts(atlas: Atlas, ax: Any, plane: style.Plane) -> None:
 
 
 def draw_survey(atlas: Atlas, ax: Any, plane: style.Plane) -> None:
-    """Mark the points of the survey that no zone explains, each outcome with a mark of its own."""
+    """Mark the points of the survey that lie in no zone, with a different mark for each outcome."""
     survey = atlas.survey
     places = {
         name: np.c_[survey.x, survey.y][survey.outcome == code]
@@ -185,7 +185,8 @@ def draw_survey(atlas: Atlas, ax: Any, plane: style.Plane) -> None:
 
 
 def scaled(zone: Zone, piece: Piece) -> NDArray[np.float64]:
-    """The vertices (n, 2) of a piece, scaled so that the window is the unit square, of log clearance upwards."""
+    """The vertices (n, 2) of a piece, scaled so that the window is the unit square, with log clearance as
+    ordinate."""
     y, (low, high) = piece.y, zone.y
     if not zone.of_structure:
         y, low, high = np.log(y), np.log(low), np.log(high)
@@ -210,7 +211,7 @@ def covered(
 
 
 def draw_fill(zone: Zone, ax: Any, plane: style.Plane, color: str) -> None:
-    """Fill the zone; holes stay empty, because they have the opposite direction."""
+    """Fill the zone; holes remain empty because their direction is opposite."""
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path
 
@@ -244,7 +245,7 @@ def place_label(zone: Zone, ax: Any, plane: style.Plane, label: str) -> None:
 def interior_points(
     x: NDArray[np.float64], y: NDArray[np.float64], contains: Callable[..., NDArray[np.bool_]]
 ) -> Any:
-    """A point of a zone far from its boundary, on a lattice of the window; none if the zone has none."""
+    """A point of a zone far from its boundary, on a lattice of the window; none if no lattice point is inside."""
     inside = contains(x[:, None], y[None, :])
     if not inside.any():
         return ()

@@ -17,7 +17,7 @@ from .paper import MASRI, UNEQUAL
 
 #: The clearance d in the unit of length of Table 1.
 TABLE_1 = 37.0
-#: The corrections: the place, the printed form, and the correct form.
+#: The corrections: the position, the printed form, and the correct form.
 CORRECTIONS = {
     "S5": ("S_5i in (A6), first term", "X'_ia/Omega", "Z'_ia/Omega"),
     "S11": ("S_11i in (A6), last term", "X'_ia/Omega", "Z'_ia/Omega"),
@@ -26,9 +26,9 @@ CORRECTIONS = {
 
 
 def maps(motion: Motion, corrected: Collection[str], unit: float = 1.0) -> NDArray[np.float64]:
-    """The matrices [P_ia] of a motion by (A5)-(A7), (N, 4, 4), with some of the corrections.
+    """The matrices [P_ia] of a motion by (A5)-(A7), (N, 4, 4), with some of the corrections applied.
 
-    Lengths are measured in units of so many F0/K.
+    Lengths are measured in units of the given multiple of F0/K.
     """
     xi, mu, r, n = motion.osc.xi, motion.osc.mu, motion.r, len(motion.pattern)
     eta, turn = math.sqrt(1 - xi * xi), 2 * math.pi * motion.pattern.cycles
@@ -82,7 +82,7 @@ def over_a_period(matrices: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def largest(motion: Motion, corrected: Collection[str], clearance: float) -> float:
-    """max|lambda| with the unit of length that gives the clearance d this value.
+    """max|lambda| with the unit of length in which the clearance d has this value.
 
     S_6i is a length and S_3i is a number: with S_6i in P_ia(3,1), as printed, the multipliers depend on the unit.
     """
@@ -107,7 +107,8 @@ def row(name: str, motion: Motion, corrected: Collection[str]) -> dict[str, Any]
 
 
 def study() -> list[dict[str, Any]]:
-    """The cases with one, all and no corrections left out, for Table 1's third column and for Figure 9b."""
+    """The cases with no correction, with all, and with all but one, for Table 1's third column and for Figure
+    9b."""
     table1 = periodic(MASRI, 0.94, [0, 1.37 * math.pi], Pattern("RL"))
     three = exact(UNEQUAL, 0.9, 12.0, simulate(UNEQUAL, 0.9, 12.0, 8, discard=500))
     sets = [set(CORRECTIONS), *(set(CORRECTIONS) - {name} for name in CORRECTIONS), set()]

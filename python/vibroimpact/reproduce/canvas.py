@@ -19,7 +19,7 @@ from .scan import Strip
 from .sweeps import Bar
 
 LOAD, GAP = style.LOAD_LABEL, style.CLEARANCE_LABEL
-#: Largest distance, as a share of the window, between a drawn outline and the computed one: 0.04 points of print.
+#: Largest distance between a drawn outline and the computed one, as a share of the window: 0.04 printed points.
 THINNED = 1e-4
 
 
@@ -40,7 +40,7 @@ def identify(ax: Any, osc: Oscillator, more: str = "") -> None:
 
 
 def thinned(line: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Some of the points (M, 2) of a line over r and clearance, which draw the same line (Douglas and Peucker)."""
+    """A subset of the points (M, 2) of a line over r and clearance that draws the same line (Douglas–Peucker)."""
     scaled = np.stack([line[:, 0], np.log(line[:, 1])], axis=1)
     scaled /= np.maximum(np.ptp(scaled, axis=0), 1e-300)
     keep = np.zeros(len(line), dtype=bool)
@@ -72,7 +72,7 @@ def zone(
 ) -> None:  # fmt: skip
     """A zone as a band between its boundaries, over r; `inverse` draws F0/(dK).
 
-    If its whole boundary was `traced` too, the traced boundary is drawn.
+    If its whole boundary was also `traced`, the traced boundary is drawn.
     """
     colour, style_ = options.pop("color", KINDS[kind][0]), options.get("ls", "-")
     alpha = options.get("alpha", 0.22)
@@ -142,7 +142,7 @@ def save(figure: Any, folder: Path, name: str) -> None:
 
 
 def inside(sweeps: list[dict[str, Any]], kind: str, strips: Sequence[Strip]) -> str:
-    """The number of simulated holds that ended on a kind and lie in its zone, in words."""
+    """A text on the number of simulated holds that ended on a kind and lie in its zone."""
     holds = [(s["r"], 1 / x["load"]) for s in sweeps for x in s["seen"] if x["kind"] == kind]
     good = sum(any(strip.contains(*hold) for strip in strips) for hold in holds)
     return f"{good} of {len(holds)} simulated holds on {KINDS[kind][1]} lie in the zone"

@@ -1,4 +1,4 @@
-"""The reduction of the motion of the primary mass by the impacts at constant r, which Figure 10 plots."""
+"""The reduction of the motion of the primary mass by the impacts at constant r, as in Figure 10."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .paper import KINDS
 from .scan import equispaced_zone, is_good
 from .sweeps import read_sweeps
 
-#: Frequency ratios of the curves; there are simulated sweeps at all of them.
+#: Frequency ratios of the curves; there is a simulated sweep at each of them.
 CURVES = (0.94, 0.96, 0.98, 1.00, 1.02, 1.04, 1.06)
 
 
@@ -55,7 +55,7 @@ def draw(osc: Oscillator, folder: Path, name: str, rig: str, resolution: float) 
     figure, ax = canvas.panels(height=4.2)
     figure.set_size_inches(6.4, 4.2)  # the legend is beside the axes
     for one, (colour, line, mark) in zip(found, canvas.LOOKS, strict=True):
-        # a gap in the zone is a gap in the curve
+        # a gap in the zone is drawn as a gap in the curve
         far = np.diff(np.log(one.load), prepend=np.log(one.load[:1])) > 0.1
         ax.plot(
             np.where(far, np.nan, one.attenuation), one.load, color=colour, ls=line, marker=mark,

@@ -33,7 +33,7 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
     figure, ax = canvas.panels(height=4.0)
     for kind, strips in found.items():
         sides = {"2": "RL", "3": "RLL"}[kind]
-        # up to the edge of the axes, since the topmost strip has no scan
+        # extended to the edge of the axes, since the topmost strip is not scanned
         edges = (1 / LOADS[1], 1 / LOADS[0])
         traced = outline(UNEQUAL, sides, (0.55, 1.5), strips, clearance=edges)
         canvas.zone(ax, strips, kind, traced=traced)

@@ -1,4 +1,4 @@
-"""Figures 6 to 8 with bands: where the boundaries lie if the rig is known no better than the paper says."""
+"""Figures 6 to 8 with bands: where the boundaries lie if the rig is known only as well as the paper states."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..plot.uncertainty import draw_bands
 from . import canvas
 from .paper import EQUAL, KINDS, UNEQUAL
 
-#: Half the range of the damping ratio and of the gap (in), the gaps, and the share by which R fell.
+#: Half the range of the damping ratio and of the gap (in), the gaps, and the relative decrease of R.
 XI, GAP, GAPS, FALL = 0.0005, 0.001, {EQUAL: 0.0105, UNEQUAL: 0.0081}, 0.09
 #: Frequency ratios of the figures.
 R = (0.55, 1.5)

@@ -1,6 +1,6 @@
 """Figure 6a, proven: where equispaced motions are stable and admissible, in ball arithmetic.
 
-A few minutes of computing, so that it is done only where it is asked for by name.
+It takes a few minutes, so it is computed only if it is named.
 """
 
 from __future__ import annotations
@@ -13,7 +13,8 @@ from . import canvas
 from .paper import EQUAL
 
 R, CLEARANCE = (0.55, 1.5), (1.0, 200.0)
-#: Width in log D, over that of the window, of what may stay open, and at a coarse resolution.
+#: Width in log D, relative to the window, of the strip that may remain undecided, and the same at a coarse
+#: resolution.
 TOLERANCE, COARSE = 5e-4, 0.1
 
 

@@ -25,8 +25,8 @@ DOI = "10.1016/0022-460X(83)90438-8"
 
 #: The note on the last column of the statements.
 PROVEN = (
-    "Proven: by interval arithmetic (<code>prove</code>), which bounds every rounding error. All else is computed "
-    "in double precision."
+    "Proven: by interval arithmetic (<code>prove</code>), which bounds every rounding error. Everything else is "
+    "computed in double precision."
 )
 NOT_PROVEN = (
     "Nothing was proven, because python-flint is not installed: "
@@ -42,7 +42,7 @@ def cells(row: Iterable[Any], tag: str = "td", numbers: int = 99) -> str:
 
 
 def grid(header: Sequence[str], rows: Iterable[Iterable[Any]], numbers: int = 99) -> str:
-    """A table that scrolls sideways where the window is narrow."""
+    """A table that scrolls sideways if the window is narrow."""
     body = "\n".join(cells(row, numbers=numbers) for row in rows)
     head = cells(header, "th", numbers)
     return (

@@ -25,7 +25,7 @@ def reproduce(
     resolution: float = 1.0,
     workers: int | None = None,
 ) -> int:
-    """Recompute the named items and write them to a folder; if none is named, all that take seconds.
+    """Recompute the named items and write them to a folder; without names, all items that take only seconds.
 
     Items run in processes of their own (started by "spawn": a script that calls this needs
     ``if __name__ == "__main__":``).
@@ -73,10 +73,10 @@ def reproduce(
 
 
 class _InThisProcess(Executor):
-    """Performs each call as it comes."""
+    """Performs each call immediately."""
 
     def submit(self, call: Callable[..., Any], /, *arguments: Any, **_: Any) -> Future[Any]:
-        """The call, done."""
+        """Perform the call."""
         future: Future[Any] = Future()
         try:
             future.set_result(call(*arguments))
@@ -96,7 +96,7 @@ def _perform_all(
     whole = sum(left.values())
     failed: set[str] = set()
     running: dict[Future[Done], str] = {}
-    # Ctrl-C is handled by this process: running tasks are finished, so that all written results are complete
+    # this process handles Ctrl-C: running tasks are finished, so that all written results are complete
     context = multiprocessing.get_context("spawn")
     pool = ProcessPoolExecutor(workers, context, _start_worker) if workers > 1 else _InThisProcess()
     with pool:
@@ -106,7 +106,7 @@ def _perform_all(
                     if failed & set(TASKS[name].needs):
                         future: Future[Done] = Future()
                         future.set_exception(
-                            VibroimpactError("left out: something that it needs failed")
+                            VibroimpactError("left out: an item that it needs failed")
                         )
                     else:
                         with _interrupt_waits():
@@ -128,7 +128,7 @@ def _perform_all(
 
 
 def _outcome(future: Future[Done]) -> Done | str:
-    """What a task came to, or why it failed."""
+    """The outcome of a task, or the reason why it failed."""
     try:
         return future.result()
     except VibroimpactError as error:
@@ -140,12 +140,13 @@ def _outcome(future: Future[Done]) -> Done | str:
 
 @contextlib.contextmanager
 def _interrupt_waits() -> Iterator[None]:
-    """Block Ctrl-C while a process is started; the new process inherits this, as it cannot ignore it yet."""
+    """Block Ctrl-C while a process is started; the new process inherits this, since it cannot ignore Ctrl-C
+    yet."""
     if threading.current_thread() is not threading.main_thread() or os.name != "posix":
         yield
         return
     came: list[int] = []
-    # the mask is for the new process: in this process a thread of a library may receive the signal
+    # the mask is meant for the new process: in this process a thread of a library may still receive the signal
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
     handler = signal.signal(signal.SIGINT, lambda number, _: came.append(number))
     try:

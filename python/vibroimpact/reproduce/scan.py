@@ -32,7 +32,7 @@ Array = NDArray[np.float64]
 Test = Callable[[Array, Array], NDArray[np.bool_]]
 #: Number of bisections with which an edge is located within a step of a scan.
 HALVINGS = 30
-#: Largest relative distance of two intervals at successive r that belong to one thin zone.
+#: Largest relative distance of two intervals at successive r that count as one thin zone.
 ROOM = 0.02
 
 
@@ -95,7 +95,7 @@ def equispaced_zone(
 
 
 def pair_zone(osc: Oscillator, r: Array, count: int = 1200) -> list[Strip]:
-    """The zone of two stable unequispaced impacts a cycle: all phases are tried, as in the paper."""
+    """The zone of two stable unequispaced impacts per cycle: all phases are tried, as in the paper."""
     pair = Pattern("RL")
     # with equal walls each motion has a mirror image, whose second phase is 2 pi - alpha_2
     first = math.pi if osc.restitution[0] == osc.restitution[1] else 0.0
@@ -164,7 +164,7 @@ def traced_zone(
         guess, i, j, near = front.pop()
         if not (0 <= i < r.size and 0 <= j < count) or (i, j) in known:
             continue
-        # a guess from farther away is needed for thin zones, which may not contain the same j in the next column
+        # thin zones may not contain the same j in the next column, so a guess from farther away is needed
         motion = at(guess, i, points[j]) if near or (i, j) not in tried else None
         if motion is None and near and guess.pattern.has_rest and (i, j) not in tried:
             motion = at(
@@ -201,8 +201,8 @@ def traced_zone(
 
 
 def settled(motion: Motion, r: float, gap: float) -> Trajectory:
-    """The motion on which a simulation from a motion settles at other parameters; better than Newton's method
-    for large steps of motions with rest."""
+    """The motion on which a simulation from a motion settles at other parameters; for large steps of motions with
+    rest this works better than Newton's method."""
     first = motion.events[0]
     side = 0.5 if first["side"] == "R" else -0.5
     unit = gap / motion.clearance
@@ -214,7 +214,7 @@ def settled(motion: Motion, r: float, gap: float) -> Trajectory:
 
 
 def edges(test: Test, r: Array, grid: Array) -> tuple[NDArray[np.intp], Array, Array]:
-    """Rows of r and the ends of the intervals of the grid where a test holds, located by bisection."""
+    """Rows with r and the ends of the intervals of the grid where a test holds, located by bisection."""
     good = test(np.repeat(r, grid.size), np.tile(grid, r.size)).reshape(r.size, grid.size)
     found = [(i, begin, end) for i in range(r.size) for begin, end in runs(good[i])]
     rows, begin, end = np.array(found, dtype=int).reshape(-1, 3).T
@@ -239,7 +239,7 @@ def join(r: Array, rows: NDArray[np.intp], low: Array, high: Array) -> list[Stri
     """Strips of intervals at successive r that overlap, each with at most one."""
     # in these units the zones are roughly horizontal
     floor, roof = np.log(low * scale(r[rows])), np.log(high * scale(r[rows]))
-    strips: list[list[int]] = []  # numbers of intervals
+    strips: list[list[int]] = []  # indices of intervals
 
     def overlap(strip: list[int], k: int) -> float:
         """The overlap of interval k with the strip, if the strip continues horizontally or as one of its edges

@@ -39,15 +39,15 @@ AGREES, DIFFERS, UNCHECKED = "agrees", "differs", "cannot be checked"
 SIMULATED, CONTRADICTED = "simulation agrees", "simulation differs"
 #: Share of the simulated holds that must lie in the computed zone.
 MOST_HOLDS = 0.9
-#: Special points at which a motion that goes on ceases to be stable, how far from one its sides are proven, and
-#: half of the length of the branch on which both are.
+#: Special points at which a motion that continues loses its stability; the distance from such a point at which
+#: both sides are proven; and half of the length of the branch that contains both.
 ENDS, HALF_WIDTH, AROUND = ("pitchfork", "neimark_sacker"), 4e-13, 1e-5
-#: Distances from r = 1 at which a spike is sought.
+#: Distances from r = 1 at which a spike is looked for.
 NEAR = (1e-3, 1e-5, 1e-7, 1e-9)
 
 
 class Row(NamedTuple):
-    """A statement about an item, the finding, the verdict, and what a certificate proves of it."""
+    """A statement about an item, the finding, the verdict, and the part that a certificate proves."""
 
     where: str
     statement: str
@@ -62,7 +62,7 @@ def agreement(good: bool) -> str:
 
 
 def proven(statement: Callable[[], str]) -> str:
-    """What certificates prove; empty without python-flint."""
+    """The results that certificates prove; empty without python-flint."""
     try:
         return statement()
     except MissingExtraError:
@@ -82,8 +82,8 @@ def proof_of_motions() -> str:
 
 
 def proof_of_line(first: float, last: float) -> str:
-    """Whether motions on d K/F0 = 37 are proven to be stable and admissible for all r between two values, and
-    beyond which ends they are proven not to be stable."""
+    """Whether motions on d K/F0 = 37 are proven to be stable and admissible for all r between two values, and the
+    ends beyond which they are proven not to be stable."""
     middle = 0.5 * (first + last)
     start = next(one for one in equispaced(MASRI, middle, 37.0) if one.stable)
     line = branch(start, "r", bounds=(first - 1e-3, last + 1e-3))
@@ -121,7 +121,8 @@ def certificates_of_end(line: Branch, r: float) -> tuple[Certificate, Certificat
 
 
 def lies_on(motion: Certificate, line: Certificate) -> bool:
-    """Whether a proven motion is that of a proven branch along r: its numbers lie where there is only one."""
+    """Whether a proven motion lies on a proven branch along r: its numbers are in the region with only one
+    motion."""
     place = exact(motion.system["r"])
     for box in line.boxes:
         low, high = map(exact, box["parameters"]["r"])
@@ -330,7 +331,7 @@ def figure_9(folder: Path) -> list[Row]:
     return rows
 
 
-#: The statements of Section 4 on Figure 10 in its own words, which can be read in two ways.
+#: The statements of Section 4 on Figure 10, quoted, since they can be read in two ways.
 AMPLIFIED = "“amplifications always occur” for “a slight decrease in r” from 1 (Section 4)"
 
 
@@ -419,7 +420,7 @@ def reproduce(folder: Path, resolution: float = 1.0) -> bool:
 
 
 def counted(verdicts: Sequence[str]) -> str:
-    """How many statements have each verdict, in words."""
+    """A text on how many statements have each verdict."""
     agree, differ, unchecked, simulated, contradicted = (
         verdicts.count(verdict) for verdict in (AGREES, DIFFERS, UNCHECKED, SIMULATED, CONTRADICTED)
     )

@@ -22,7 +22,7 @@ from .paper import EQUAL, HOLD, LOADS, NATURAL_FREQUENCY, RATIOS, UNEQUAL, kind_
 RIGS = {"equal": EQUAL, "unequal": UNEQUAL}
 #: Load levels, in units of `scale`.
 LEVELS = 52
-#: Load cycles within which a motion has to repeat, and the tolerance of its phases (radians).
+#: Load cycles within which a motion must repeat, and the tolerance of its phases (radians).
 MOST_CYCLES, TOLERANCE = 4, 1e-3
 
 
@@ -107,7 +107,7 @@ def bars(sweeps: list[dict[str, Any]], kind: str) -> list[Bar]:
 
 
 def seeds(sweeps: list[dict[str, Any]], osc: Oscillator) -> dict[str, list[Motion]]:
-    """The exact motions of one cycle at the ends of holds, by pattern; of two mirror images one is kept."""
+    """The exact motions of one cycle at the ends of holds, by pattern; only one of two mirror images is kept."""
     found: dict[str, list[Motion]] = {}
     for one in sweeps:
         for item in one["seen"]:

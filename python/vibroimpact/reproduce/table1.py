@@ -25,7 +25,7 @@ MISPRINTS = {
         "|lambda_4|",
         "equispaced 2",
     ): "0.025: det[P] = exp(-4 pi xi/r) R1^2 R2^2 = 0.296 is the product of "
-    "the four moduli, which 0.25 misses tenfold",
+    "the four moduli, from which 0.25 differs by a factor of ten",
 }
 
 

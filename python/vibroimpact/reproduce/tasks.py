@@ -20,7 +20,7 @@ NAMES = (
     "table1", "figure3", "figure4a", "figure4b", "figure6a", "figure6b", "figure7", "figure8a",
     "figure8b", "figures6to8", "figure9", "figure10a", "figure10b", "report", "proof6a",
 )  # fmt: skip
-#: Those that are only computed where they are named.
+#: Items that are computed only if they are named.
 ON_REQUEST = ("proof6a",)
 #: The sweeps of each rig, on which bars and traced zones depend.
 SWEEPS = {rig: tuple(f"sweep_{rig}_{r:.2f}" for r in RATIOS) for rig in RIGS}
@@ -99,7 +99,7 @@ def seconds(folder: Path, name: str) -> float:
 
 
 def perform(name: str, folder: Path, resolution: float) -> Done:
-    """Perform one task, write its outputs, and finally what came of it."""
+    """Perform one task, write its outputs, and finally its outcome."""
     begin = time.process_time()
     task, messages = TASKS[name], io.StringIO()
     with contextlib.redirect_stdout(messages):

@@ -37,7 +37,7 @@ def outline(
 
 
 def compared(found: Any, strips: Sequence[Strip]) -> str:
-    """The number of points near the edges of a scan that have the same verdict by the traced boundary, in words.
+    """A text on the number of points near the edges of a scan that have the same verdict by the traced boundary.
 
     The ends of the scan in r lie on the edge of the window and are left out, as are points outside it.
     """

@@ -1,1 +1,2 @@
-"""What every result is made of: the door to the core, tables, namelists, events, states, and the base classes."""
+"""The parts that all results share: the interface to the core, tables, namelists, events, states and base
+classes."""

@@ -45,20 +45,20 @@ def run(
     keys : mapping
         Keys of the group; None for a key that is left out. `r` is that of &system.
     parameters : mapping, optional
-        The caller's names of keys and words of the core, where they differ.
+        The caller's names of keys and of words of the core, where they differ from those of the core.
     start : mapping, optional
         Keys of the &motion that the study starts from.
     little : bool
-        Whether it takes a moment, too short for progress and Ctrl-C.
+        Whether the study takes so little time that it needs neither progress nor Ctrl-C.
 
     Raises
     ------
     ParameterError, ParameterTypeError
         With the message of the core and the caller's name of the parameter.
     OutOfMemoryError
-        The case takes more memory than there is.
+        The case needs more memory than is available.
     StudyInterrupted
-        After Ctrl-C, with what was finished.
+        After Ctrl-C, with the part that was finished.
     """
     of_numbers(osc)
     before = [] if start is None else [("motion", start)]
@@ -98,7 +98,8 @@ def run_groups(
     of_structure: bool, threads: int | None = None, progress: Progress | None = None,
     parameters: Mapping[str, str] | None = None, little: bool = False,
 ) -> Found:  # fmt: skip
-    """Runs a study in the core: the groups describe the system and what the study starts from."""
+    """Runs a study in the core; `groups` describe the system and the motion or state from which the study
+    starts."""
     study: str = noun.study  # type: ignore[attr-defined]
     names, known = parameters or {}, keys_for(study, of_structure)
     values = {key: plain(known, key, value, names.get(key, key)) for key, value in keys.items()}
@@ -120,7 +121,7 @@ def start_keys(structure: Any, state: Any, start: Any) -> dict[str, Any]:
 
 
 def translated(message: str, names: Mapping[str, str]) -> str:
-    """A message of the core with the caller's names; a name such as state['x'] is used only at its beginning."""
+    """A message of the core in the caller's names; a name such as state['x'] is used only at its beginning."""
     for word, name in names.items():
         whole_word = rf"\b{word}\b" if word.isidentifier() else re.escape(word)
         if ":" in name or "'" in name:
@@ -133,9 +134,9 @@ def run_text(
     noun: Callable[[Result], Found], text: str, threads: int | None = None,
     progress: Progress | None = None, little: bool = False, counters: NDArray[np.int32] | None = None,
 ) -> Found:  # fmt: skip
-    """The noun of the study whose case is the text; errors as in `run`, in the words of a namelist.
+    """The result object of the study whose case is `text`; errors as in `run`, in the terms of a namelist.
 
-    With `counters` the call is made in this thread, and another one stops it by their flag.
+    With `counters` the call runs in this thread, and another thread can stop it by setting their flag.
     """
     study: str = noun.study  # type: ignore[attr-defined]
     checks.progress(progress)
@@ -165,8 +166,9 @@ def run_text(
 
 
 def plain(known: Sequence[Mapping[str, Any]], key: str, value: Any, name: str) -> Any:
-    """A value of a key, of all that are known, in a form for a namelist: float, int, str, or a list of them; the
-    core checks its range."""
+    """The value of a key in a form for a namelist: float, int, str, or a list of them; the core checks its range.
+
+    `known` are the declarations of all keys."""
     declared = next(item for item in known if item["name"] == key)
     wanted = declared["takes"]
     if value is None:
@@ -210,7 +212,8 @@ def word(value: Any, name: str, wanted: str) -> str:
 
 
 def line(name: str, values: Any, geometric: bool = False) -> dict[str, Any]:
-    """Values along an axis for a namelist: their ends and number, if these reproduce the values."""
+    """The values along an axis as namelist keys: both ends and the number, if these reproduce the values
+    exactly."""
     array = np.atleast_1d(checks.real_array(values, name, "numbers"))
     if array.ndim != 1 or array.size == 0:
         raise ParameterError(
@@ -225,7 +228,8 @@ def line(name: str, values: Any, geometric: bool = False) -> dict[str, Any]:
 
 
 def swept(values: NDArray[np.float64], parameter: str) -> dict[str, Any] | None:
-    """The keys of the values of a parameter, if their ends, number and spacing reproduce the values."""
+    """The namelist keys of the values of a parameter: ends, number and spacing, if these reproduce the values
+    exactly."""
     for end in (values.min(), values.max()):
         checks.number(float(end), "restitution" if parameter[0] == "R" else parameter, parameter)
     spacing = spacing_of(values) if values.ndim == 1 else None

@@ -1,4 +1,4 @@
-"""Events in the order of time, and the closed form between them."""
+"""Events in order of time, and the closed-form motion between them."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ WORDS = np.asfortranarray(_NAMES.view(np.float64).reshape(3, 2, 11)[..., 1:5].T)
 
 
 class Sample(NamedTuple):
-    """Time history of a motion; each array has the shape of the times asked for.
+    """Time history of a motion; each array has the shape of the requested times.
 
-    Positions of the primary and the free mass, their velocities and accelerations, and the load. An impact
-    changes velocities at once: the accelerations are those between impacts, without the spikes. That of the
-    primary mass jumps by ``-2 xi (X_dot_after - X_dot_before)`` at an impact.
+    Positions of the primary and the free mass, their velocities and accelerations, and the load. Velocities jump
+    at an impact; the accelerations do not include these impulses. The acceleration of the primary mass itself
+    jumps by ``-2 xi (X_dot_after - X_dot_before)`` at an impact.
     """
 
     X: NDArray[np.float64]
@@ -88,7 +88,8 @@ def events_of(result: Result, here: slice = slice(None)) -> NDArray[Any]:
 def segments(
     events: NDArray[Any], clearance: float
 ) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
-    """Start (6, n) of the segment that each event begins, and the side of rest in it or 0."""
+    """The state (6, n) at the start of the segment after each event, and the side of a rest in that segment, or
+    0."""
     side = np.where(events["side"] == "R", 1, -1)
     z = events["x"] + 0.5 * side * clearance
     starts = [
@@ -117,7 +118,7 @@ def sample(
 def with_accelerations(
     osc: Oscillator, values: NDArray[np.float64], resting: NDArray[np.bool_] | bool = False
 ) -> Sample:
-    """A sample with the accelerations that follow from it; in a rest both masses move as one."""
+    """A sample with the accelerations added; during a rest both masses move together."""
     x, x_dot, _, _, _, load = values
     acceleration = (load - 2 * osc.xi * x_dot - x) / np.where(resting, 1 + osc.mu, 1.0)
     return Sample(*(*values, acceleration, np.where(resting, acceleration, 0.0)))

@@ -19,9 +19,9 @@ __all__ = ["Gradient"]
 class Gradient:
     """Exact derivatives of all quantities of a motion or a trajectory, by name of quantity and parameter.
 
-    ``gradient["x_max"]`` is the array of derivatives by all `parameters`, ``gradient["X", "mu"]`` that by one
-    parameter: its shape is that of the quantity. Arrays are read-only. A derivative that does not exist is NaN,
-    and `status` says why.
+    ``gradient["x_max"]`` is the array of derivatives with respect to all `parameters`; ``gradient["X", "mu"]`` is
+    the derivative with respect to one parameter and has the shape of the quantity. Arrays are read-only. A
+    derivative that does not exist is NaN, and `status` says why.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class Gradient:
     dimensions : dict of str to tuple of str
         Names of the dimensions of each quantity.
     status : dict of str to str
-        Why a quantity, or an entry of it as ``"multipliers[0]"``, has no derivatives.
+        Why a quantity, or one of its entries such as ``"multipliers[0]"``, has no derivatives.
     """
 
     of: str
@@ -47,7 +47,7 @@ class Gradient:
     status: Mapping[str, str]
 
     def __getitem__(self, name: str | tuple[str, str]) -> NDArray[Any]:
-        """Derivatives of one quantity, by all parameters or by one."""
+        """Derivatives of one quantity with respect to all parameters or to one."""
         quantity, parameter = name if isinstance(name, tuple) and len(name) == 2 else (name, None)
         if quantity not in self.derivatives:
             raise ParameterError(f"quantity {quantity!r}: must be one of {', '.join(self.values)}")

@@ -20,7 +20,8 @@ SYMMETRIC = {True: "yes", False: "no", None: "both"}
 
 
 def text(groups: Groups | Iterable[tuple[str, Mapping[str, Any]]]) -> str:
-    """Groups as a namelist; numbers have all their digits. In pairs a name may stand several times."""
+    """The groups as a namelist; numbers have all their digits. In a list of pairs a name may occur several
+    times."""
     lines = []
     for group, keys in groups.items() if isinstance(groups, Mapping) else groups:
         lines += [
@@ -39,7 +40,7 @@ def symmetric_word(value: Any) -> str:
 
 
 def case(osc: Oscillator, r: float | None = None, **groups: Mapping[str, Any]) -> str:
-    """A system with what is asked of it."""
+    """A system and the study that is requested for it, as a namelist."""
     return text({"system": osc._keys(r), **groups})
 
 
@@ -55,7 +56,7 @@ def _value(value: Any) -> str:
 
 
 def shown_in(text: str, units: str) -> str:
-    """A case whose table is in other units, as "mm N s", or "dimensionless"."""
+    """A case whose table is in other units, such as "mm N s", or "dimensionless"."""
     text = re.sub(r"(?ms)(^&output$.*?)^  units = [^\n]*\n", r"\1", text)
     if re.search(r"(?m)^&output$", text) is None:
         text += "&output\n/\n"
@@ -127,7 +128,7 @@ def _numbers(text: str) -> list[int | float]:
 
 def _number(text: str) -> int | float:
     """A whole number as an int."""
-    if "_" in text:  # which only Python reads as a number
+    if "_" in text:  # only Python accepts underscores and the like in a number
         raise ValueError
     try:
         return int(text)

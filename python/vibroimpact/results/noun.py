@@ -25,12 +25,12 @@ Self = TypeVar("Self", bound="Savable")
 #: The classes that are imported by name, and by the study whose whole result they are.
 NOUNS: dict[str, type[Savable]] = {}
 RESULTS: dict[str, type[Noun]] = {}
-#: The classes of results in files by the names that they had before.
+#: Former names of classes in files, and the present classes.
 FORMER: dict[str, type[Savable]] = {}
 
 
 def class_of(name: Any) -> type[Savable]:
-    """The class of results in files by its name, or the name that it had before."""
+    """The class of a result in a file, by its present or former name."""
     ACTIONS["import_all"]()
     found = (NOUNS | FORMER).get(name) if isinstance(name, str) else None
     if found is None:
@@ -46,10 +46,11 @@ def result_class(study: str) -> type[Noun]:
 
 
 class column:  # noqa: N801 (a descriptor, written as property is)
-    """A column of a table as an attribute, read-only; its own dimension comes last, or `first`.
+    """A column of a table as a read-only attribute; with `first` the column's own dimension comes first, else
+    last.
 
-    of_structure: the table in results of structures, and the column, where they differ: "table" or "table.column".
-    A column that results of a system do not have is an AttributeError.
+    `of_structure` names the table, and the column if it differs, in results of structures: "table" or
+    "table.column". If results of the system lack the column, an AttributeError is raised.
     """
 
     def __init__(
@@ -87,8 +88,8 @@ class column:  # noqa: N801 (a descriptor, written as property is)
 
 
 def key(*names: str) -> Any:
-    """The value of a key of the case as an attribute, read-only; a tuple of the values of several keys. A key that
-    cases of structures lack is an AttributeError."""
+    """The value of a key of the case as a read-only attribute, or a tuple of the values of several keys. If cases
+    of structures lack the key, an AttributeError is raised."""
 
     def value(noun: Noun) -> Any:
         if noun.of_structure:
@@ -103,24 +104,24 @@ def key(*names: str) -> Any:
 
 
 class Savable:
-    """What all results can do: conversion to files and to objects of other libraries, and back.
+    """Methods of all results: conversion to files and to objects of other libraries, and back.
 
-    A class gives its tables as `_result`, and is made of such tables by `of_result`.
+    A subclass provides its tables as `_result`, and is created from tables by `of_result`.
     """
 
     __slots__ = ()
     #: The study that computes it.
     study: ClassVar[str] = ""
-    #: Whether there is something to draw.
+    #: Whether the result can be drawn.
     drawable: bool = True
-    #: The message if there is nothing to draw.
+    #: The message if the result cannot be drawn.
     undrawable: ClassVar[str] = ""
     #: Whether the vertical axis of its small picture is logarithmic.
     _log_clearance: ClassVar[bool] = False
     plot: Callable[..., Any]
 
     def __init_subclass__(cls, study: str = "", formerly: str = "") -> None:
-        """`formerly`: the class of its results of structures in older files."""
+        """`formerly` is the name of the class of its results of structures in older files."""
         super().__init_subclass__()
         if study:  # a dataclass with slots is created a second time, without these arguments
             cls.study = study
@@ -147,18 +148,19 @@ class Savable:
 
     @classmethod
     def of_result(cls: type[Self], result: Result) -> Self:
-        """The object that has these tables."""
+        """The object with these tables."""
         raise NotImplementedError
 
     def _check_read(self) -> None:
-        """An error if tables that were read from a file do not fit together, beyond what all results share."""
+        """Raises an error if tables read from a file are inconsistent, beyond the checks that all results
+        share."""
 
     def _facts(self) -> dict[str, str]:
         """Names and values for Jupyter."""
         return {}
 
     def _lack(self, name: str, instead: str) -> str:
-        """The message for an attribute that results of its system do not have, with what they have instead."""
+        """The message for an attribute that results of this system lack; it names the available ones."""
         system = "a Structure" if self.of_structure else "an Oscillator"
         return f"{name}: a {type(self).__name__} of {system} does not have it; it has {instead}"
 
@@ -180,7 +182,7 @@ class Savable:
         Parameters
         ----------
         units : Units or str, optional
-            Units of length, force and time, as "mm N s" or "SI"; those of the oscillator by default.
+            Units of length, force and time, such as "mm N s" or "SI"; those of the oscillator by default.
 
         Raises
         ------
@@ -190,7 +192,7 @@ class Savable:
         return ACTIONS["physical"](self, units)
 
     def to_dict(self) -> dict[str, Any]:
-        """Everything as plain Python values, ready for JSON: complex numbers are [re, im], NaN is None."""
+        """The whole result as plain Python values, ready for JSON: complex numbers are [re, im], NaN is None."""
         found: dict[str, Any] = ACTIONS["to_dict"](self)
         return found
 
@@ -201,13 +203,13 @@ class Savable:
         return noun
 
     def to_json(self) -> str:
-        """`to_dict` as JSON text; numbers have all their digits."""
+        """The result of `to_dict` as JSON text; numbers have all their digits."""
         text: str = ACTIONS["to_json"](self)
         return text
 
     @classmethod
     def from_json(cls: type[Self], text: str) -> Self:
-        """The inverse of `to_json`; the result has the same bits."""
+        """The inverse of `to_json`; all numbers are restored bit for bit."""
         noun: Self = ACTIONS["from_json"](cls, text)
         return noun
 
@@ -223,18 +225,18 @@ class Savable:
     def save(self, path: str | Path, units: str | None = None) -> None:
         """Write a file, completely or not at all; the extension sets the format.
 
-        .json, .nc (netCDF, labelled as `to_xarray`; extra `data`) and .mat (a MATLAB struct; extra
-        `matlab`) hold every bit, and `vibroimpact.load` reads them back. .csv holds the table that
-        `vibroimpact run` writes, with the case in its header, from which the result can be computed again.
+        .json, .nc (netCDF, labelled as by `to_xarray`; extra `data`) and .mat (a MATLAB struct; extra `matlab`)
+        keep every bit, and `vibroimpact.load` reads them back. .csv is the table that `vibroimpact run` writes;
+        the case in its header reproduces the result.
 
         Parameters
         ----------
         path : str or Path
             The file.
         units : str, optional
-            Units of length, force and time, as "mm N s" or "SI", or "dimensionless". By default a .csv is in those
-            of the oscillator, if it has M, K and F0, with mm for m; the other formats are dimensionless, and
-            contain the units.
+            Units of length, force and time, such as "mm N s" or "SI", or "dimensionless". By default a .csv file
+            is in the units of the oscillator if it has M, K and F0, with mm for m; the other formats are
+            dimensionless and also contain the units.
 
         Raises
         ------
@@ -245,7 +247,7 @@ class Savable:
 
     @classmethod
     def _load(cls: type[Self], path: str | Path) -> Self:
-        """A result of this class that `save` wrote."""
+        """Load a result of this class from a file that `save` wrote."""
         result = ACTIONS["load"](path)
         if not isinstance(result, cls):
             raise ParameterError(
@@ -261,12 +263,12 @@ class Savable:
 
 
 class Solution(Savable):
-    """What a solver computes of a system: values by name, read-only, of which each system has its own."""
+    """The values that a solver computes, read-only and by name; each kind of system has its own set."""
 
     __slots__ = ()
-    #: Values of an oscillator that follow from the others, by name.
+    #: Values of an oscillator that are computed from the other values, by name.
     _derived: ClassVar[Mapping[str, Callable[[Any], Any]]] = {}
-    #: What an oscillator, and a structure, have instead of what the other one has.
+    #: For each name that only one kind of system has, the name of its counterpart for the other kind.
     _instead: ClassVar[tuple[Mapping[str, str], Mapping[str, str]]] = ({}, {})
 
     def __init__(self, **values: Any) -> None:
@@ -274,7 +276,7 @@ class Solution(Savable):
             object.__setattr__(self, name, value)
 
     def __getattr__(self, name: str) -> Any:
-        """A value that the solver has not given: one that follows from the others, or an error."""
+        """A value that the solver did not provide: computed from the others, or an error."""
         if name.startswith("__"):
             raise AttributeError(name)
         of_structure = self.of_structure
@@ -291,7 +293,7 @@ class Solution(Savable):
         return solution, (type(self), self._values())
 
     def _values(self) -> dict[str, Any]:
-        """The values that the solver gave."""
+        """The values that the solver provided."""
         here, found = object.__getattribute__, dict[str, Any]()
         names: tuple[str, ...] = type(self).__slots__
         for name in names:
@@ -325,9 +327,9 @@ class Noun(Savable):
     Attributes
     ----------
     case : str
-        What was asked for, as a namelist.
+        The input of the study as a namelist.
     complete : bool
-        False if Ctrl-C stopped it early; `cut` then says how far it got.
+        False if Ctrl-C stopped the study early; `cut` then says how far it got.
     """
 
     __slots__ = ("_result",)
@@ -340,7 +342,7 @@ class Noun(Savable):
     def __init_subclass__(
         cls, study: str = "", part: bool = False, example: str = "", formerly: str = ""
     ) -> None:
-        """`part`: whether the result of a case contains several objects of this class, rather than being one."""
+        """`part`: whether the result of a case contains several objects of this class instead of being one."""
         super().__init_subclass__(study, formerly)
         cls.example = example
         if cls.study and not part:
@@ -355,15 +357,15 @@ class Noun(Savable):
 
     @classmethod
     def computed(cls: type[Self], case: Any, progress: Callable[[float, str], None] | None) -> Self:
-        """The result of a case that the Python package computes, for such studies (`in_python`)."""
+        """The result of a case, for studies that the Python package computes itself (`in_python`)."""
         raise NotImplementedError
 
     def parts(self) -> list[Any]:
-        """What the result of a case consists of: the objects that are saved and drawn each by itself."""
+        """The objects of which the result of a case consists; each is saved and drawn separately."""
         return [self]
 
     def require(self) -> None:
-        """An error if the result is not there, of a case that asks for one thing."""
+        """Raises an error if the result is missing, for a case that requests a single result."""
 
     def __reduce__(self) -> Any:
         return type(self), (self._result,)
@@ -396,7 +398,7 @@ class Noun(Savable):
 
     @property
     def keys(self) -> dict[str, Any]:
-        """The keys of the study and their values, with those of &system; one that the case of a file lacks is an
+        """The keys of the study and of &system with their values. A key that the case of a file lacks raises an
         error that names it."""
         if self.of_structure:
             groups = parts_of(self.case) or [("", {})]
@@ -422,21 +424,21 @@ class Noun(Savable):
 
     @property
     def load(self) -> Any:
-        """The load of a structure, or the amplitude of that of an oscillator."""
+        """The load of a structure, or the load amplitude of an oscillator."""
         if not self.of_structure:
             return self.keys["load"]
         load = system_of(self.case)[1]
-        return load if isinstance(load, Load) else None  # no study takes a record
+        return load if isinstance(load, Load) else None  # no study but `simulate` accepts a record
 
     def _values(self, table: str, name: str, attribute: str = "") -> NDArray[Any]:
-        """A column of a table, decoded; an AttributeError if results of its system do not have it."""
+        """A decoded column of a table; AttributeError if results of this system lack it."""
         known = declared(self._result.study, self.of_structure)
         if (table, name) not in known:
             raise AttributeError(self._lack(attribute or name, self._columns()))
         return self._result.column(table, name).decoded()
 
     def _columns(self) -> str:
-        """The columns that results of its system have, by the names of their attributes if they are such."""
+        """The columns that results of this system have, by their attribute names where they are attributes."""
         known = declared(self._result.study, self.of_structure)
         own = [
             name
@@ -447,5 +449,5 @@ class Noun(Savable):
         return ", ".join(own or dict.fromkeys(name for _, name in known))
 
     def to_namelist(self) -> str:
-        """The case as a namelist; the program, the command and Python compute the same digits from it."""
+        """The case as a namelist; from it the program, the command and Python compute identical digits."""
         return self.case

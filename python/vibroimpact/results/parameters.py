@@ -32,7 +32,7 @@ DIRECTION, OPENING, RESTITUTION, FREQUENCY, COSINE, SINE, CONSTANT, LAW = range(
 WALLS = {12: "cosine", 13: "sine"}
 #: The numbers of a stop and of friction, as the core has them.
 LAWS = {Stop: ("stiffness", "damping", "preload"), Friction: ("slip", "stick", "speed")}
-#: Degrees of the Chebyshev series that are tried, and the share of an entry that may be left.
+#: Degrees of the Chebyshev series that are tried, and the largest relative remainder of an entry.
 DEGREES, NEGLIGIBLE = (8, 16, 32, 64, 128), 1e-14
 
 
@@ -73,7 +73,7 @@ def entries_of(structure: Structure, load: Load) -> tuple[NDArray[np.int64], _Ar
 
 
 def laws_of(structure: Structure) -> list[object]:
-    """What a parameter cannot change in the laws of all gaps, stops and friction."""
+    """The properties of the laws of all gaps, stops and friction that a parameter cannot change."""
     return [
         to_columns(part.restitution) | {"restitution": None}
         if isinstance(part, Gap)
@@ -130,7 +130,8 @@ def with_entries(
 def keys_of_parameter(
     structure: Structure, load: Load, parameter: Any, bounds: Any, at: Any, word: str, prefix: str = ""
 ) -> dict[str, Any]:  # fmt: skip
-    """The keys of a parameter and its bounds; `word` is the key of its name, others begin with `prefix`."""
+    """The keys of a parameter and its bounds; `word` is the key of its name, the other keys begin with
+    `prefix`."""
     try:
         low, high = bounds
     except (TypeError, ValueError):
@@ -164,7 +165,8 @@ def keys_of_parameter(
 
 
 def checked_pair(pair: Any, p: float) -> tuple[Structure, Load]:
-    """What a function of a parameter gives at a value, if it is a structure with its load."""
+    """The structure and load that a function of a parameter returns at a value; an error if it returns anything
+    else."""
     if not (
         isinstance(pair, tuple)
         and len(pair) == 2
@@ -180,7 +182,8 @@ def checked_pair(pair: Any, p: float) -> tuple[Structure, Load]:
 def of_constant_load(
     function: Callable[[float], tuple[Structure, Load]],
 ) -> Callable[[float], tuple[Structure, Load]]:
-    """A function of a parameter whose loads without a frequency have a constant force, at least 0."""
+    """Wraps a function of a parameter so that each load without a frequency has a constant force, 0 if none is
+    given."""
 
     def at(value: float) -> tuple[Structure, Load]:
         structure, load = checked_pair(function(value), value)
@@ -249,7 +252,7 @@ class Path:
         self.structure, self.load, self.bounds = structure, load, bounds
 
     def start(self, given: list[float | None]) -> list[float]:
-        """The values of the parameters at the start; those of functions are given."""
+        """The values of the parameters at the start; for parameters that are functions they are given."""
         places, values = entries_of(self.structure, self.load)
         found = []
         for axis, value in enumerate(given, 1):

@@ -1,4 +1,4 @@
-"""What many systems do on their attractors, in one call: the figures that a design limits."""
+"""Performance figures of many systems on their attractors in one call, as needed for a design."""
 
 from __future__ import annotations
 
@@ -43,16 +43,17 @@ class Performance:
     multiplier : ndarray (n,)
         Greatest modulus of the multipliers; NaN without a period or without impacts.
     least_speed, least_gap : ndarray (n,)
-        Distances to boundaries: least approach speed of an impact, and least distance from a wall that the free
-        mass approaches without an impact. Both are inf where there is none, and 0 with rest.
+        Distances to boundaries: least approach speed of an impact, and least distance to a wall that the free mass
+        approaches without an impact. Both are inf if there is no such impact or approach, and 0 for motions with
+        rest.
     amplitude : ndarray (n,)
         Amplitude A of the motion without impacts.
     states : ndarray (5, n)
         t, x, x', z, z' of a state on the attractor.
     cycles, impacts : ndarray (n,) of int
-        Load cycles of the period (0: none was found), and impacts in it or in the cycles examined.
+        Load cycles of the period (0: none was found), and the number of impacts in it or in the cycles examined.
     status : ndarray (n,) of int
-        0 done; see `status_text`. Figures of other runs are NaN.
+        0 if done; see `status_text` for other values, for which the figures are NaN.
     """
 
     displacement: NDArray[np.float64]
@@ -71,7 +72,7 @@ class Performance:
 
 
 def _marks(wanted: tuple[str, ...]) -> NDArray[np.int32]:
-    """Which figures are wanted, as the core takes it."""
+    """The requested figures, as flags for the core."""
     return np.array([name in wanted for name in FIGURES], dtype=np.int32)
 
 
@@ -89,13 +90,14 @@ def perform(
     places : ndarray (4, n)
         Initial states in the box of the random states of `basins`, from -1 to 1.
     settling, keep : int
-        Load cycles after which a simulation that found no period counts as settled, and those then examined.
+        Load cycles after which a simulation without a period counts as settled, and the number of load cycles
+        examined after that.
     max_events : int
         Events after which a simulation is given up.
     threads : int, optional
         Default: one for each processor. The result does not depend on it.
     progress : callable, optional
-        As for the studies; `note` is the task it is told.
+        As for the studies; `note` is the text that it receives.
     wanted : iterable of str
         The figures that are computed, keys of `FIGURES`; the others are NaN.
 

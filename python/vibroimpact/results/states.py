@@ -15,13 +15,13 @@ from ..base.errors import ParameterError, ParameterTypeError
 
 TWO_PI = 2 * math.pi
 NEEDED = ("t", "x", "x_dot", "z", "z_dot")
-#: The largest number of a state: squares and products of any two are finite.
+#: The largest value in a state: squares and products of any two values are finite.
 MOST = 1e100
 SPAN = "from -1e100 to 1e100"
 RANGE = f"a number {SPAN}"
 EXTRA = ("cycle", "phase", "side", "speed", "resting", "released")
 
-#: Keys of a state: t, x, x_dot, z, z_dot, and those that a `final_state` adds to continue with the same bits.
+#: Keys of a state: t, x, x_dot, z, z_dot, and those that a `final_state` adds for an exact (bitwise) continuation.
 State = dict[str, Any]
 
 #: A state of the core: (cycle, phase, x, x', z, z', departure speed) and (side, resting, released).
@@ -40,7 +40,7 @@ class Since(tuple[float, ...]):
 
 
 def later(values: NDArray[np.float64], cycles: float) -> tuple[float, float]:
-    """Cycle and phase a number of load cycles after a moment."""
+    """Cycle and phase of the time that is a given number of load cycles after a moment."""
     whole = math.floor(cycles)
     phase = values[1] + TWO_PI * (cycles - whole)
     over = 1 if phase >= TWO_PI else 0
@@ -50,8 +50,8 @@ def later(values: NDArray[np.float64], cycles: float) -> tuple[float, float]:
 def state_of(system: System, now: Moment, begun: Moment) -> State:
     """A moment as a dictionary.
 
-    `since` identifies the system and the state to which it belongs, and holds where the flight or rest began: a
-    simulation of the same system that starts from the unchanged state continues from there with the same bits.
+    `since` identifies the system and the state to which it belongs, and contains the start of the flight or rest.
+    A simulation of the same system that starts from the unchanged state therefore continues bit for bit.
     """
     cycle, phase, x, x_dot, z, z_dot, speed = now[0].tolist()
     side, resting, released = now[1].tolist()
@@ -68,8 +68,8 @@ def state_of(system: System, now: Moment, begun: Moment) -> State:
 
 
 def moments_of(state: State) -> tuple[tuple[list[Any], list[int]], tuple[list[Any], list[int]]]:
-    """The numbers of a `final_state`, and those of the moment at which its flight or rest began, as the core has
-    them."""
+    """The numbers of a `final_state`, and those of the moment at which its flight or rest began, in the order of
+    the core."""
     numbers = [state[name] for name in ("cycle", "phase", "x", "x_dot", "z", "z_dot", "speed")]
     flags = [int(state[name]) for name in ("side", "resting", "released")]
     begun = state["since"][-10:]
@@ -83,7 +83,7 @@ def _belongs(system: System, state: Mapping[str, Any]) -> tuple[float, ...]:
 
 
 def start_of(system: System, state: Mapping[str, Any] | None) -> tuple[Moment, Moment]:
-    """The moment of a state given by the caller, and where its flight or rest began."""
+    """The moment of a state given by the caller, and the moment at which its flight or rest began."""
     clearance = system[5]
     if state is None:
         moment = (np.zeros(7), np.zeros(3, dtype=np.int32))
@@ -109,9 +109,10 @@ def as_numbers(state: Mapping[str, Any] | None) -> dict[str, float] | None:
 
 
 def completed_state(state: Mapping[str, Any]) -> dict[str, Any]:
-    """A state of five numbers; those that are left out are 0.
+    """A state of five numbers; missing ones are 0.
 
-    Those that a `final_state` adds belong to all of its numbers: then none may be missing.
+    The keys that a `final_state` adds are valid only with all the others; if they are present, no key may be
+    missing.
     """
     missing = [name for name in NEEDED if name not in state]
     unknown = [name for name in state if name not in (*NEEDED, *EXTRA, "since")]
@@ -126,7 +127,7 @@ def completed_state(state: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def state_by_coordinates(given: dict[str, Any]) -> None:
-    """Turns the argument `state` of a study of an oscillator into those of a structure, if it is a mapping."""
+    """Converts the argument `state` of a study of an oscillator to that for a structure, if it is a mapping."""
     state = given.get("state")
     if isinstance(state, Mapping):
         if "start" in given:
@@ -137,7 +138,7 @@ def state_by_coordinates(given: dict[str, Any]) -> None:
 
 
 def checked_state(state: Any, clearance: float) -> dict[str, float]:
-    """The numbers of a state given by the caller; of the first five, those that are left out are 0."""
+    """The numbers of a state given by the caller; of the first five, missing ones are 0."""
     if not isinstance(state, Mapping):
         raise ParameterTypeError(
             f"state = {state!r}: must be a mapping with some of t, x, x_dot, z, z_dot, or a final_state"

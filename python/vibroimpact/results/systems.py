@@ -30,7 +30,7 @@ RELEASES = {"stop": "gap", "pushing": "force"}
 
 
 def osc_of(result: Result, table: str, row: int = 0) -> Oscillator:
-    """The system of a row of a table that has its numbers."""
+    """The oscillator of a table row that contains its parameters."""
     xi, mu, *walls = (
         float(result.column(table, name).values.ravel()[row]) for name in ("xi", "mu", "R1", "R2")
     )
@@ -53,12 +53,12 @@ def units_of(osc: Oscillator) -> dict[str, Any]:
 
 
 def system_of(case: str) -> tuple[Structure, Load | Record | None]:
-    """The structure and the load of the case of a study, as the core has completed it.
+    """The structure and the load of the case of a study, with the defaults filled in by the core.
 
     Raises
     ------
     ParameterError
-        If it is not complete, as that of a file may be.
+        If the case is incomplete, as it may be in a file.
     """
     try:
         return from_groups(namelist.parts_of(case)[:-1])
@@ -73,7 +73,7 @@ def system_of(case: str) -> tuple[Structure, Load | Record | None]:
 def from_groups(
     groups: Sequence[tuple[str, Mapping[str, Any]]],
 ) -> tuple[Structure, Load | Record | None]:
-    """The structure and the load of the groups of a namelist, as the core has completed them."""
+    """The structure and the load of the groups of a namelist, with the defaults filled in by the core."""
     (_, keys), *parts = groups
     gaps = [_contact(name, part) for name, part in parts if name in ("gap", "stop")]
     friction = [
@@ -130,7 +130,7 @@ def _contact(name: str, part: Mapping[str, Any]) -> Gap | Stop:
 
 
 def check_gap_numbers(result: Result, structure: Structure) -> None:
-    """An error if a column of gaps has a number that is none of the structure's, with which the core would read
+    """Raises an error if a column of gaps contains a number that the structure does not have; the core would read
     beyond its arrays."""
     many = len(structure._parts)
     # an atlas has room for the motion with most impacts
@@ -196,7 +196,7 @@ def structure_tables(s: Structure, load: Load | Record | None) -> dict[str, Any]
 
 
 def with_owners(s: Structure, result: Result) -> Result:
-    """A result in which the points of tables of restitution know their gaps."""
+    """A result in which each point of a tabulated restitution is assigned to its gap."""
     owners = [
         i for i, gap in enumerate(s.gaps)
         if isinstance(gap, Gap)
@@ -229,7 +229,7 @@ def structure_of(result: Result, frequency: float, loaded: bool) -> tuple[Struct
     )
     groups = namelist.parts_of(result.case)
     outputs = outputs_of(groups[0][1]) if groups else None
-    # the case alone tells how walls move
+    # only the case contains the motion of the walls
     parts = [part for name, part in groups if name in ("gap", "stop")]
     if len(parts) == len(gaps):
         walls: list[dict[str, Any]] = [

@@ -1,4 +1,4 @@
-"""A result as named tables: arrays that share the memory of the core, or that were read from a file."""
+"""A result as named tables: arrays that share the memory of the core, or were read from a file."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def language() -> Any:
 
 
 def is_for(declared: Mapping[str, Any], of_structure: bool) -> bool:
-    """Whether a key or column is for the model of cases of structures, or for that of all others."""
+    """Whether a key or column belongs to cases of structures, or to all other cases."""
     return declared["model"] in ("", MODELS[of_structure])
 
 
@@ -58,12 +58,13 @@ def keys_for(group: str, of_structure: bool = False) -> list[dict[str, Any]]:
 
 
 def present(study: str) -> str:
-    """The name of a study in a file; earlier versions had two where it takes oscillators and structures."""
+    """The present name of a study in a file; earlier versions had two names for a study of oscillators and
+    structures."""
     return study if study in language()["results"] else study.removesuffix("_structure")
 
 
 class Handle:
-    """Owns a result of the core, which is freed with the last array that shares its memory."""
+    """Owns a result of the core; the result is freed together with the last array that shares its memory."""
 
     def __init__(self, number: int) -> None:
         self.number = number
@@ -71,8 +72,8 @@ class Handle:
 
 
 def message_of(handle: Handle) -> str:
-    """The error for a case that the core refused, or the text behind a handle; bytes that are not UTF-8 stay as
-    they are."""
+    """The error of a case that the core rejected, or the text of a handle; bytes that are not UTF-8 stay
+    unchanged."""
     message: str = json.loads(text_of(_core.describe_result, handle.number))["message"]
     return message
 
@@ -146,7 +147,7 @@ def declared_column(
 
 
 class Found(dict[str, Any]):
-    """Tables or columns of a file by their names; one that the file lacks is an error that names it."""
+    """Tables or columns of a file by name; a missing one raises an error that names it."""
 
     def __init__(self, items: Mapping[str, Any], place: str) -> None:
         super().__init__(items)
@@ -174,7 +175,8 @@ def row_of(study: str, of_structure: bool) -> str:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Table:
-    """Rows of one size; the row of its parent that owns each, counted from 0, if it has one."""
+    """A table: columns with one number of rows, and for each row the row (from 0) of the parent table, if there is
+    one."""
 
     dims: dict[str, int]
     parent: str = ""
@@ -184,9 +186,10 @@ class Table:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Result:
-    """The result of a study: its case, notes and remarks, and tables.
+    """The result of a study: case, notes, remarks and tables.
 
-    `cut` says how far it got if it was stopped; `row` names the table whose rows are those of the CSV.
+    `cut` says how far the study got if it was stopped; `row` names the table whose rows are the rows of the CSV
+    file.
     """
 
     study: str
@@ -205,11 +208,11 @@ class Result:
 
     @property
     def of_structure(self) -> bool:
-        """Whether its system is a structure, which stands in its case or, without one, in its tables."""
+        """Whether the system is a structure, according to the case or, without a case, to the tables."""
         return has_structure(self.case) or "matrices" in self.tables
 
     def column(self, table: str, name: str) -> Column:
-        """One column; an error if it is not there, as in a file that lacks it."""
+        """One column; an error if it is missing, as may happen with a file."""
         try:
             return self.tables[table].columns[name]
         except KeyError:
@@ -223,7 +226,7 @@ class Result:
                 yield table, table.columns[name]
 
     def part(self, table: str, row: int, study: str, case: str, remark: str) -> Result:
-        """One row of a table with all rows that belong to it, as the result of another study; the arrays are
+        """One row of a table with all rows that belong to it, as a result of another study; the arrays are
         views."""
         known = declared(study, self.of_structure)
         rows = {table: slice(row, row + 1)}
@@ -262,7 +265,7 @@ class Result:
         )
 
     def narrowed(self, each: str, number: int) -> Result:
-        """The same with the first ones of columns that have a value for each impact or the like."""
+        """The same table, with columns that have one value per impact (or the like) cut to the first values."""
         tables = {
             name: replace(item, columns=Found({
                 key: replace(column, values=column.values[..., :number]) if column.each == each else column
@@ -277,7 +280,7 @@ def made(
     study: str, case: str, tables: Mapping[str, tuple[Sequence[str], Mapping[str, Any]]],
     remarks: tuple[str, ...] = (), cut: str = "", notes: Sequence[tuple[bool, str]] = (),
 ) -> Result:  # fmt: skip
-    """A result of arrays that were not computed by the core.
+    """A result from arrays that the core has not computed.
 
     Parameters
     ----------
@@ -286,9 +289,9 @@ def made(
     case : str
         A namelist that gives the result, or "" if none does.
     tables : mapping
-        For each table the names of its dimensions, and its columns; those that are None are left out.
+        For each table the names of its dimensions, and its columns; columns that are None are omitted.
     notes : sequence of (bool, str)
-        Lines for the user: whether each is a fault, and its text.
+        Lines for the user, each with a flag (True for a fault) and a text.
     """
     structure = has_structure(case) or "matrices" in tables
     about = declared(study, structure)
@@ -305,7 +308,8 @@ def made(
 
 
 def settled(result: Result) -> Result:
-    """A result in which the values of a parameter, and those along an axis of states, have their unit."""
+    """The result with the units of the values of a parameter and of the values along an axis of initial states
+    set."""
     found = {}
     for name, table in result.tables.items():
         columns = {}
@@ -317,7 +321,7 @@ def settled(result: Result) -> Result:
 
 
 def decided(result: Result, table: str, name: str) -> dict[str, Any]:
-    """Unit and meaning of a column that the case decides; nothing if its numbers have several units."""
+    """Unit and meaning of a column where they depend on the case; empty if its numbers have several units."""
     keys = keys_of(result.case)
     if result.study == "design":
         return {"unit": UNIT_OF[keys["target"]]} if name in OF_TARGET and keys else {}
@@ -333,7 +337,7 @@ def decided(result: Result, table: str, name: str) -> dict[str, Any]:
 
 
 def runs(table: Table, parents: int | None = None) -> list[slice]:
-    """The rows of a table grouped by their owners, which are in order; of a table without owners all rows."""
+    """The rows of a table grouped by owner (owners are in order); all rows if the table has no owners."""
     owners = table.owners
     if owners is None:
         return [slice(None)]
@@ -343,7 +347,7 @@ def runs(table: Table, parents: int | None = None) -> list[slice]:
 
 
 def from_core(study: str, number: int) -> Result:
-    """The result behind a handle, which is freed with it."""
+    """The result of a handle; it is freed with the handle."""
     handle = Handle(number)
     described = json.loads(text_of(_core.describe_result, number))
     lines = [line[2:] for line in described["case"] if not line.startswith("# !")]

@@ -30,16 +30,14 @@ OUTCOMES = (
     "periodic", "beyond the limits", "without impacts", "chaotic", "not settled", "not confirmed",
     "event limit reached",
 )  # fmt: skip
-#: Those of a structure.
+#: The outcomes for a structure.
 OUTCOMES_OF_STRUCTURE = (*OUTCOMES, "with rest")
 PERIODIC, BEYOND, WITH_REST = 1, 2, 8
-#: Keys that the zones of an atlas take from it.
+#: Keys of an atlas that its zones share.
 SHARED = ("r_min", "r_max", "clearance_min", "clearance_max", "lines", "guesses", "max_points")
-PART = (
-    "a part of an atlas, which has seeds from its survey; the case searches for this pattern alone"
-)
+PART = "a part of an atlas, which also used seeds from its survey; this case searches for the pattern alone"
 
-PART_OF_STRUCTURE = "a part of an atlas, whose case finds it by a survey"
+PART_OF_STRUCTURE = "a part of an atlas; only the case of the atlas finds it, by its survey"
 
 
 class SurveyPoint(NamedTuple):
@@ -120,15 +118,15 @@ class Survey:
 
 @dataclass(frozen=True)
 class WithoutImpacts:
-    """The part of a window where the free mass can be at rest in the slot without being touched: d K/F0 > 2A.
+    """The part of a window where the free mass can stay at rest in the slot without contact: d K/F0 > 2A.
 
     Without impacts M moves as A sin(rt - lag), A = 1/sqrt((1 - r^2)^2 + (2 xi r)^2), and a free mass at rest
-    stays where it is, at z = c. It is never touched if |c - x| < D/2 at all times, that is if |c| + A < D/2. Such
-    c exist where D > 2A, and then any |c| < D/2 - A will do: the position of the free mass is neutral. Two
+    stays where it is, at z = c. It is never touched if |c - x| < D/2 at all times, that is, if |c| + A < D/2. Such
+    c exist if D > 2A, and then any |c| < D/2 - A is possible: the position of the free mass is neutral. Two
     multipliers of this motion are those of M alone, exp((-xi +- i sqrt(1 - xi^2)) 2 pi/r); the other two are 1: a
-    displaced free mass stays displaced, and one with the slightest velocity drifts until it meets a wall. The
-    motion is therefore not asymptotically stable, no `Zone` contains it, and simulations reach it only with the
-    free mass at rest.
+    displaced free mass stays displaced, and with the slightest velocity it drifts until it meets a wall. The
+    motion is therefore not asymptotically stable, no `Zone` contains it, and simulations reach it only if the free
+    mass comes to rest.
 
     Attributes
     ----------
@@ -178,14 +176,14 @@ class Atlas(OnPlane, study="atlas"):
     x_parameter, y_parameter : str
         Their names, r and clearance of an oscillator.
     zones : list of Zone
-        For a structure: one for each motion of the survey that lies in no other zone of its order of impacts.
-        For an oscillator: one for each pattern that has one, in the order of the search (also where only a
-        boundary was found that could not be closed); motions that are their own mirror image in a zone of their
-        own. With R1 = R2 a pattern also represents its mirror image, whose zone is the same.
-    attractors : list of SurveyPoint, of a structure of SurveyMotion
+        For a structure: one zone for each motion of the survey that lies in no other zone of its order of impacts.
+        For an oscillator: one zone for each pattern that has one, in the order of the search (also if its boundary
+        could not be closed); motions that are their own mirror image have a separate zone. With R1 = R2 a pattern
+        also represents its mirror image, whose zone is the same.
+    attractors : list of SurveyPoint, or of SurveyMotion for a structure
         The motions on which the survey by simulation settled, within the limits of impacts and cycles.
     unexplained : list of SurveyPoint
-        Those that lie in no zone of their pattern: gaps of the atlas, or motions that only look periodic.
+        Attractors that lie in no zone of their pattern: gaps of the atlas, or motions that only look periodic.
     beyond : list of SurveyPoint
         Stable periodic motions beyond the limits that the survey found.
     survey : Survey
@@ -275,10 +273,10 @@ class Atlas(OnPlane, study="atlas"):
         """The zones that contain a point (r and clearance, or both parameters): the stable motions with impacts
         there.
 
-        `without_impacts.contains` says whether the motion without impacts exists there too.
+        `without_impacts.contains` says whether the motion without impacts also exists there.
 
-        Where an open boundary leaves a zone undecided, `Zone.contains` warns, and the zone is not in the list;
-        attractors of the survey there are in `unexplained`.
+        If an open boundary leaves open whether a zone contains the point, `Zone.contains` warns, and the zone is
+        not in the list; attractors of the survey there are in `unexplained`.
         """
         x = checks.to_float(x, self.x_parameter, "a number")
         y = checks.to_float(y, self.y_parameter, "a number")
@@ -315,7 +313,7 @@ class Atlas(OnPlane, study="atlas"):
         self.plot(ax=ax)
         legend = ax.get_legend()
         if legend:
-            legend.remove()  # it would not fit into such a small picture
+            legend.remove()  # a legend would not fit into such a small picture
 
     def plot(self, ax: Any = None, inverse: bool = False, units: Units | str | None = None) -> Any:
         """Draw all zones, each with its name, and the points of the survey that no zone explains.
@@ -363,7 +361,7 @@ def atlas_structure(
     x_at: float | None = None,
     y_at: float | None = None,
 ) -> Atlas:
-    """As `atlas`, of a structure."""
+    """As `atlas`, for a structure."""
     checks.instance(load, "load", Load)
     keys, names = keys_of_plane(structure, load, (x, y), (x_at, y_at))
     keys |= {
@@ -406,37 +404,38 @@ def atlas(
     threads: int | None = None,
     progress: door.Progress | None = None,
 ) -> Atlas:
-    """All zones of stable motions in a window, for all patterns up to a number of impacts and cycles.
+    """All zones of stable motions in a window, for all patterns up to a given number of impacts and cycles.
 
-    For an oscillator: patterns come from enumeration (all sequences of sides up to rotation, and up to the mirror
-    image when R1 = R2) and, those with rest, from a survey by simulation over the window and from simulations at
-    the nodes of the zones' lattice. Each pattern's `zone` is traced; the surveyed attractors are seeds of it. If
-    attractors then lie in no zone of their pattern, that pattern is searched once more on a finer lattice;
-    attractors that still lie in no zone are listed as `unexplained`.
-    The points of the survey are counted by their outcomes (`Atlas.counts`, see `Survey`).
+    For an oscillator: patterns without rest are enumerated (all sequences of sides up to rotation, and up to the
+    mirror image when R1 = R2). Patterns with rest come from a survey by simulation over the window and from
+    simulations at the nodes of the zones' lattice. The `zone` of each pattern is traced, with the attractors of
+    the survey as seeds. If attractors then lie in no zone of their pattern, that pattern is searched once more on
+    a finer lattice; attractors that still lie in no zone are listed as `unexplained`. The points of the survey are
+    counted by their outcomes (`Atlas.counts`, see `Survey`).
 
     For a structure: the survey simulates from a random state at points spread over the plane of any two
-    parameters. Each motion without rest and within the limits that lies in no zone found so far of its order of
-    impacts, or of the mirror image of that, is followed to the boundary of its own `zone`. Motions that no
-    simulation reaches have no zone; those with rest are counted.
+    parameters. For each motion without rest and within the limits, its own `zone` is traced unless the motion lies
+    in a zone already found for its order of impacts or the mirror image of this order. Motions that no simulation
+    reaches have no zone; motions with rest are only counted.
 
     Parameters
     ----------
     osc : Oscillator
     structure, load : Structure, Load
-        In place of it.
+        In place of `osc`.
     x, y : (parameter, (float, float))
         For a structure, in place of r and clearance: each a parameter, as in `branch`, with its lowest and highest
-        value, between which is that of the structure. With a function, `x_at` or `y_at` is its value there.
+        value; the value of the structure lies between them. If the parameter is a function, `x_at` or `y_at` is
+        its value for the structure.
     r, clearance : (float, float)
         The window, as in `zone`: ranges (lo, hi) of the frequency ratio and of d K/F0.
     max_impacts, max_cycles : int
-        Limits of the patterns, 2 to 8 symbols and 1 to 4 cycles; an accumulation counts as one symbol. Of a
-        structure 1 to 24 impacts (4 by default) and 1 to 16 cycles.
+        Limits of the patterns, 2 to 8 symbols and 1 to 4 cycles; an accumulation counts as one symbol. For a
+        structure, 1 to 24 impacts (4 by default) and 1 to 16 cycles.
     survey : int
-        Points of the window at which simulations are made until they settle; for a structure 100 by default.
+        Number of points of the window at which simulations run until they settle; for a structure 100 by default.
     settling : int
-        Load cycles simulated at each before its attractor is examined.
+        Load cycles simulated at each point before its attractor is examined.
     lines, guesses, max_points : int
         As in `zone`.
     max_events : int

@@ -35,7 +35,7 @@ __all__ = ["Attractor", "Basins", "basins"]
 _Array = NDArray[np.float64]
 #: Coordinates of a state; y = z - x.
 COORDINATES = ("t", "x", "x_dot", "y", "z_dot")
-#: What the core calls the parts of an axis of a plane.
+#: The core's names for the parts of an axis of a plane.
 AXIS_NAMES = {
     "axes": "plane: name",
     "low": "plane: low",
@@ -44,11 +44,12 @@ AXIS_NAMES = {
     "first_values": "plane[0][1]",
     "second_values": "plane[1][1]",
 }
-#: Keys of the values along each axis, where they are not evenly spaced.
+#: Keys of the values along each axis, if they are not evenly spaced.
 LISTED = ("first_values", "second_values")
-#: The label of a state that was not simulated because the study was stopped, and of one with too many events.
+#: The labels of states that were not simulated because the study was stopped, and of states with too many events.
 NOT_REACHED, EVENT_LIMITED = -2, -3
-#: Load cycles from which exponents are computed, tried in turn: impacts may be rare. Load cycles before them.
+#: Numbers of load cycles over which exponents are computed, tried in turn since impacts may be rare; the load
+#: cycles before them.
 EXPONENT_CYCLES, EXPONENT_DISCARD = (4000, 40_000, 400_000), 500
 
 
@@ -60,13 +61,15 @@ class Attractor:
     ----------
     kind : str
         "periodic" or "rest" (periodic, with accumulation and rest): Newton's method confirms a stable motion that
-        states reach; "chaotic": the largest exponent is positive by its error; "quasi-periodic": it is zero by
-        its error, and no stable motion is found nearby; "no impacts"; "permanent rest", where gaps of a structure
-        stay closed or friction sticks for ever, wherever the structure came to rest; or "periodic?" where a
-        simulation of an oscillator repeats itself to rounding for long but no stable exact motion was found.
+        states reach; "chaotic": the largest exponent is positive by more than its error; "quasi-periodic": it is
+        zero within its error, and no stable motion is found nearby; "no impacts"; "permanent rest", where gaps of
+        a structure stay closed or friction sticks for ever, wherever the structure came to rest; or "periodic?"
+        where a simulation of an oscillator repeats itself to rounding for long but no stable exact motion was
+        found.
     name : str
-        Sides and load cycles, as "RL/1", or of a structure impacts and load cycles, as "2/1", and "rest/1" with
-        rests; or the kind. With stops or friction all events count as impacts. Equal names get a number.
+        Sides and load cycles, such as "RL/1"; for a structure, impacts and load cycles, such as "2/1", or "rest/1"
+        with rests; otherwise the kind. With stops or friction all events count as impacts. Equal names are
+        numbered.
     motion : Motion or None
         The exact motion.
     state : dict or None
@@ -74,11 +77,11 @@ class Attractor:
     lyapunov : Lyapunov or None
         For an oscillator: exponents of an attractor that is not periodic.
     radius, contraction : float
-        For an oscillator: radius of the largest neighbourhood used to decide, in its own norm, and the contraction
-        of the derivative over a period in that norm; 0 and 1 if there is none.
+        For an oscillator: radius of the largest neighbourhood used to decide states, in its own norm, and the
+        contraction of the derivative over a period in that norm; 0 and 1 if there is no neighbourhood.
     growth : float
-        For an oscillator: of a periodic attractor the largest modulus of a multiplier, from the simulation; of
-        another one the largest exponent per load cycle; NaN if neither exists.
+        For an oscillator: the largest modulus of the multipliers of a periodic attractor, from the simulation, or
+        the largest exponent per load cycle of another attractor; NaN if neither exists.
     """
 
     kind: str
@@ -107,28 +110,28 @@ class Basins(Noun, study="basins", formerly="StructureBasins"):
         For a structure.
     load : float or Load
     attractors : list of Attractor
-        The label of an attractor is its place in this list; for a structure by decreasing share.
+        The label of an attractor is its index in this list; for a structure they are in order of decreasing share.
     labels : ndarray (n, m) of int, or (M,)
         For each state of the plane (first axis, second axis) or of the list; -1 not decided, -2 not reached
         before it was cut short, -3 not decided before `max_events`, -4 a gap of a structure is closed in the
         initial state.
     axes : (Axis, Axis) or None
     states : ndarray (5, ...), or (2, k, ...)
-        t, x, x_dot, z, z_dot of each, or coordinates and velocities of a structure with k coordinates.
+        t, x, x_dot, z, z_dot of each state, or coordinates and velocities of a structure with k coordinates.
     impacts : int
-        For an oscillator: events simulated to decide.
+        For an oscillator: number of events simulated to decide the states.
     fractions : ndarray
-        Share of the states that go to each attractor, of those without a closed gap; of those that were reached,
-        if it was cut short.
+        Share of the states that go to each attractor, among the states without a closed gap; if the study was cut
+        short, among the simulated ones.
     standard_error : ndarray
         Standard error of the fractions for independent states; an upper bound for states of a lattice.
     reached : int
         States that were simulated: all, unless the study was stopped.
     uncertain : (ndarray, ndarray)
-        Of an evenly spaced plane of an oscillator: share of pairs of states with different ends, along the first
-        and the second axis, against their distance in cells.
+        For an evenly spaced plane of an oscillator: share of pairs of states that end on different attractors,
+        along the first and the second axis, against their distance in cells.
     uncertainty_exponent : float
-        Of an evenly spaced plane of an oscillator: that of `uncertain`.
+        For an evenly spaced plane of an oscillator: the exponent of `uncertain`.
     case : str
         The case as a namelist.
     complete : bool
@@ -206,8 +209,8 @@ class Basins(Noun, study="basins", formerly="StructureBasins"):
 
     @property
     def uncertain(self) -> tuple[_Array, _Array]:
-        """For an oscillator: share of pairs of states with different ends, against their distance in cells of the
-        plane.
+        """For an oscillator: share of pairs of states that end on different attractors, against their distance in
+        cells.
 
         Pairs lie along the first or the second axis.
         """
@@ -217,10 +220,11 @@ class Basins(Noun, study="basins", formerly="StructureBasins"):
 
     @property
     def uncertainty_exponent(self) -> float:
-        """For an oscillator: the exponent a if a share ~ eps**a of states known to eps is uncertain.
+        """For an oscillator: the exponent a, where the share of uncertain states is ~ eps**a if states are known
+        to eps.
 
-        It is 1 for smooth boundaries and near 0 for fractal ones, where a more accurate state hardly helps. The
-        boundary in the plane has dimension 2 - a. NaN if there is no boundary.
+        It is 1 for smooth boundaries and near 0 for fractal ones, for which a more accurate state hardly reduces
+        the uncertainty. The boundary in the plane has dimension 2 - a. NaN if there is no boundary.
         """
         self._need_plane("uncertainty_exponent")
         return float(self._run("uncertainty_exponent"))
@@ -228,10 +232,9 @@ class Basins(Noun, study="basins", formerly="StructureBasins"):
     def integrity(self, attractor: int) -> tuple[float, tuple[float, float]]:
         """For an oscillator: radius and centre of the largest disc of the plane inside a basin.
 
-        Both axes have equal scales.
-        The radius is the distance to the nearest state with another end, or to the edge of the plane; the true
-        radius is at least this less one cell. For a damper it is the largest disturbance of the state after
-        which the motion is still reached.
+        Both axes have equal scales. The radius is the distance to the nearest state that ends on another
+        attractor, or to the edge of the plane; the true radius is at least this minus one cell. For a damper it is
+        the largest disturbance of the state after which the motion is still reached.
         """
         self._need_plane("integrity")
         columns = self._result.tables["attractors"].columns
@@ -244,8 +247,8 @@ class Basins(Noun, study="basins", formerly="StructureBasins"):
         return self._result.tables["run"].columns[name].values
 
     def _need_plane(self, name: str) -> None:
-        """Raise an error if there is no plane, or only a part of it: states that were not reached would count as
-        going elsewhere."""
+        """Raise an error if there is no complete plane: states that were not simulated would count as ending
+        elsewhere."""
         if self.of_structure:
             raise AttributeError(self._lack(name, "fractions"))
         if self.axes is not None and any(axis.listed for axis in self.axes):
@@ -294,7 +297,7 @@ def basins_structure(
     threads: int | None = None,
     progress: Callable[[float, str], None] | None = None,
 ) -> Basins:
-    """As `basins`, of a structure."""
+    """As `basins`, for a structure."""
     check_choice(plane, states)
     keys: dict[str, Any] = {
         **door.start_keys(structure, state, start), "settling": settling, "max_cycles": max_cycles,
@@ -372,8 +375,8 @@ def basins(
     as admissible and stable, or for `settling` load cycles. If nothing is decided then, it is followed for longer:
     its largest Lyapunov exponent shows whether it is chaotic, quasi-periodic, or still settling. States with
     events in the same places are then watched for two million events: if one of them settles, they are on a
-    transient, and those that do not settle remain undecided. Equal motions are one attractor, whatever impact they
-    are counted from.
+    transient, and those that do not settle remain undecided. Equal motions are one attractor, whichever impact
+    comes first.
 
     The system is `osc, r, clearance`, or `structure, load`, or a point from `Oscillator.at`.
 
@@ -381,18 +384,18 @@ def basins(
     ----------
     osc : Oscillator
     r, clearance : float
-        As in `simulate`, and so is the number `load`.
+        As in `simulate`; so is the number `load`.
     structure, load : Structure, Load
         In place of them; the load has a frequency.
     plane : ((name, (lo, hi)), (name, (lo, hi))), optional
-        Two coordinates, each with its range, of which `points` values are taken, or with an array that rises or
-        falls throughout; or (name, lo, hi, n). Names are "x", "x_dot", "y" (that is z - x), "z_dot" and "t"; of a
+        Two coordinates, each with a range, in which `points` values are taken, or with an array that rises or
+        falls throughout; or (name, lo, hi, n). Names are "x", "x_dot", "y" (that is z - x), "z_dot" and "t"; for a
         structure "q_0", "q_1", ... (coordinates, from 0) and "q_dot_0", ... (velocities).
     states : int or array_like (5, M), optional
-        Instead of a plane: this many random states, or of an oscillator t, x, x', z, z' of each. Random ones are
-        at t = 0, uniform in a box: x, x' and z' from -s to s and y from wall to wall, where s is the amplitude of
-        the motion without impacts, but at least half the clearance and at most three times the clearance. Random
-        states of a structure are those of `find`; the first one is rest at q = 0.
+        Instead of a plane: a number of random states, or for an oscillator an array with t, x, x', z, z' of each.
+        Random ones are at t = 0, uniform in a box: x, x' and z' from -s to s and y from wall to wall, where s is
+        the amplitude of the motion without impacts, but at least half the clearance and at most three times the
+        clearance. Random states of a structure are those of `find`; the first one is rest at q = 0.
     points : int or (int, int), optional
         Numbers of values in the ranges of the plane.
     fixed : mapping, optional
@@ -406,7 +409,7 @@ def basins(
     settling : int
         For a structure: load cycles after which a state that does not repeat is followed for longer.
     probes : int
-        For an oscillator: states simulated first.
+        For an oscillator: number of states simulated first.
     max_cycles : int
         Longest period that is considered, in load cycles.
     rng : int, numpy.random.Generator or None
@@ -431,10 +434,10 @@ def basins(
     ParameterError, ParameterTypeError
         If an argument is not allowed; nothing was computed.
     SingularError
-        If random states of a structure are asked for where a gap is closed at q = 0.
+        If random states of a structure are requested but a gap is closed at q = 0.
     StudyInterrupted
-        After Ctrl-C, with what was finished as its attribute `result`:
-        states that were not reached have the label -2, and the shares are those of the others.
+        After Ctrl-C; its attribute `result` is the part that was finished: states that were not reached have the
+        label -2, and the shares refer to the others.
 
     Examples
     --------
@@ -581,7 +584,8 @@ def as_state(values: _Array, clearance: float) -> dict[str, float]:
 def motion_at(
     osc: Oscillator, r: float, clearance: float, load: float, end: _Array, cycles: int
 ) -> Motion | None:
-    """The exact stable motion with a period of some load cycles on which a final state is, or None."""
+    """The exact stable motion, with a period of the given number of load cycles, on which a final state lies; or
+    None."""
     # the state may still approach the motion
     for length in (2 * cycles + 3, 20 * cycles):
         run = simulate(osc, r, clearance, length, state=as_state(end, clearance), load=load)

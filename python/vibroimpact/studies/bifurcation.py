@@ -33,7 +33,8 @@ NAMES = ("r", "clearance", "xi", "mu", "R1", "R2", "restitution")
 SWEEPS = ("up", "down", "both", "states")
 #: Columns of an impact.
 COLUMNS = ("phase", "x", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after")
-#: What the core calls the ends of the values of a structure. They are sorted here, so their order is never wrong.
+#: The core's names for the ends of the values of a structure. They are sorted here, so messages need not mention
+#: their order.
 ENDS = {
     ", and low below high": "", "low": "min(values)", "high": "max(values)", "list": "values",
 }  # fmt: skip
@@ -52,10 +53,10 @@ class PeriodicWindow(NamedTuple):
 
 
 class cell(column):  # noqa: N801 (a descriptor, written as property is)
-    """A column of what each run found at each value.
+    """A column with one entry for each run and value.
 
-    The table of a structure is a list in the order of the sweep, which ends early if the sweep was stopped: it is
-    put in the order of `SettledMotions._arranged`.
+    The table of a structure is a list in the order of the sweep, and incomplete if the sweep was stopped; it is
+    rearranged as by `SettledMotions._arranged`.
     """
 
     def shaped(self, noun: Any, values: NDArray[Any]) -> NDArray[Any]:
@@ -67,7 +68,7 @@ class cell(column):  # noqa: N801 (a descriptor, written as property is)
 
 
 class SettledMotions(Noun):
-    """What simulations found in each run at each value of a parameter."""
+    """The motions on which simulations settle, in each run and at each value of a parameter."""
 
     __slots__ = ("__dict__",)
     cycles = cell("cells")
@@ -85,7 +86,8 @@ class SettledMotions(Noun):
         return values, runs, np.array([runs.index(name) for name in run.tolist()], "i4"), index
 
     def _arranged(self, rows: NDArray[Any], missing: int) -> NDArray[Any]:
-        """Rows of a structure, along the last axis, as (runs, values); `missing` or NaN where there is none."""
+        """Rows of a structure, along the last axis, arranged as (runs, values); missing entries are `missing` or
+        NaN."""
         values, runs, run, index = self._cells
         gap = np.nan if rows.dtype.kind == "f" else missing
         found = np.full((*rows.shape[:-1], len(runs), values.size), gap, rows.dtype)
@@ -108,7 +110,7 @@ class SettledMotions(Noun):
         return {sentence(int(code)): int(n) for code, n in zip(codes, counts, strict=True)}
 
     def _periodic(self) -> str:
-        """How many of the values of a structure have a period."""
+        """A text on how many of the values of a structure have a period."""
         reached = self.status != NOT_COMPUTED
         return f"{', '.join(self._cells[1])}, {(self.cycles > 0).sum()} of {reached.sum()} with a period"
 
@@ -122,7 +124,7 @@ class BifurcationDiagram(
     ----------
     osc : Oscillator
     r, clearance : float or ndarray (n,)
-        For an oscillator: the one that is not swept.
+        For an oscillator: the values of the parameters that are not swept.
     structure : Structure
         For a structure.
     load : float or Load
@@ -133,29 +135,29 @@ class BifurcationDiagram(
         "up", "down", or, of an oscillator, "state 1", ...: the first index of the arrays below.
     cycles, impacts, rests : ndarray (runs, n) of int
         Load cycles k of the shortest period of the stable motion that Newton's method confirms at the end of the
-        simulation; 0 if there is none up to the longest one considered: chaotic, quasi-periodic, or not settled
-        yet. Impacts and rests in it, or without a period in all cycles examined.
+        simulation; 0 if there is none up to the longest period considered: chaotic, quasi-periodic, or not settled
+        yet. Impacts and rests in this period, or in all cycles examined if there is no period.
     symbols : ndarray (runs, n) of int
         For an oscillator: symbols, in which an accumulation counts as one impact.
     x_min, x_max : ndarray (runs, n)
         For an oscillator: extreme positions of the primary mass.
     labels : ndarray (runs, n) of str
-        N/k of each run and value, N symbols of an oscillator or impacts of a structure; "" where no period is
-        confirmed, "0/1" without impacts. With stops or friction N counts all events but the beginning and the end
-        of rests.
+        N/k for each run and value, where N is the number of symbols of an oscillator or of impacts of a structure;
+        "" if no period is confirmed, "0/1" without impacts. With stops or friction N counts all events except the
+        beginning and the end of rests.
     status : ndarray (runs, n) of int
-        0 done; see `status_text`. After a failure the next value of a structure starts anew.
+        0 if done; see `status_text`. After a failure, the sweep of a structure starts anew at the next value.
     failures : dict
         Messages of simulations that failed, and how often each occurred.
     windows : list of PeriodicWindow
-        For an oscillator: stretches of values with one label, run by run.
+        For an oscillator: ranges of values with one label, run by run.
     coexisting : ndarray (n,) of bool
         For an oscillator: whether the runs ended on different motions, as with hysteresis.
     points : structured ndarray
         The impacts kept: ``run`` and ``index`` (of the value) and, of an oscillator, ``side`` ("R", "L"),
         ``phase``, ``x``, ``x_dot_before``, ``x_dot_after``, ``z_dot_before``, ``z_dot_after``; for a structure
-        ``gap``, ``phase`` and ``speed`` of approach; with stops or friction all events but the beginning and the
-        end of rests, and their ``kind`` as of `Trajectory`.
+        ``gap``, ``phase`` and ``speed`` of approach; with stops or friction all events except the beginning and
+        the end of rests, and their ``kind`` as in `Trajectory`.
     strobes : structured ndarray
         For a structure: ``run``, ``index``, and coordinates ``q`` and velocities ``q_dot`` at the beginning of the
         load cycles of a period, or of all that were examined.
@@ -232,7 +234,7 @@ class BifurcationDiagram(
     def windows(self) -> list[PeriodicWindow]:
         """For an oscillator: the windows with one label, run by run.
 
-        In a diagram that was stopped early, those next to values that were not reached are left out, because
+        In a diagram that was stopped early, windows next to values that were not reached are left out, because
         their ends are not known.
         """
         return self._stretches(cut=False)
@@ -255,9 +257,9 @@ class BifurcationDiagram(
     def coexisting(self) -> NDArray[np.bool_]:
         """For an oscillator: whether the runs ended on different motions at each value (n).
 
-        They do if there is hysteresis or several attractors.
+        This happens if there is hysteresis, or several attractors.
 
-        Labels and max |x| are compared, so that a motion and its mirror image count as one; False where a run
+        Labels and max |x| are compared, so that a motion and its mirror image count as equal; False where a run
         was stopped early.
         """
         reach = np.maximum(-self.x_min, self.x_max)
@@ -332,7 +334,7 @@ class BifurcationDiagram(
 
 
 def distinct(values: ArrayLike, name: str = "values", points: int | None = None) -> _Array:
-    """Different values in ascending order, of an array or, with `points`, of a range."""
+    """The distinct values of an array or, with `points`, of a range, in ascending order."""
     values = range_values(values, name, points)
     wanted = "at least two different numbers"
     array = np.unique(np.asarray(checks.real_array(values, name, wanted), dtype=np.float64))
@@ -342,7 +344,7 @@ def distinct(values: ArrayLike, name: str = "values", points: int | None = None)
 
 
 def keys_of_values(array: _Array) -> dict[str, Any]:
-    """The keys of rising values of a structure: their ends and number, if these reproduce them."""
+    """The keys of rising values of a structure: their ends and number, if these reproduce the values."""
     if spacing_of(array) == "linear":
         return {"low": array[0], "high": array[-1], "values": array.size}
     return {"list": array}
@@ -362,7 +364,7 @@ def bifurcation_structure(
     max_events: int = 10_000_000,
     progress: Callable[[float, str], None] | None = None,
 ) -> BifurcationDiagram:
-    """As `bifurcation_diagram`, of a structure."""
+    """As `bifurcation_diagram`, for a structure."""
     array = distinct(values, points=points)
     low, high = float(array[0]), float(array[-1])
     at = None
@@ -385,18 +387,19 @@ def bifurcation_structure(
 
 
 def first_point(given: dict[str, Any], r: float) -> None:
-    """Begins at a frequency ratio, which a load takes as its frequency."""
+    """Sets the frequency of the load to the first frequency ratio."""
     given["r"], load = r, given.get("load")
     if isinstance(load, Load):
         given["load"] = Load(r, load.sine, load.cosine, load.constant)
 
 
 def _along_parameter(given: dict[str, Any]) -> None:
-    """Turns the arguments for an oscillator into those of its first point and of the diagram of a structure."""
+    """Converts the arguments for an oscillator to its first point and the arguments for the diagram of a
+    structure."""
     osc: Oscillator = given["osc"]
     name: Any = given.get("parameter")
     if "point" in given and name not in NAMES:
-        # a parameter of the structure that the point stands for, such as the slip level of its friction
+        # a parameter of the structure that the point represents, such as the slip level of its friction
         state_by_coordinates(given)
         if not given.get("start", 1):
             del given["start"]
@@ -489,10 +492,10 @@ def bifurcation_diagram(
 ) -> BifurcationDiagram:
     """The impacts of the motions on which simulations settle, along a parameter.
 
-    Sweeps carry the state from value to value, so that a motion is followed to the end of its stability: where the
-    sweeps up and down differ there is hysteresis. With "states" each value of an oscillator starts anew from many
-    initial states, which shows attractors that no sweep reaches. If a changed gap no longer admits the coordinates
-    of a structure, they are moved towards q = 0.
+    Sweeps carry the state from value to value, so that a motion is followed to the end of its stability; where the
+    sweeps up and down differ there is hysteresis. With "states", many initial states are simulated at each value
+    of an oscillator, which shows attractors that no sweep reaches. If the coordinates of a structure are not
+    admissible for a changed gap, they are moved towards q = 0.
 
     The system is `osc`, with `r` and `clearance`, or `structure, load`, or a point from `Oscillator.at`. An
     oscillator whose restitution depends on the speed, or whose load is a `Load`, is treated as a structure: `r`
@@ -502,23 +505,23 @@ def bifurcation_diagram(
     ----------
     osc : Oscillator
     structure, load : Structure, Load
-        In place of it and of `r` and `clearance`; the load has a frequency.
+        In place of `osc`, `r` and `clearance`; the load has a frequency.
     parameter : {"r", "clearance", "xi", "mu", "R1", "R2", "restitution"}, or str or function
         "restitution" changes both walls. For a structure as in `branch`: "frequency", "load", "opening_0", ...,
         and likewise for a point with friction or stops, such as "slip" or "contact"; or a smooth function that
-        gives (structure, load) for a value, with which `structure` and `load` are not used.
+        returns (structure, load) for a value; `structure` and `load` are then not used.
     values : array_like, or (float, float)
-        At least two different numbers, in any order and with any spacing; sweeps go through them in order. With
-        `points` a range (lo, hi).
+        At least two different numbers, in any order and with any spacing; sweeps go through them in sorted order.
+        With `points` a range (lo, hi).
     r, clearance : float or array_like
-        The ones that are not `parameter`: a number, or one for each of `values` (which rise then), for a
+        The parameters other than `parameter`: a number, or one for each of `values` (which must then rise), for a
         line across the plane.
     sweep : {"up", "down", "both", "states"}
-        Both: up and then down. "states" of an oscillator only.
+        "both": up and then down. "states" is for an oscillator only.
     states : int
-        Initial states of "states", spread evenly.
+        Number of initial states for "states", spread evenly.
     state : mapping, or (array_like, array_like), optional
-        State at the start of sweeps, as in `simulate`; by default a state with large velocities. For a structure
+        State at the start of sweeps, as in `simulate`; by default a state with large velocities. For a structure,
         coordinates and velocities at load phase 0, zero by default.
     load : float
         Amplitude of the load of an oscillator.
@@ -529,7 +532,7 @@ def bifurcation_diagram(
     points : int, optional
         Number of evenly spaced values of a range.
     impacts : int
-        Impacts kept of each run and value.
+        Largest number of impacts kept for each run and value.
     max_events : int
         Events (impacts, rests, releases; for a structure those of stops and friction too) after which one
         simulation is abandoned, one at each value of a run; the status says so.
@@ -548,13 +551,13 @@ def bifurcation_diagram(
     ParameterError, ParameterTypeError
         If an argument is not allowed; nothing was computed.
     StudyInterrupted
-        After Ctrl-C, with what was finished as its attribute `result`: values that a run did not reach have no
-        impacts, and those that no run of a structure reached are left out.
+        After Ctrl-C; its attribute `result` is the part that was finished: values that a run did not reach have no
+        impacts, and values that no run of a structure reached are left out.
 
     Examples
     --------
-    The sweep up stays on the two-impact motion up to a much larger clearance than that at which the sweep down
-    reaches it:
+    The sweep up stays on the two-impact motion up to a much larger clearance than the one at which the sweep down
+    reaches this motion:
 
     >>> import vibroimpact as vi
     >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
@@ -600,7 +603,7 @@ def bifurcation_diagram(
 
 
 def _beside(value: Any, name: str, along: _Array, values: ArrayLike) -> Any:
-    """The parameter that is not swept: a number, or one for each value."""
+    """The parameter that is not swept: one number, or one for each value."""
     if not isinstance(value, (list, tuple)) and np.ndim(value) == 0:
         return checks.number(value, name)
     array = checks.real_array(value, name, "numbers")

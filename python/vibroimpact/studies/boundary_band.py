@@ -1,4 +1,4 @@
-"""Bands in which the boundary of a zone lies where parameters are uncertain."""
+"""Bands in which the boundary of a zone lies if parameters are uncertain."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ from .zone import Piece, Zone
 __all__ = ["BoundaryBand", "boundary_bands"]
 
 _Array = NDArray[np.float64]
-#: The conditions whose boundaries move, in the order of the core's numbers from 1.
+#: The conditions whose boundaries move, in the order of the core's numbers, from 1.
 TYPES = (
     "fold", "flip", "neimark_sacker", "zero_approach", "grazing", "pitchfork", "rest_vanishes",
     "rest_splits",
 )  # fmt: skip
-#: Difference of the two bands, over the width of the sampled one, up to which they agree.
+#: Largest difference of the two bands, relative to the width of the sampled one, for which they agree.
 AGREEMENT = 0.1
-#: Codes of the core: a displaced vertex that bounds the zone; a vertex that could be prepared.
+#: Codes of the core: a displaced vertex that bounds the zone; a vertex that was prepared.
 FOUND, DONE = 1, 0
 
 
@@ -40,8 +40,8 @@ FOUND, DONE = 1, 0
 class BoundaryBand:
     """The band in which a piece of a zone's boundary lies, at some of its vertices.
 
-    Displacements are along the normal of the nominal boundary, positive away from the zone. Of a zone
-    thinner than 1e-4 of the window the sign is arbitrary.
+    Displacements are along the normal of the nominal boundary, positive away from the zone. For a zone thinner
+    than 1e-4 of the window the sign is arbitrary.
 
     Attributes
     ----------
@@ -52,20 +52,21 @@ class BoundaryBand:
     r, clearance : ndarray (V,)
         The vertices.
     normal : ndarray (2, V)
-        What one unit of displacement adds to r and to the logarithm of the clearance.
+        Change of r and of the logarithm of the clearance for one unit of displacement.
     sensitivity : dict of ndarray (V,)
-        First derivative of the displacement with respect to each uncertain parameter (of r, clearance and load: to
-        the factor).
+        First derivative of the displacement with respect to each uncertain parameter (for r, clearance and load:
+        to the factor).
     first_order : ndarray (2, V)
         Displacements at both quantiles to first order in the parameters.
     sampled : ndarray (2, V)
-        Displacements at both quantiles of the samples for which the displaced boundary was found; NaN without any.
+        Displacements at both quantiles of the samples for which the displaced boundary was found; NaN if there
+        are none.
     found : ndarray (V,)
-        Share of these samples. For the others the condition vanishes nowhere along the normal, could not be
-        followed there, or another condition bounds the zone.
+        Share of the samples for which it was found. For the others, the condition vanishes nowhere along the
+        normal, could not be followed there, or another condition bounds the zone.
     holds : ndarray (V,) of bool
-        Whether first order holds: all samples were found, and both ends of the bands differ by at most a tenth of
-        the width of the sampled one.
+        Whether first order is sufficient: the boundary was found for all samples, and the ends of the two bands
+        differ by at most a tenth of the width of the sampled band.
     """
 
     type: str
@@ -119,18 +120,18 @@ def boundary_bands(
     threads: int | None = None,
     progress: door.Progress | None = None,
 ) -> list[BoundaryBand]:
-    """The bands in which the boundary of a zone lies where parameters are uncertain.
+    """The bands in which the boundary of a zone lies if parameters are uncertain.
 
     At each vertex one condition holds: a multiplier on the unit circle, a graze, a vanishing approach speed. The
-    unknowns of the motion are eliminated from the equations of the motion and this condition; what remains
-    gives the displacement along the normal to first order. For every sample the displaced boundary is also found
-    on the normal by Newton's method. Both have the same samples, so that they differ only by what first order
-    leaves out.
+    unknowns of the motion are eliminated from the equations of the motion and this condition; what remains gives
+    the displacement along the normal to first order. For every sample the displaced boundary is also found on the
+    normal by Newton's method. Both bands use the same samples, so that they differ only by the terms of higher
+    order.
 
     Parameters
     ----------
     zone : Zone
-        For the nominal values.
+        The zone for the nominal values.
     uncertain : dict
         As in `uncertainty`. R1 and R2 of equal walls are rejected: the zone would lose its symmetry, and its
         boundary would not move smoothly.
@@ -139,7 +140,7 @@ def boundary_bands(
     vertices : int
         Largest number of vertices of a piece that are examined, 2 to 10000.
     quantiles : (float, float)
-        Of the displacement, the ends of the bands.
+        Quantiles of the displacement at the ends of the bands.
     rng : int, numpy.random.Generator or None
     threads : int, optional
     progress : callable, optional
@@ -210,7 +211,7 @@ def bands_of(
 
 
 def keeps_symmetry(osc: Oscillator, changes: _Array) -> None:
-    """Refuses samples with different walls of a system whose walls are alike."""
+    """Rejects samples with different walls for a system with equal walls."""
     right, left = osc.restitution
     if right == left and (changes[4] != changes[5]).any():
         raise ParameterError(
@@ -228,7 +229,7 @@ def band(
     r, clearance = piece.r[here], piece.clearance[here]
     families = [(piece.type, piece.symmetric, zone.pattern)]
     if piece.type == "pitchfork" and not piece.symmetric:
-        # the vertices are motions of the symmetric family, from which the motions of the zone branch off
+        # at the vertices the motions are symmetric; the motions of the zone branch off there
         families = [("pitchfork", True, zone.pattern)]
     elif piece.type == "flip":
         families += [("flip", False, shorter) for shorter in divided(zone.pattern)]
@@ -258,7 +259,8 @@ def band(
 
 
 def spread(zone: Zone, piece: Piece, most: int) -> NDArray[np.int64]:
-    """Some vertices of a piece, in halves evenly by number, which is denser in bends, and by length."""
+    """Selects vertices of a piece: half of them evenly by index, which is denser in bends, half evenly by
+    length."""
     if most >= len(piece):
         return np.arange(len(piece))
     r, clearance = (
@@ -275,7 +277,7 @@ def shifted(
     zone: Zone, piece: Piece, here: NDArray[np.int64], kind: str, symmetric: bool, pattern: Pattern,
     changes: _Array, workers: int, progress: Callable[[float, str], None] | None,
 ) -> Any:  # fmt: skip
-    """What the core finds for some vertices of a piece, as motions of a family."""
+    """The core's results for some vertices of a piece, as motions of a family."""
     n = 1 if pattern.has_rest else len(pattern)
     sides = [
         int(s) * (2 if "*" in name else 1)
@@ -305,7 +307,7 @@ def divided(pattern: Pattern) -> list[Pattern]:
 
 
 def outwards(zone: Zone, r: _Array, clearance: _Array, steps: _Array) -> _Array:
-    """-1 where a step along the normal enters the zone, 1 where it leaves it."""
+    """-1 if a step along the normal enters the zone, 1 if it leaves it."""
     with np.errstate(invalid="ignore"):
         behind, ahead = (
             zone._turns(r + part * steps[0], clearance * np.exp(part * steps[1]))
@@ -315,14 +317,14 @@ def outwards(zone: Zone, r: _Array, clearance: _Array, steps: _Array) -> _Array:
     known = np.flatnonzero(sign)
     if not known.size:
         return np.ones_like(r)
-    # beside the window, or in a thin zone: as at the nearest vertex that tells
+    # at the edge of the window or in a thin zone: the sign of the nearest vertex where it is known
     nearest = known[np.abs(np.arange(len(r)) - known[:, None]).argmin(axis=0)]
     alike = np.where((steps * steps[:, nearest]).sum(axis=0) < 0, -1.0, 1.0)
     return np.asarray(np.where(sign == 0, alike * sign[nearest], sign))
 
 
 def by_name(parameters: Mapping[str, Uncertain], slopes: _Array) -> dict[str, _Array]:
-    """The derivatives of displacements with respect to each parameter; factors at their nominal value 1."""
+    """The derivatives of displacements with respect to each parameter, for factors at their nominal value 1."""
     found = {}
     for name in parameters:
         if name == "restitution":

@@ -35,7 +35,7 @@ __all__ = ["Branch", "Branches", "SpecialPoint", "branch"]
 
 _Array = NDArray[np.float64]
 _Found = TypeVar("_Found", bound=Noun)
-#: The columns of impacts and of the motion as the core has them in arrays of motions.
+#: The columns of impacts and of the motion, in the order of the core's arrays of motions.
 FLIGHTS = ("X", "Z", "X_dot_before", "X_dot_after", "Z_dot_before", "Z_dot_after")
 SCALARS = ("clearance", "A", "tau", "residual", "x_min", "x_max")
 
@@ -48,29 +48,29 @@ class SpecialPoint:
     ----------
     type : str
         fold, pitchfork, flip, neimark_sacker, grazing, zero_approach, or bound (of the parameter). For a structure
-        also branch_point (a pitchfork or transcritical point where impacts at one instant part), simultaneous
-        (two events at one instant, beyond which their order is another), rest_vanishes (the impacts before a rest
+        also branch_point (a pitchfork or transcritical point where simultaneous impacts separate), simultaneous
+        (two events at one instant, beyond which their order changes), rest_vanishes (the impacts before a rest
         just fail to accumulate), rest_splits (the contact force touches zero within a rest), stick_begins
-        (friction that changes its direction begins to stick), stick_vanishes and contact_vanishes (its time falls
-        to zero), and event_vanishes (the speed or the force that makes friction halt or slip only just reaches its
-        limit).
+        (friction that changes its direction begins to stick), stick_vanishes and contact_vanishes (the duration of
+        a stick or contact falls to zero), and event_vanishes (the speed or the force that makes friction halt or
+        slip only just reaches its limit).
     index : int
-        Its place among the points of the branch.
+        Its index among the points of the branch.
     detail : str
-        In words: which flight touches which wall or gap, which impact, which bound.
+        A text: which flight touches which wall or gap, which impact, or which bound.
     branch : Branch
     parameter : str
-        That of the branch.
+        The parameter of the branch.
     value : float
-        The parameter there.
+        The value of the parameter at the point.
     motion : Motion
     r, clearance : float
         For an oscillator.
     impact : int
-        For an oscillator: of grazing, the flight after this impact (from 0) touches; of zero_approach, this
-        impact.
+        For an oscillator: at a grazing, the flight after this impact (from 0) touches a wall; at a zero_approach,
+        the index of the impact.
     side : str
-        For an oscillator: of grazing, the wall that is touched, "R" or "L"; otherwise "".
+        For an oscillator: at a grazing, the wall that is touched, "R" or "L"; otherwise "".
     """
 
     study: ClassVar[str] = "branch"
@@ -113,16 +113,17 @@ class SpecialPoint:
         return str(self.branch._values("points", "special_side", "side")[self.index])
 
     def switch(self) -> list[Motion]:
-        """Motions of the branches that begin here, of an oscillator.
+        """For an oscillator: motions of the branches that begin at this point.
 
-        At a pitchfork the unsymmetric pair, at a flip the motion of doubled period, at a grazing the motion
-        whose pattern has the extra impact (of a symmetric motion also with that impact and its mirror image);
-        each at a parameter value slightly off the point, on the side where the motion exists.
+        At a pitchfork these are the unsymmetric pair, at a flip the motion of doubled period, at a grazing the
+        motion whose pattern has the extra impact (for a symmetric motion, also the one with that impact and its
+        mirror image). Each is computed at a parameter value slightly off the point, on the side where the motion
+        exists.
 
         Returns
         -------
         list of Motion
-            Empty where no such motion was found near the point. Follow them with `branch`.
+            Empty if no such motion was found near the point. Follow the motions with `branch`.
 
         Raises
         ------
@@ -144,10 +145,10 @@ class SpecialPoint:
 
 
 class Followed(Noun, part=True):
-    """What branches and zones have in common: those of a structure have the motion from which they start."""
+    """The common base of branches and zones: for a structure they contain the motion from which they start."""
 
     __slots__ = ("__dict__",)
-    #: The table of that motion.
+    #: The table of the motion from which the branch or zone starts.
     _of_start: ClassVar[str]
 
     @property
@@ -188,9 +189,9 @@ class Followed(Noun, part=True):
 
 
 class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
-    """A family of exact motions along one parameter, as columns; points on the last axis.
+    """A family of exact motions along one parameter, as columns; the last axis runs over the points.
 
-    An index gives the motion of a point. The branch is in order along its curve: the parameter turns back at
+    An index returns the motion at a point. The points are in order along the curve: the parameter turns back at
     folds.
 
     Attributes
@@ -202,12 +203,12 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
     cycles : int
         Load cycles in a period.
     phases : ndarray (N, M)
-        Load phases of the impacts (rad), as in `Motion`; of self-excited motions 2 pi times the share of the
-        period, from the event just before the longest flight.
+        Load phases of the impacts (rad), as in `Motion`; for self-excited motions, 2 pi times the fraction of the
+        period since the event just before the longest flight.
     multipliers : ndarray (4, M) or (2n, M) of complex
-        NaN at a "zero_approach": the derivative of the period does not exist there.
+        Multipliers; NaN at a "zero_approach", where the derivative of the map over the period does not exist.
     period : ndarray (M,)
-        In time, of an oscillator in units of 1/omega. The period of self-excited motions is a result.
+        The period as a time, for an oscillator in units of 1/omega. For self-excited motions it is a result.
     residual : ndarray (M,)
     consistent, admissible, stable : ndarray (M,) of int
         1, 0, or -1 where not known.
@@ -215,8 +216,8 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
         In the order of the branch.
     ends : (str, str)
         Why the branch ends, at its first and last point: "bound of the parameter", "meets a motion that repeats
-        itself", "two impacts at one instant" (on one wall: the special point there is the last motion that
-        rounding leaves exact), "a rest vanishes", "two events at one instant" (a rest ends at another event),
+        itself", "two impacts at one instant" (on one wall: the special point there is the last motion that is
+        accurate to rounding), "a rest vanishes", "two events at one instant" (a rest ends at another event),
         "friction begins to stick", "a stick vanishes", "a contact vanishes", "a halt or a slip vanishes",
         "closed", "full", "stopped", or "cannot be followed".
     osc, pattern : Oscillator, Pattern
@@ -230,9 +231,9 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
     structure : Structure
         For a structure: at the start.
     load : float, or Load
-        1 for an oscillator; for a structure the load at the start.
+        1 for an oscillator; the load at the start for a structure.
     gaps : ndarray (N,)
-        For a structure: the gap of each impact, from 0. With rests, of those that accumulate only the first ones.
+        For a structure: the gap of each impact, from 0. With rests, only the first impacts of each accumulation.
     resting : ndarray (R,)
         For a structure: the gap of each rest, from 0, in the order in which they end.
     rests : ndarray (R, 2, M)
@@ -346,7 +347,7 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
         return np.moveaxis(np.stack(both, axis=1), 0, -1).swapaxes(0, 1)
 
     def at(self, value: float) -> tuple[Structure, Load]:
-        """The structure and the load at a value of the parameter, of a branch of a structure."""
+        """The structure and the load at a value of the parameter, for a branch of a structure."""
         value = checks.to_float(value, "value", "a finite number")
         bounds = [(self.keys["low"], self.keys["high"])]
         return Path(self._result, *self._start, bounds).at(value)
@@ -363,9 +364,9 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
             structure, load = self.at(float(self.values[i]))
             if len(self.resting) or not structure._is_rigid:
                 return self._simulated(structure, load, i)
-            # of two impacts at one instant rounding may put the second one first
+            # rounding may swap two impacts at one instant
             phases = np.maximum.accumulate(self.phases[:, i])
-            # at a fold Newton's method has no unique step, while for known phases all else is linear
+            # at a fold Newton's method has no unique step; for known phases the remaining equations are linear
             return motion_from_phases(structure, load, self.gaps, phases, self.cycles)
         right, left = float(self.R1[i]), float(self.R2[i])
         osc = replace(
@@ -382,7 +383,8 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
         )  # fmt: skip
 
     def _simulated(self, structure: Structure, load: Load, i: int) -> Motion:
-        """The motion with rests, stops or friction at a point, which can be simulated if it is admissible."""
+        """The motion at a point of a branch with rests, stops or friction, by simulation; it must be
+        admissible."""
         q, rate = (self._values("points", name)[i] for name in ("q", "q_dot"))
         if not self.admissible[i]:
             raise SingularError(
@@ -409,9 +411,10 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
         return self._same(i, found)
 
     def _same(self, i: int, found: Motion) -> Motion:
-        """A motion that was simulated from a point, which may have led to another one: an error if it did.
+        """The motion simulated from a point; raises an error if the simulation led to another motion.
 
-        Events of both are not compared: one that changes nothing, as a halt with a contact, may be in one alone.
+        The events are not compared: an event without effect, such as a halt at the instant of a contact, may occur
+        in only one of the two.
         """
         if self.self_excited:
             same = abs(found.period / float(self.period[i]) - 1) < 1e-6
@@ -425,13 +428,13 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
         return found
 
     def prove(self, tolerance: float = 1e-4, progress: door.Progress | None = None) -> Any:
-        """Prove in ball arithmetic what holds for all motions along this branch, not only at its points (extra
+        """Prove properties of all motions along this branch in ball arithmetic, not only at its points (extra
         `proof`).
 
-        Between the folds the parameter is covered by boxes. For each value of it in a box there is one and only
-        one motion near a polynomial of the parameter; whether it is admissible and stable is proven for all.
-        Adjacent boxes contain the same motion at their common value. Around special points nothing, or less, is
-        decided.
+        Between folds, the range of the parameter is covered by boxes. For each value in a box, exactly one motion
+        exists near a polynomial in the parameter; whether it is admissible and stable is proven for all of these
+        motions. Adjacent boxes contain the same motion at their common value. Close to special points some
+        properties, or all, remain undecided.
 
         Parameters
         ----------
@@ -448,9 +451,9 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
         Raises
         ------
         ParameterError
-            If it is a branch with rest, along a parameter that is none of an oscillator; or of a structure that
-            `Motion.prove` refuses, along another parameter than "frequency", "load", "constant", "opening",
-            "restitution", "opening_J" and "restitution_J".
+            If the branch has rests, or is along a parameter that is not one of an oscillator. For a structure: if
+            `Motion.prove` rejects its motions, or the parameter is not "frequency", "load", "constant", "opening",
+            "restitution", "opening_J" or "restitution_J".
         MissingExtraError
             If python-flint is not installed.
 
@@ -465,7 +468,8 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
         return ACTIONS["prove_branch"](self, tolerance, progress=progress)
 
     def plot(self, ax: Any = None, y: str | None = None, units: Units | str | None = None) -> Any:
-        """Draw a column against the parameter: solid stable, dashed unstable, dotted inadmissible.
+        """Draw a column against the parameter: stable motions solid, unstable ones dashed, inadmissible ones
+        dotted.
 
         Parameters
         ----------
@@ -496,7 +500,7 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
 class Branches(Noun, study="branch"):
     """The branches of a case: one for each motion of its &motion that can be followed.
 
-    An index gives a `Branch`; they all have the points of this result, not copied.
+    An index returns a `Branch`; the branches share the points of this result without copying.
     """
 
     __slots__ = ()
@@ -536,7 +540,7 @@ class Branches(Noun, study="branch"):
             raise SingularError(self._result.notes[0][1])
 
     def _case_of(self, i: int) -> str:
-        """The case of one branch: it starts from that motion alone."""
+        """The case of one branch, which starts only from its own motion."""
         first = {
             name: item.decoded()[i]
             for name, item in self._result.tables["branches"].columns.items()
@@ -558,7 +562,7 @@ class Branches(Noun, study="branch"):
 def guess_of(
     pattern: Pattern, clearance: float, phases: _Array, x: _Array, tau: float
 ) -> dict[str, Any]:
-    """The group &motion that gives an exact motion from a guess of all its impacts."""
+    """The group &motion that computes an exact motion from a guess of all its impacts."""
     return {
         "kind": "exact", "cycles": pattern.cycles, "sides": pattern.sides, "clearance": clearance,
         "phases": phases.tolist(), "positions": x.tolist(), "tau": tau,
@@ -566,7 +570,7 @@ def guess_of(
 
 
 def only_branch(compute: Callable[[], Branches]) -> Branch:
-    """The branch of a case with one motion, also of one that was stopped; SingularError if there is none."""
+    """The branch of a case with one motion, even if it was stopped; SingularError if there is none."""
     try:
         found = compute()
     except StudyInterrupted as stop:
@@ -584,7 +588,7 @@ def branch_structure(
     progress: door.Progress | None = None,
     at: float | None = None,
 ) -> Branch:
-    """As `branch`, of a motion of a structure."""
+    """As `branch`, for a motion of a structure."""
     if motion.self_excited and callable(parameter):
         parameter = of_constant_load(parameter)
     keys = keys_of_parameter(
@@ -598,7 +602,7 @@ def run_from(
     motion: Motion, noun: type[_Found], keys: dict[str, Any], names: dict[str, str],
     progress: door.Progress | None, threads: int | None = None,
 ) -> _Found:  # fmt: skip
-    """The result of a study that starts from a motion; `names` are the caller's names of its keys."""
+    """The result of a study that starts from a motion; `names` are the caller's names of the keys."""
     if motion.self_excited and noun is not Branches:
         raise ParameterError(
             f"motion = {motion!r}: must be under a periodic load; only branches follow self-excited motions"
@@ -654,38 +658,38 @@ def branch(
 ) -> Branch:
     """Follow an exact motion along a parameter in both directions, through folds, to the bounds.
 
-    Pseudo-arclength continuation with Newton's method and the analytic derivative of the equations. Special
-    points are located by Newton's method on the equations with one further condition: det(P - I) = 0 at a fold,
-    det(P + I) = 0 at a flip, the product of all 1 - lambda_i lambda_j at a Neimark-Sacker point, a touch of a
-    wall, or an approach speed that is zero. A motion that is its own image half a period later, by the mirror or,
-    of a structure, another symmetry such as an exchange of equal units, is followed as such, with the map of half
-    a period, so that the branch continues through a pitchfork. The unknowns of a structure are the approach speeds
-    and load phases of the impacts and the mean positions of modes of frequency 0; with rests, stops or friction a
-    state and the load phases of all events; of self-excited motions, which have no load, also the period, and the
-    trivial multiplier 1 is left out.
+    Pseudo-arclength continuation with Newton's method and the analytic derivative of the equations. Special points
+    are located by Newton's method on the equations with one further condition: det(P - I) = 0 at a fold, det(P +
+    I) = 0 at a flip, the product of all 1 - lambda_i lambda_j at a Neimark-Sacker point, a touch of a wall, or an
+    approach speed that is zero. A motion that is its own image half a period later (its mirror image or, for a
+    structure, by another symmetry such as an exchange of equal units) is followed as such, with the map over half
+    a period, so that the branch continues through a pitchfork. The unknowns for a structure are the approach
+    speeds and load phases of the impacts and the mean positions of modes of frequency 0; with rests, stops or
+    friction, a state and the load phases of all events. Self-excited motions, which have no load, have the period
+    as a further unknown, and their trivial multiplier 1 is left out.
 
     Parameters
     ----------
     motion : Motion
         For an oscillator: without rest, with load 1. For a structure: consistent, with at most 24 impacts (23 if a
-        mode has frequency 0); with rests, at most 24 impacts before the last ones of each accumulation, and
-        releases; with stops or friction, at most 24 events. It need be neither stable nor, without rests, stops
-        and friction, admissible.
+        mode has frequency 0); with rests, at most 24 releases and impacts, not counting the last impacts of each
+        accumulation; with stops or friction, at most 24 events. It need not be stable; with rests, stops or
+        friction it must be admissible.
     parameter : str, or function
         "r", "clearance", "xi", "mu", "R1", "R2" or "restitution", which changes R1 = R2 together. For a structure
         "frequency"; "load", "constant", "damping" or "stiffness", factors of the harmonics, of the constant forces
-        and of the matrices; "opening" or "restitution" of all gaps, which are the same; "opening_J" or
+        and of the matrices; "opening" or "restitution" of all gaps, which must be equal; "opening_J" or
         "restitution_J" of gap J; "mass_I_J", "damping_I_J" or "stiffness_I_J", an entry and its mirror image;
         "slip" or "slip_J" of friction, with the stick level in the same ratio; "stick" or "stick_J"; "speed" or
-        "speed_J" of belts; "contact" or "contact_J", the
-        stiffness of stops; "wall" or "wall_J", a factor above 0 of the motions of walls; all numbers count from 0.
-        Or a smooth function that gives (structure, load) for a value of the parameter.
+        "speed_J" of belts; "contact" or "contact_J", the stiffness of stops; "wall" or "wall_J", a factor above 0
+        of the motions of walls; all numbers count from 0. Or a smooth function that returns (structure, load) for
+        a value of the parameter.
     bounds : (float, float)
         Lowest and highest value of the parameter; the motion's own value lies between.
     longest_step : float
-        Longest step along the curve, the range of the parameter being 1.
+        Longest step along the curve, relative to the range of the parameter.
     max_points : int
-        Most points each way.
+        Largest number of points in each direction.
     progress : callable, optional
         Called a few times a second with the fraction done and the current task: the fraction of the range covered,
         or of the points if that is more.
@@ -701,10 +705,10 @@ def branch(
     ParameterError, ParameterTypeError
         If an argument is not allowed.
     SingularError
-        If the motion cannot be followed. For a structure: if it repeats itself, if gaps close at one instant that
-        would part for other values of the parameter or are coupled by damping, or if with rests any two events
-        come at one instant, or one of another gap within an accumulation; or if a gap rests beside stops or
-        friction.
+        If the motion cannot be followed. For a structure: if the motion repeats itself; if gaps close at one
+        instant that would separate for other values of the parameter, or that are coupled by damping; if, with
+        rests, two events occur at one instant, or an event of another gap within an accumulation; or if a gap
+        rests and the structure has stops or friction.
     StudyInterrupted
         After Ctrl-C, with the points so far as its attribute `result`.
 
@@ -750,7 +754,7 @@ def branch(
         ) from None
     start = motion._keys()
     if start["kind"] == "equispaced" or motion.precision == "single":
-        # in the form of &motion, where they come in pairs
+        # in the form of &motion, where complex numbers are pairs
         start = guess_of(motion.pattern, motion.clearance, motion.alpha, motion.X, motion.tau)
     keys = {
         "parameter": parameter, "low": low, "high": high, "longest_step": longest_step,

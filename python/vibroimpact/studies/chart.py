@@ -34,7 +34,7 @@ WORDS = {"sides": "pattern", "'yes'": "True", "'no'": "False", "'both'": "None"}
 
 
 class Variable(NamedTuple):
-    """An array with names of its axes, what it is and its unit."""
+    """An array with the names of its axes, its description and its unit."""
 
     dims: tuple[str, ...]
     values: NDArray[Any]
@@ -42,9 +42,9 @@ class Variable(NamedTuple):
 
 
 class Chart(Followed, study="chart"):
-    """The motions of one pattern on a grid, as the core found them; `to_xarray` labels them.
+    """The motions of one pattern on a grid, as computed by the core; `to_xarray` labels them.
 
-    `vibroimpact.chart` gives the dataset itself; this is what `vibroimpact.load` and `Case.run` give.
+    `vibroimpact.chart` returns the dataset itself; `vibroimpact.load` and `Case.run` return this class.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class Chart(Followed, study="chart"):
     x, y : ndarray
         For a structure: the values of both parameters.
     variables : dict of Variable
-        The contents of the dataset, without xarray: (dims, values, attrs) by name.
+        The contents of the dataset without the need for xarray: (dims, values, attrs) by name.
     attrs : dict
     """
 
@@ -153,7 +153,7 @@ class Chart(Followed, study="chart"):
     def _own_variables(
         self, columns: dict[str, Any], grid: tuple[str, ...]
     ) -> dict[str, tuple[Any, Any, str, str]]:
-        """The variables that charts of its system have, each with dimensions, values, unit and meaning."""
+        """The variables of charts of this kind of system, each with dimensions, values, unit and meaning."""
         if self.of_structure:
             names = {axis: str(self.keys[axis]) for axis in "xy"}
             return {
@@ -236,13 +236,13 @@ def chart_structure(
     x_at: float | None = None,
     y_at: float | None = None,
 ) -> Any:
-    """As `chart`, of a motion of a structure."""
+    """As `chart`, for a motion of a structure."""
     xarray("charts")
     both = points if isinstance(points, tuple) and len(points) == 2 else (points, points)
     keys, names = keys_of_plane(motion.structure, motion.load, (x, y), (x_at, y_at))
     for name, axis, n in zip("xy", (x, y), both, strict=True):
         values = axis[1] if len(axis) == 2 else ()
-        if np.ndim(values) == 1 and np.size(values) > 2:  # two are a range
+        if np.ndim(values) == 1 and np.size(values) > 2:  # two numbers are a range
             array = checks.real_array(values, f"{name}[1]", "numbers that rise or fall throughout")
             keys[f"{name}_values"] = np.sort(array).tolist()
             names[f"{name}_values"] = f"{name}[1]"
@@ -293,9 +293,10 @@ def chart(
     form. All other motions are found by Newton's method: a search at some points of the grid, then from each
     solved point to its neighbours.
 
-    Of a motion of a structure: the motions with its impacts over the plane of any two parameters. The lines of the
-    grid are followed through it and through each motion where two lines cross, as by `zone`, also where they are
-    unstable or not admissible. Sheets that are not connected to the motion have charts of their own.
+    For a motion of a structure: the motions with the same impacts over the plane of any two parameters. The motion
+    is followed along the lines of the grid, and from each crossing of two lines further motions are followed, as
+    by `zone`, including unstable and inadmissible ones. Sheets that are not connected to the motion need separate
+    charts.
 
     Parameters
     ----------
@@ -306,10 +307,11 @@ def chart(
         For a structure, in place of the oscillator and the pattern; as in `zone`.
     x, y : (parameter, (float, float)) or (parameter, array_like)
         For a structure, in place of r and clearance: each a parameter, as in `branch`, with its range, or with 3
-        to 129 values that rise or fall throughout. With a function, `x_at` or `y_at` is its value at the motion.
+        to 129 values that rise or fall throughout. If the parameter is a function, `x_at` or `y_at` is its value
+        at the motion.
     points : int or (int, int), optional
-        Numbers of evenly spaced values where r and clearance are ranges; for a structure those of x and of y, 2 to
-        129, by default 33.
+        Numbers of evenly spaced values if r and clearance are ranges; for a structure, numbers of values of x and
+        y, 2 to 129, 33 by default.
     r, clearance : array_like, or (float, float)
         Frequency ratios and clearances d K/F0 that rise or fall throughout, at most 1000000 points altogether; d
         is the whole travel of m between the walls. With `points` each is a range (lo, hi), or one number.
@@ -320,12 +322,12 @@ def chart(
         Whether to compute the multipliers of the equispaced motions. If not, they are NaN; the verdict
         `stable` is the same, and the chart takes a fraction of the time.
     slots : int
-        Slots for motions that have no closed form, 1 to 32.
+        Number of slots for motions that have no closed form, 1 to 32.
     guesses, seeds : int
-        Guesses of the search at a point, and number of search points along each axis. A zone that contains
-        none of these points, and is not connected to one that does, is missed.
+        Guesses of the search at a point, and number of search points along each axis. A zone that contains none
+        of these points, and is not connected to one that does, is not found.
     threads : int, optional
-        Default: one for each processor. The answer is the same to the last bit for any number.
+        Default: one for each processor. The result is identical for any number.
     progress : callable, optional
         Called a few times a second with the fraction done and the current task; by default a bar on a terminal
         or in a notebook.
@@ -340,18 +342,18 @@ def chart(
         - `x_min`, `x_max`, `attenuation` (max|x|/A), `tau`, and `X`, `alpha` (first dimension
           `impact`);
         - `status`: 0 where there is a motion; other codes are explained by `status_text`;
-        - `found`: motions at the point, with those for which there was no slot.
+        - `found`: number of motions at the point, including those for which there was no slot.
 
-        A slot is continuous over the grid. The equispaced pair has the slots 0 and 1, in the order
-        of `equispaced`: tau above and below the middle of the two. The others follow: motions that
-        continue each other from point to point share a slot, and the slots are given first to
-        those with the most admissible and stable points, then to those with the most admissible
-        ones. Where there are more motions than `slots`, a slot may change from one to another; no
-        admissible and stable motion is left out for one that is not.
+        A slot is continuous over the grid. The equispaced pair has the slots 0 and 1, in the order of
+        `equispaced`: tau above and below the middle of the two. The others follow: motions that continue each
+        other from point to point share a slot. Slots go first to the motions with the most admissible and stable
+        points, then to those with the most admissible ones. Where there are more motions than `slots`, a slot may
+        change from one motion to another; an admissible and stable motion always takes precedence over one that is
+        not.
 
-        For a structure, the dimensions are `motion`, `y` and `x`; in place of X, tau and the like there are
-        `q_min`, `q_max` (first dimension `coordinate`), `phases` and `speeds` (first dimension `impact`). At each
-        point the motion with the least leading multiplier comes first.
+        For a structure, the dimensions are `motion`, `y` and `x`; in place of X, tau and so on there are `q_min`,
+        `q_max` (first dimension `coordinate`), `phases` and `speeds` (first dimension `impact`). At each point the
+        motion whose leading multiplier has the smallest modulus comes first.
 
     Raises
     ------
@@ -360,8 +362,8 @@ def chart(
     MissingExtraError
         If xarray is missing.
     StudyInterrupted
-        After Ctrl-C, when the motions found so far are finished (at most about a fifth of the time of a large
-        search); its attribute `result` is the dataset so far, with a status of its own where nothing was
+        After Ctrl-C, once the motions found so far are finished (this takes at most about a fifth of the time of a
+        large search); its attribute `result` is the dataset so far, with a special status where nothing was
         computed.
 
     Examples
@@ -402,7 +404,7 @@ def compute_chart(
     multipliers: bool, threads: int | None, progress: door.Progress | None, *, slots: int = 4,
     guesses: int = 32, seeds: int = 12,
 ) -> Chart:  # fmt: skip
-    """The result of `chart`, for which xarray is not needed."""
+    """The result of `chart` as a `Chart`, which does not need xarray."""
     of_numbers(osc)
     pattern = plain_pattern(pattern)
     with_multipliers = checks.truth(multipliers, "multipliers")
@@ -414,7 +416,9 @@ def compute_chart(
     }  # fmt: skip
     names = {"r_points": "r", "clearance_points": "clearance", "r_min": "r[0]", "r_max": "r[-1]"}
     names |= {"clearance_min": "clearance[0]", "clearance_max": "clearance[-1]"}
-    names["increasing numbers"] = "increasing or decreasing numbers"  # `chart` reverses the latter
+    names["increasing numbers"] = (
+        "increasing or decreasing numbers"  # `chart` reverses decreasing numbers
+    )
     return door.run(
         Chart, osc, keys, threads=threads, progress=progress, parameters={**names, **WORDS}
     )

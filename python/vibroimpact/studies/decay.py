@@ -35,13 +35,13 @@ class Decay(Noun, study="decay"):
         Time in 1/omega, and displacement of the primary mass; its sign gives the side.
     decrement : ndarray (n,)
         ln(x/x'), where x' is the next peak on the same side, one cycle later; NaN for the last two of a run.
-        It is negative where the free mass returns energy to the primary mass.
+        It is negative if the free mass returns energy to the primary mass.
     damping : ndarray (n,)
         decrement/sqrt(4 pi^2 + decrement^2): xi of a linear oscillator with this decrement.
     energy : ndarray (n,)
-        Of both masses and the spring, over F0^2/K; after the impact, if one is at the peak.
+        Energy of both masses and the spring, over F0^2/K; after the impact, if the peak is at an impact.
     impacts, rests : ndarray (n,) of int
-        Since the peak before, or since the start.
+        Number since the previous peak, or since the start.
     status : ndarray (runs,) of int
         0 done; see `status_text`.
     case : str
@@ -73,8 +73,8 @@ class Decay(Noun, study="decay"):
         """Draw the peaks against time, and the damping of each cycle against the peak at which it begins (extra
         `plot`).
 
-        Returns both Axes. With `ax`, or with `kind` "peaks" or "damping", one panel is drawn, the peaks unless
-        `kind` names the other one, and its Axes is returned.
+        Returns both Axes. With `ax`, or with `kind` "peaks" or "damping", only one panel is drawn (the peaks
+        unless `kind` is "damping") and its Axes is returned.
 
         For the argument `units`, see `Trajectory.plot`.
         """
@@ -146,12 +146,11 @@ def decay(
     ParameterError, ParameterTypeError
         The parameter, its value and what it must be.
     StudyInterrupted
-        After Ctrl-C, with what was finished as its attribute `result`:
-        the clearances whose runs were completed.
+        After Ctrl-C; its attribute `result` contains the clearances whose runs were completed.
 
     Examples
     --------
-    Where the free mass touches no wall, the damping is that of the dashpot.
+    As long as the free mass touches no wall, the damping is that of the dashpot.
 
     >>> import vibroimpact as vi
     >>> osc = vi.Oscillator(xi=0.005, mu=0.1, restitution=0.75)

@@ -1,4 +1,4 @@
-"""Every periodic motion of a system that a systematic search finds, stable and unstable."""
+"""A systematic search for the periodic motions of a system, stable and unstable."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ if TYPE_CHECKING:
 
 __all__ = ["FoundMotions", "Search", "find"]
 
-#: Work (impacts squared times guesses, load cycles simulated) that takes only a moment.
+#: Amount of work (impacts squared times guesses, load cycles simulated) that takes only a moment.
 LITTLE = 10_000
-#: More patterns than the largest search has.
+#: A number larger than that of the patterns in the largest search.
 ROOM = 10_000
 #: The share of the work that is assigned to the patterns.
 PATTERNS = 0.9
@@ -41,7 +41,7 @@ PATTERNS = 0.9
 
 @dataclass(frozen=True)
 class Search:
-    """The extent of a search at a point of an oscillator; it shows how complete the result is.
+    """The extent of a search at a point of an oscillator, as an indication of how complete the result is.
 
     Each simulated state is counted once: as settled, or under the reason why it did not settle.
 
@@ -52,27 +52,27 @@ class Search:
     guesses : int
         Newton iterations started, over all patterns.
     inadmissible : int
-        Solutions of the equations that would pass through a wall; they are left out.
+        Solutions of the equations that would pass through a wall; they are discarded.
     states : int
         Initial states that were simulated.
     settled : int
-        States that settled on a periodic motion which Newton's method confirms there as admissible and stable.
+        States that settled on a periodic motion that Newton's method confirms as admissible and stable.
     releases : int
-        Releases from rest from which Newton's method was started, for motions with rest.
+        Releases from rest at which Newton's method was started, for motions with rest.
     not_stable : int
-        States that repeat near a motion which Newton's method shows to be unstable or inadmissible, or for which
-        this cannot be decided: they only pass near it (the motion is listed if it is admissible).
+        States that repeat near a motion that Newton's method shows to be unstable or inadmissible, or for which
+        this cannot be decided: they only pass near this motion (it is listed if it is admissible).
     unconfirmed : int
-        States that repeat where Newton's method finds no motion.
+        States that repeat, but Newton's method finds no motion there.
     wandering : int
-        States that do not repeat within 16 load cycles (or 100 symbols), also when they are examined again after
+        States that do not repeat within 16 load cycles (or 100 symbols), even when they are examined again after
         more cycles: chaotic, quasi-periodic, of longer period, or not settled yet.
     without_impacts : int
-        States from which the free mass comes to rest where no wall reaches it.
+        States from which the free mass comes to rest at a place that no wall reaches.
     unfinished : int
         States whose simulation reached `max_events` or could not continue.
     lost : int
-        Motions that were found but that a final run of Newton's method did not confirm; they are left out.
+        Motions that were found but not confirmed by a final run of Newton's method; they are discarded.
     text : str
         A sentence with all these numbers, which `str` returns.
     """
@@ -96,10 +96,10 @@ class Search:
 
 
 class FoundMotions(Noun, Sequence[Any], study="find", formerly="StructureMotions"):
-    """The admissible motions found by `find`, in order, and how the search was made.
+    """The admissible motions found by `find`, in order, and the extent of the search.
 
-    Those of an oscillator are at a point, stable ones first; for a structure, the motions on which simulations
-    settle come first. An index gives a motion.
+    For an oscillator stable motions come first; for a structure, the motions on which simulations settle. An index
+    returns a motion.
 
     Attributes
     ----------
@@ -111,17 +111,18 @@ class FoundMotions(Noun, Sequence[Any], study="find", formerly="StructureMotions
         Amplitude of the load of an oscillator, or the load of a structure.
     motions : tuple of Motion
     without_impacts : int
-        Simulated states after which no impacts are left; for a structure also those in contact for good.
+        Number of simulated states that end without further impacts; for a structure, also of those that stay in
+        contact.
     search : Search
         For an oscillator: the extent of the search.
     settled : tuple of int
-        For a structure: how many of the simulated states settle on each motion.
+        For a structure: number of simulated states that settle on each motion.
     chaotic, quasi_periodic : int
-        For a structure: simulated states whose largest Lyapunov exponent is positive by more than its error,
-        and those where it is zero by its error and no stable motion is near.
+        For a structure: number of simulated states whose largest Lyapunov exponent is positive by more than its
+        error, and of those for which it is zero within its error and no stable motion is near.
     unsettled : int
-        For a structure: simulated states on which none of this is decided within the limits of the search, or
-        whose motion is not stable.
+        For a structure: number of simulated states for which none of this is decided within the limits of the
+        search, or whose motion is not stable.
     failures : dict
         For a structure: messages of simulations and iterations that failed, and how often each occurred.
     case : str
@@ -204,12 +205,12 @@ class FoundMotions(Noun, Sequence[Any], study="find", formerly="StructureMotions
             raise SingularError(self._result.notes[0][1])
 
     def plot(self, ax: Any = None, units: Units | str | None = None) -> Any:
-        """Draw the multipliers of all motions, and of an oscillator the history of each over a period.
+        """Draw the multipliers of all motions, and for an oscillator the history of each motion over a period.
 
         Parameters
         ----------
         ax : matplotlib Axes, optional
-            With it, only the multipliers are drawn, on these axes.
+            If given, only the multipliers are drawn, on these axes.
         units : Units or str, optional
             As in `Trajectory.plot`.
 
@@ -225,13 +226,13 @@ class FoundMotions(Noun, Sequence[Any], study="find", formerly="StructureMotions
         cut = "" if self.complete else f"; cut short, {self.cut}"
         if not self.of_structure:
             point = place_text(self.osc, self.r, self.clearance)
-            # it has no phases, and is not among the items
+            # the motion without impacts has no phases and is not among the items
             reached = 2 * steady_amplitude(self.osc, self.r, self.load) >= self.clearance
             others = "" if reached else "; and the motion without impacts, since D > 2A"
             return f"<FoundMotions at {point}: {there}{others}{cut}>"
         counts = [(self.unsettled, "unsettled"), (self.without_impacts, "without further impacts")]
         counts += [(self.chaotic, "chaotic"), (self.quasi_periodic, "quasi-periodic")]
-        # all of which are 0 where every state settles
+        # all counts are 0 if every state settles
         others = ", ".join(f"{n} states {what}" for n, what in counts if n or what == "unsettled")
         lines = (
             f"\n  {motion!r}: {count} states"
@@ -301,7 +302,7 @@ def find_structure(
     threads: int | None = None,
     progress: Callable[[float, str], None] | None = None,
 ) -> FoundMotions:
-    """As `find`, of a structure."""
+    """As `find`, for a structure."""
     keys = {
         "max_impacts": max_impacts, "max_cycles": max_cycles, "guesses": guesses, "states": states,
         "settling": settling, "seed": checks.seed_of(rng), "max_events": max_events,
@@ -345,22 +346,23 @@ def find(
     max_events: int = 10_000_000,
     progress: Callable[[float, str], None] | None = None,
 ) -> FoundMotions:
-    """Periodic motions of a system: from orders of impacts, from releases, and from simulated attractors.
+    """Search for the periodic motions of a system: by orders of impacts, by releases, and by simulation.
 
     The system is `osc, r, clearance`, or `structure, load`, or a point from `Oscillator.at`. Only admissible
     motions are kept. Simulations from a spread of initial states add the attractors.
 
     For an oscillator: for each pattern of sides (up to rotation) with N <= max_impacts and k <= max_cycles,
     Newton's method starts from guesses whose phases fill the period evenly and whose positions solve the linear
-    equations of 1983; motions found repel the later iterations, so none is found twice. Each is followed along the
-    lines of constant r and of constant clearance through the point. Through folds these lines can return to the
-    point on another branch. Newton's method on the return map of releases adds motions with rest, stable or not. A
-    simulated state counts as settled only where Newton's method confirms a stable motion.
+    equations of 1983; later iterations are repelled by motions already found, so that none is found twice. Each
+    motion is followed along the lines of constant r and of constant clearance through the point. Through folds
+    these lines can return to the point on another branch. Newton's method on the return map of releases adds
+    motions with rest, stable or not. A simulated state counts as settled only if Newton's method confirms a stable
+    motion.
 
     For a structure: for each order of up to max_impacts impacts on the gaps, in up to max_cycles load cycles,
     Newton's method starts from random impact times; it also finds unstable motions. Each motion without rest is
     followed along the lines of constant amplitude and of constant frequency of the load through the point, and
-    mirror images are added where the structure has them. Motions with accumulation and rest, and all those of a
+    mirror images are added where the structure has them. Motions with accumulation and rest, and all motions of a
     structure with stops or friction, come from the simulations.
 
     Parameters
@@ -371,27 +373,28 @@ def find(
     structure, load : Structure, Load
         In place of them; the load has a frequency.
     max_impacts, max_cycles : int
-        Limits of the patterns searched, 2 to 12 impacts and 1 to 8 cycles; of the orders of impacts of a
-        structure, 0 to 8 (2 by default; with 0 only simulations are made) and 1 to 16 (4 by default). Motions
-        found by simulations and releases are listed whatever their number of impacts and cycles; for a structure
-        their period is at most `max_cycles`.
+        Limits of the patterns searched, 2 to 12 impacts and 1 to 8 cycles; for the orders of impacts of a
+        structure, 0 to 8 impacts (2 by default; with 0 only simulations are made) and 1 to 16 cycles (4 by
+        default). Motions found by simulations and releases are listed whatever their number of impacts and cycles;
+        for a structure their period is at most `max_cycles`.
     load : float
         Amplitude of the load of an oscillator.
     guesses : int
-        Guesses for each pattern. A smaller number also shortens the search along lines: each pattern gets at most
-        the square of this number of steps (and 3000), and so does each motion of a structure. For a structure:
-        sets of impact times for each order and number of cycles, 1 to 10000, by default 48.
+        Number of guesses for each pattern. A smaller number also shortens the search along lines: the steps for
+        each pattern, or for each motion of a structure, are limited to the square of this number (and to 3000).
+        For a structure: number of sets of impact times for each order and number of cycles, 1 to 10000, 48 by
+        default.
     states : int
-        Initial states simulated; for an oscillator every second one in a box whose size follows from the resonance
-        of both masses moving together; for a structure 0 to 100000, the first one at rest at q = 0 if that is
-        possible.
+        Number of simulated initial states; for an oscillator every second one lies in a box whose size follows
+        from the resonance of both masses moving together; for a structure 0 to 100000, the first one at rest at q
+        = 0 if that is possible.
     settling : int
         Load cycles simulated before the attractor is examined; for a structure 0 to 10^6, by default 300. A state
         of an oscillator that is then neither on a confirmed motion nor certainly chaotic is examined again up to
         three times, after 3, 9 and 27 times as many.
     releases : int
-        For an oscillator: releases from rest, for each wall and number of cycles, from which Newton's method is
-        started on the return map; this also finds unstable motions with rest.
+        For an oscillator: number of releases from rest, for each wall and number of cycles, at which Newton's
+        method is started on the return map; this also finds unstable motions with rest.
     rng : int, numpy.random.Generator or None
         For a structure: seed of the random initial states, or a generator from which a seed is drawn; None:
         another seed in each call. The seed that was used is in the case of the result.
@@ -460,7 +463,7 @@ def _is_little(
         # there are about 2^n/n patterns of n impacts
         work = max_cycles * sum(n * 2**n for n in range(2, min(max_impacts, 12) + 1))
         return bool(guesses * work + 20 * max_cycles * releases + states * settling < LITTLE)
-    except (TypeError, ValueError, OverflowError):  # which the door reports
+    except (TypeError, ValueError, OverflowError):  # an invalid value, which `door.run` reports
         return False
 
 
@@ -475,7 +478,7 @@ class _PatternProgress:
         self.of = (max_impacts, max_cycles, osc.restitution[0] == osc.restitution[1])
 
     def __call__(self, share: float, note: str) -> None:
-        if share <= 0:  # the core has not started, or has refused the case
+        if share <= 0:  # the core has not started, or has rejected the case
             return
         if self.ahead is None:
             self.ahead = shares_of(*self.of)
@@ -488,7 +491,7 @@ class _PatternProgress:
 
 
 def shares_of(max_impacts: int, max_cycles: int, alike: bool) -> list[tuple[float, str]]:
-    """The patterns that are searched, in order, with the share of the work that is done with each."""
+    """The patterns that are searched, in order, with the share of the work that is done after each."""
     n, lengths, cycles, sides = _core.side_patterns(max_impacts, max_cycles, alike, ROOM)
     lengths, cycles = lengths[:n].astype(np.int64), cycles[:n]
     shares = np.cumsum(lengths**2) * (PATTERNS / np.sum(lengths**2))

@@ -30,12 +30,12 @@ _Array = NDArray[np.float64]
 class Lyapunov(Noun, study="lyapunov", formerly="StructureLyapunov"):
     """The Lyapunov exponents of a trajectory, or of many trajectories of an oscillator on a grid of points.
 
-    They are those of the map of the state over a load cycle: how fast small changes of the state grow, in
-    independent directions. An oscillator has four (those of the map from impact to impact in (x, x', z', alpha),
-    divided by the time), a structure with n coordinates has 2n. For a periodic motion they are the logarithms of
-    the moduli of its multipliers divided by the period. A rest reduces two directions to zero: their exponents are
-    -inf. A structure whose load has no frequency has an exponent 0 along its motion, and its cycle is a unit of
-    time.
+    They are the exponents of the map of the state over a load cycle: the growth rates of small changes of the
+    state in independent directions. An oscillator has four (those of the map from impact to impact in (x, x', z',
+    alpha), divided by the time), a structure with n coordinates has 2n. For a periodic motion they are the
+    logarithms of the moduli of its multipliers divided by the period. A rest reduces two directions to zero: their
+    exponents are -inf. A structure whose load has no frequency has an exponent 0 along its motion, and its cycle
+    is a unit of time.
 
     Attributes
     ----------
@@ -46,26 +46,26 @@ class Lyapunov(Noun, study="lyapunov", formerly="StructureLyapunov"):
     load : float, or Load or None
         Amplitude of the load of an oscillator, or the load of a structure.
     exponents : ndarray (k, ...)
-        Per unit of time (1/omega of an oscillator), largest first; NaN where there were no impacts.
+        Per unit of time (1/omega for an oscillator), largest first; NaN where there were no impacts.
     largest : ndarray (...)
-        The first of them: positive in chaos.
+        The first exponent; positive for chaos.
     standard_error : ndarray (k, ...)
-        Of `exponents`, from the scatter of the batches.
+        Standard errors of `exponents`, from the scatter of the batches.
     per_cycle, error_per_cycle : ndarray (k, ...)
-        The same per `cycle`: logarithms of the mean factors over a cycle.
+        Exponents and errors per `cycle`: logarithms of the mean factors over a cycle.
     cycle : str
         "load cycle", or "unit of time" if the load has no frequency.
     dimension : ndarray (...)
-        Kaplan-Yorke dimension of the attractor of the map; NaN unless all exponents were asked for.
+        Kaplan-Yorke dimension of the attractor of the map; NaN unless all exponents were computed.
     identity_error : ndarray (...)
-        Difference of the sum of the exponents from what damping and impacts give, per unit of time: a check of the
-        whole computation. -2 xi t + 2 sum log R + log(u_first/u_last) over the flights of an oscillator, with the
-        speed u at which the masses part; -tr(M^-1 C) + sum log R (R + R' v) of a structure, NaN with rests or
-        unless all exponents were asked for.
+        Difference, per unit of time, between the sum of the exponents and its value from damping and impacts: a
+        check of the whole computation. For an oscillator, this value is -2 xi t + 2 sum log R +
+        log(u_first/u_last) over the flights, where u is the speed at which the masses separate. For a structure it
+        is -tr(M^-1 C) + sum log R (R + R' v); NaN with rests or unless all exponents were computed.
     impacts, rests : ndarray (...) of int
-        Impacts and rests that were averaged over; with stops or friction all other events count as impacts.
+        Number of impacts and rests in the average; with stops or friction all other events count as impacts.
     cycles : int
-        Load cycles that were averaged over.
+        Number of load cycles in the average.
     status : ndarray (...) of int
         For an oscillator: 0 done; see `status_text`.
     case : str
@@ -100,7 +100,7 @@ class Lyapunov(Noun, study="lyapunov", formerly="StructureLyapunov"):
 
     @property
     def largest(self) -> _Array:
-        """The largest exponent per unit of time (...): positive in chaos."""
+        """The largest exponent per unit of time (...); positive for chaos."""
         return np.asarray(self.exponents[0])
 
     def require(self) -> None:
@@ -112,7 +112,8 @@ class Lyapunov(Noun, study="lyapunov", formerly="StructureLyapunov"):
     def plot(self, ax: Any = None, units: Units | str | None = None) -> Any:
         """Draw the exponents (extra `plot`); returns the Axes.
 
-        For an oscillator against r or clearance, whichever varies; for a structure by their number.
+        For an oscillator they are drawn against r or clearance, whichever varies; for a structure, against their
+        number.
 
         For the argument `units`, see `Trajectory.plot`.
         """
@@ -145,7 +146,7 @@ def lyapunov_structure(
     max_events: int = 10_000_000,
     progress: Callable[[float, str], None] | None = None,
 ) -> Lyapunov:
-    """As `lyapunov`, of a structure."""
+    """As `lyapunov`, for a structure."""
     keys = {
         **door.start_keys(structure, state, start), "cycles": cycles, "discard": discard, "batches": batches,
         "directions": directions, "max_events": max_events,
@@ -202,18 +203,18 @@ def lyapunov(
 
     Directions are carried from event to event by the exact derivatives of flights, impacts, accumulations and
     releases ([P_i] from impact to impact of an oscillator), and made orthonormal after each. The averages have a
-    weight that rises from 0 and falls to 0 smoothly, so that averages over periodic and quasi-periodic motions
-    converge faster than any power of the time. Batches of the load cycles, averaged in the same way, give the
-    standard error. One more batch, before the others, lets the directions settle.
+    weight that rises smoothly from 0 and falls smoothly to 0, so that averages over periodic and quasi-periodic
+    motions converge faster than any power of the time. The standard error follows from batches of load cycles,
+    averaged in the same way. During one more batch, before the others, the directions settle.
 
     The system is `osc, r, clearance`, or `structure, load`, or a point from `Oscillator.at`.
 
     Parameters
     ----------
     osc, r, clearance : Oscillator, float or array_like, float or array_like
-        One point, or arrays of one shape. With `points` one or both are ranges (lo, hi), along a line.
+        One point, or arrays of one shape. With `points`, r or clearance or both are ranges (lo, hi), along a line.
     structure, load : Structure, Load or None
-        In place of them; None: free motion. Without a frequency, cycles are units of time.
+        In place of them; a load of None means free motion. Without a frequency, cycles are units of time.
     cycles : int
         Load cycles averaged over, at least 2 per batch; for a structure 2000 by default.
     state : mapping, or (array_like, array_like), optional
@@ -227,7 +228,7 @@ def lyapunov(
     batches : int
         2 to 1000.
     directions : int, optional
-        For a structure: number of exponents, the greatest first; by default all, two per coordinate.
+        For a structure: number of exponents, the largest ones; by default all, two per coordinate.
     max_events : int
         Events (impacts, rests, releases; for a structure those of stops and friction too) after which one
         simulation is abandoned, one at each point; its status says so. Long averages need more than the default.

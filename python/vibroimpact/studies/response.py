@@ -1,4 +1,4 @@
-"""Responses along the frequency, of every system: an oscillator's over all coexisting attractors."""
+"""Responses along the frequency of every system; for an oscillator, over all coexisting attractors."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..results import door
 from ..results.noun import column
 from ..systems.oscillator import Oscillator, Point
 from ..systems.structure import Load, Structure
-from ..systems.units import positive, range_text
+from ..systems.units import positive, range_text, units_to_show
 from ..systems.verbs import every_system, physical_arguments
 from .bifurcation import ENDS, SettledMotions, cell, distinct, first_point, keys_of_values
 
@@ -27,7 +27,7 @@ _Array = NDArray[np.float64]
 
 
 class steady(cell):  # noqa: N801 (a descriptor, written as property is)
-    """A column of a structure at each value, which does not depend on the run."""
+    """A column of a structure with one entry per value, independent of the run."""
 
     def shaped(self, noun: Any, values: NDArray[Any]) -> NDArray[Any]:
         found: NDArray[Any] = np.fmax.reduce(super().shaped(noun, values), axis=-1)
@@ -35,7 +35,8 @@ class steady(cell):  # noqa: N801 (a descriptor, written as property is)
 
 
 class Size(NamedTuple):
-    """The size of a coordinate or output along the frequency: arrays (n, runs), steady ones (n,)."""
+    """The size of a coordinate or output along the frequency: arrays (n, runs), those of the steady motion
+    (n,)."""
 
     largest: _Array
     rms: _Array
@@ -57,26 +58,27 @@ class Response(SettledMotions, study="response", formerly="StructureResponse"):
         For a structure.
     load : float or Load
     values : ndarray (n,)
-        r of an oscillator; circular frequencies of the load of a structure, rising, those that were reached.
+        r of an oscillator; for a structure, the circular frequencies of the load that were reached, rising.
     runs : list of str
-        "state 1", ... of an oscillator, "up" or "down" of a structure: the last index of the arrays below.
+        "state 1", ... for an oscillator, "up" or "down" for a structure: the last index of the arrays below.
     attenuation : ndarray (n, runs)
         For an oscillator: max|X|/A of the motion on which each initial state settles; NaN where it failed.
     lowest, highest : ndarray (n,)
-        For an oscillator: the least and the greatest of these over the attractors at each r; NaN where all failed.
+        For an oscillator: the smallest and the largest attenuation over the attractors at each r; NaN where all
+        failed.
     largest, rms : ndarray (k, n, runs)
-        For a structure: greatest magnitude of each of k coordinates over the cycles that were examined, and root
-        of its mean square.
+        For a structure: greatest magnitude and root mean square of each of the k coordinates over the examined
+        cycles.
     q_min, q_max : ndarray (k, n, runs)
         For a structure: least and greatest value of each coordinate.
     steady_largest, steady_rms : ndarray (k, n)
-        For a structure: size of the steady motion without impacts, without contact with stops and without
-        friction; NaN if there is none.
+        For a structure: size of the steady motion without impacts, contact with stops, or friction; NaN if there
+        is none.
     cycles : ndarray (n, runs) of int
         Load cycles of the shortest period of the stable motion that Newton's method confirms (0: none; chaotic,
         quasi-periodic, or not settled yet).
     symbols : ndarray (n, runs) of int
-        For an oscillator: symbols in it.
+        For an oscillator: number of symbols in a period.
     impacts, rests : ndarray (n, runs) of int
         Impacts and rests in a period, or in the cycles kept.
     labels : ndarray (n, runs) of str
@@ -136,7 +138,7 @@ class Response(SettledMotions, study="response", formerly="StructureResponse"):
         Returns
         -------
         Size
-            Arrays ``largest``, ``rms``, ``least`` and ``greatest`` (n, runs), of the motion without impacts
+            Arrays ``largest``, ``rms``, ``least`` and ``greatest`` (n, runs); for the motion without impacts
             ``steady_largest`` and ``steady_rms`` (n,).
 
         Raises
@@ -180,12 +182,15 @@ class Response(SettledMotions, study="response", formerly="StructureResponse"):
 
     def __repr__(self) -> str:
         values = self.values
-        span = f"{values[0]:.6g} to {values[-1]:.6g}"
         cut = "" if self.complete else f"; cut short, {self.cut}"
+        points = f"{values.size} point{'s' * (values.size != 1)}"
         if self.of_structure:
-            return f"<Response at {values.size} frequencies from {span}: {self._periodic()}{cut}>"
+            span = f"frequency {values[0]:.6g} to {values[-1]:.6g}"
+            return f"<Response at {points}, {span}: {self._periodic()}{cut}>"
+        symbol = "" if units_to_show(self.osc) else "r = "
+        span = range_text(self.osc, "r", values[0], values[-1])
         return (
-            f"<Response at {values.size} r from {range_text(self.osc, 'r', values[0], values[-1])}: max|X|/A from "
+            f"<Response at {points}, {symbol}{span}: max|X|/A from "
             f"{np.fmin.reduce(self.lowest):.4g} to {np.fmax.reduce(self.highest):.4g}{cut}>"
         )
 
@@ -203,7 +208,7 @@ def response_structure(
     threads: int | None = None,
     progress: door.Progress | None = None,
 ) -> Response:
-    """As `response`, of a structure."""
+    """As `response`, for a structure."""
     array = distinct(values, points=points)
     start = door.start_keys(structure, state, 0.0)
     keys = {
@@ -214,7 +219,8 @@ def response_structure(
 
 
 def _along_frequency(given: dict[str, Any]) -> None:
-    """Turns the arguments for an oscillator into those of its first point and of the response of a structure."""
+    """Converts the arguments for an oscillator to its first point and the arguments for the response of a
+    structure."""
     values = given["values"] = distinct(given.get("r", ()), "r", given.pop("points", None))
     first_point(given, float(values[0]))
     inverse = given.pop("inverse_clearance", None)
@@ -266,7 +272,7 @@ def response(
 
     For an oscillator, it is max|X|/A over all attractors that initial states reach, for a load or a clearance. A
     is the amplitude without impacts: values below 1 mean that the impacts reduce the motion. The extreme positions
-    are those of the closed form over the period, or over the cycles kept where there is none.
+    are those of the closed form over the period, or over the cycles kept if there is no period.
 
     For a structure, it is the size of each coordinate and output, with and without impacts. The state is carried
     from frequency to frequency, up and then down. Extremes are those of the flights in closed form; mean squares
@@ -280,24 +286,24 @@ def response(
     ----------
     osc : Oscillator
     structure, load : Structure, Load
-        In place of it and of the clearance; the frequency of the load is replaced by those of `values`.
+        In place of `osc` and the clearance; `values` replace the frequency of the load.
     r : array_like (n,), or (float, float)
         Frequency ratios of an oscillator; with `points` a range (lo, hi).
     values : array_like, or (float, float)
         Circular frequencies of a structure's load, at least two different ones, in any order; with `points` a
         range (lo, hi).
     clearance, inverse_clearance : float or array_like (n,)
-        d K/F0, or F0/(d K); one of the two. d is the whole travel between the walls.
+        d K/F0 or F0/(d K); give one of the two. d is the whole travel between the walls.
     states : int
-        For an oscillator: initial states at each r, spread evenly.
+        For an oscillator: number of initial states at each r, spread evenly.
     sweep : {"up", "down", "both"}
-        For a structure. Both: up and then down.
+        For a structure; "both": up and then down.
     state : (array_like, array_like), optional
         For a structure: coordinates and velocities at the beginning, at load phase 0; zero by default.
     load : float
-        Load amplitude f > 0 of an oscillator; 1 where lengths are in F0/K.
+        Load amplitude f > 0 of an oscillator; 1 if lengths are in F0/K.
     settling : int
-        Load cycles of the transient; for a structure 300 by default, at each frequency.
+        Load cycles of the transient at each frequency; for a structure 300 by default.
     keep : int
         Load cycles examined.
     points : int, optional
@@ -320,15 +326,15 @@ def response(
     ParameterError, ParameterTypeError
         The parameter, its value and what it must be.
     StudyInterrupted
-        After Ctrl-C, with what was finished as its attribute `result`: the frequency ratios at which all states
-        were completed, or the frequencies that the sweeps reached.
+        After Ctrl-C; its attribute `result` contains the frequency ratios at which all states were completed, or
+        the frequencies that the sweeps reached.
 
     Examples
     --------
     >>> import vibroimpact as vi
     >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
     >>> vi.response(osc, (1.0, 1.02), points=6, inverse_clearance=0.03, states=6)
-    <Response at 6 r from 1 to 1.02: max|X|/A from 0.3899 to 0.4468>
+    <Response at 6 points, r = 1 to 1.02: max|X|/A from 0.3899 to 0.4468>
 
     A mass that hits one wall:
 

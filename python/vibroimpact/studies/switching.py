@@ -1,4 +1,4 @@
-"""The motions that begin at a bifurcation, as the core finds them."""
+"""The motions that begin at a bifurcation, computed by the core."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What uncertain parameters do to zones of stable motions, and to limits on what the system does."""
+"""The effect of uncertain parameters on zones of stable motions, and the probability of keeping limits."""
 
 from __future__ import annotations
 
@@ -38,9 +38,9 @@ _Array = NDArray[np.float64]
 OF_MOTION = ("attenuation", "displacement", "multiplier")
 #: Quantities on an attractor that can be limited.
 OF_ATTRACTOR = ("attenuation", *FIGURES[:-1])
-#: How much farther than the outermost points the window of a zone with rest reaches.
+#: The margin of the window of a zone with rest beyond the outermost points.
 MARGIN = 1e-9
-#: Samples that are simulated at once: those that were finished remain after Ctrl-C.
+#: Number of samples that are simulated together; after Ctrl-C the finished ones are kept.
 BLOCK = 500
 
 
@@ -66,15 +66,15 @@ class Uncertainty:
     undecided : ndarray (n, m)
         Share of the samples without such a motion, but with one whose verdict is unknown.
     limit : dict of float
-        Greatest allowed quantities.
+        Largest allowed quantities.
     within : ndarray (n, m) or None
         Share of the samples for which there are stable and admissible motions, all within the limits; None without
         limits.
     zone : Zone or None
-        The nominal zone, if bands were wanted.
+        The nominal zone, if bands were requested.
     bands : list of BoundaryBand
     quantiles : (float, float)
-        Those of the bands.
+        Quantiles at the ends of the bands.
     """
 
     osc: Oscillator
@@ -94,13 +94,14 @@ class Uncertainty:
 
     @property
     def standard_error(self) -> _Array:
-        """A bound on the standard error of `probability`; 0 where all samples agree."""
+        """An upper bound of the standard error of `probability`; 0 where all samples agree."""
         return error_of(self.probability, self.samples)
 
     def to_xarray(self) -> Any:
         """The maps as an xarray.Dataset with the coordinates clearance and r (extra `data`).
 
-        Vertices of all bands follow along the dimension `vertex`, with the number of their `band`.
+        The dimension `vertex` runs over the vertices of all bands; `band` is the number of the band of each
+        vertex.
         """
         grid, vertex = ("clearance", "r"), ("vertex",)
         maps = {"probability": (self.probability, "share of samples with a stable motion"),
@@ -155,7 +156,7 @@ class Uncertainty:
         ----------
         ax : matplotlib Axes, optional
         inverse : bool
-            F0/(d K) upwards, as in Figures 6 to 8 of the 1983 paper, instead of d K/F0.
+            Draw F0/(d K) on the vertical axis, as in Figures 6 to 8 of the 1983 paper, instead of d K/F0.
         what : {"probability", "within"}
         units : Units or str, optional
             As in `Trajectory.plot`.
@@ -195,7 +196,7 @@ def uncertainty(
     threads: int | None = None,
     progress: door.Progress | None = None,
 ) -> Uncertainty:
-    """The probability that motions of a pattern are stable where parameters are uncertain.
+    """The probability that motions of a pattern are stable if parameters are uncertain.
 
     The samples are a Latin hypercube, so that the standard error is at most that of independent samples. For each
     sample a chart of the pattern is computed, or its zone if the pattern has rest.
@@ -207,20 +208,21 @@ def uncertainty(
     pattern : Pattern or str
     r, clearance : array_like, or (float, float)
         Nominal frequency ratios and clearances d K/F0 that rise or fall throughout; d is the whole travel of m
-        between the walls. With `points` each is a range (lo, hi), or one number. Bands need two of each or more:
-        the outermost ones are the window of the nominal zone.
+        between the walls. With `points` each is a range (lo, hi), or one number. Bands require at least two values
+        of each: the outermost ones define the window of the nominal zone.
     uncertain : dict
-        For some of xi, mu, R1, R2 or restitution (the same on both walls) their values; for r, clearance and
-        load factors of their nominal values, above 0 and with 1 among them, as in tolerances of `design`: a gap
-        of 0.0105 +- 0.001 in is ``clearance=(0.0095 / 0.0105, 0.0115 / 0.0105)``. Deviations are rejected: one
-        deviation would not suit all clearances of a map. Each is a pair (low, high) between which all values are
-        equally probable, a frozen distribution of scipy.stats, or a number. They are independent.
+        Uncertain parameters by name: values of xi, mu, R1, R2 or restitution (equal on both walls); for r,
+        clearance and load, factors of their nominal values, above 0 and with 1 in their range, as in tolerances of
+        `design`: a gap of 0.0105 +- 0.001 in is ``clearance=(0.0095 / 0.0105, 0.0115 / 0.0105)``. Deviations are
+        rejected, since one deviation would not suit all clearances of a map. Each is a pair (low, high) between
+        which all values are equally probable, a frozen distribution of scipy.stats, or a number. They are
+        independent.
     symmetric : bool, optional
         As in `zone` and `chart`.
     points : int or (int, int), optional
         Numbers of evenly spaced values in these ranges.
     limit : dict, optional
-        Greatest allowed attenuation (max|x|/A), displacement (max|x|) or multiplier (modulus) of the motions.
+        Largest allowed attenuation (max|x|/A), displacement (max|x|) or multiplier (modulus) of the motions.
     samples : int
         1 to 100000. Each takes as long as a chart.
     bands : bool
@@ -234,14 +236,14 @@ def uncertainty(
     threads : int, optional
         Default: one for each processor.
     progress : callable, optional
-        As in `chart`; an exception of it ends the computation.
+        As in `chart`; an exception that it raises ends the computation.
 
     Raises
     ------
     ParameterError, ParameterTypeError
         If an argument is not allowed.
     StudyInterrupted
-        After Ctrl-C, if a sample was finished: its attribute `result` contains the samples until then.
+        After Ctrl-C, if a sample was finished: its attribute `result` contains the finished samples.
 
     Examples
     --------
@@ -285,7 +287,7 @@ def uncertainty(
     total = np.zeros((3, len(axes[1]), len(axes[0])))
     nominal, found, done, stopped = None, [], 0, False
     try:
-        # in the order in which they were drawn: the first ones are samples, too
+        # in the order in which they were drawn, so that the first ones are a valid sample, too
         for i, here in enumerate(np.argsort(first)):
             told.part(i, len(times), "samples")
             total += times[here] * verdicts(
@@ -313,7 +315,7 @@ def uncertainty(
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LimitProbability:
-    """The probability that a system stays within limits, on whatever attractor it settles.
+    """The probability that a system stays within limits on the attractor on which it settles.
 
     Attributes
     ----------
@@ -322,14 +324,14 @@ class LimitProbability:
     r, clearance : ndarray
         Nominal values of the points; all arrays have their shape.
     probability : ndarray
-        Share of the samples that stay within all limits; NaN at points that Ctrl-C left out.
+        Share of the samples that stay within all limits; NaN at points that were not computed because of Ctrl-C.
     low, high : ndarray
-        The interval of Clopper and Pearson; samples that failed count as outside for `low` and inside for `high`.
+        The Clopper–Pearson interval; failed samples count as outside the limits for `low` and inside for `high`.
     failed : ndarray of int
         Samples without a result, for example because there were too many events.
     samples, starts : int
     confidence : float
-        Of the interval.
+        Confidence of the interval.
     limit : dict of float
         The limits, dimensionless.
     """
@@ -395,9 +397,9 @@ def limit_probability(
 ) -> LimitProbability:
     """The probability that a system with uncertain parameters stays within limits.
 
-    Each sample is an independent system, simulated from random initial states until it settles. With one start a
-    sample chooses its attractor as a random disturbance would; with more, all attractors that they reach must be
-    within the limits.
+    Each sample is an independent system, simulated from random initial states until it settles. With one start,
+    the attractor of a sample is drawn as by a random disturbance; with more, all attractors that
+    the starts reach must be within the limits.
 
     Parameters
     ----------
@@ -409,16 +411,16 @@ def limit_probability(
     uncertain : dict
         As in `uncertainty`.
     limit : dict
-        Greatest allowed attenuation (max|x|/A), displacement, rms, acceleration or force of the primary mass,
-        approach speed of impacts, or modulus of the multipliers (0 without impacts; without a period it is not
-        kept), in the units of `Motion`; or least allowed distances to boundaries, least_speed and least_gap, as
-        of `design`.
+        Largest allowed attenuation (max|x|/A), displacement, rms, acceleration or force of the primary mass,
+        approach speed of impacts, or modulus of the multipliers (0 without impacts; a motion without a period does
+        not keep this limit), in the units of `Motion`; or smallest allowed distances to boundaries, least_speed
+        and least_gap, as in `design`.
     samples : int
-        For each point, 1 to 1000000.
+        Number of samples for each point, 1 to 1000000.
     starts : int
-        Initial states for each sample, 1 to 1000.
+        Number of initial states for each sample, 1 to 1000.
     confidence : float
-        Of the interval for the probability, between 0 and 1.
+        Confidence of the interval for the probability, between 0 and 1.
     settling : int
         Load cycles after which a simulation without a period counts as settled, 8 to 1000000.
     max_events : int
@@ -433,8 +435,8 @@ def limit_probability(
     ParameterError, ParameterTypeError
         If an argument is not allowed.
     StudyInterrupted
-        After Ctrl-C, if something was finished: its attribute `result` contains the points until then, those of a
-        first point that was not finished with fewer samples.
+        After Ctrl-C, if any samples were finished: its attribute `result` contains the finished points; if not
+        even the first point was finished, it has this point with fewer samples.
 
     Examples
     --------
@@ -523,8 +525,8 @@ def figures_of(limits: Mapping[str, float]) -> set[str]:
 
 
 def judged(done: Performance, limits: Mapping[str, float], tries: int) -> NDArray[np.bool_]:
-    """Whether samples (2, n) of some initial states each keep within all limits, and whether they failed so that
-    this is not known."""
+    """Whether samples, each with some initial states, stay within all limits, and whether they failed so that this
+    is not known; (2, n)."""
     good = done.status == 0
     kept = good.copy()
     for name, limited in limits.items():
@@ -539,7 +541,7 @@ def judged(done: Performance, limits: Mapping[str, float], tries: int) -> NDArra
 
 
 def error_of(probability: _Array, samples: int) -> _Array:
-    """The standard error of a share of independent samples, a bound for those of a Latin hypercube."""
+    """The standard error of a share of independent samples, an upper bound for a Latin hypercube."""
     return np.sqrt(probability * (1 - probability) / max(1, samples - 1))
 
 
@@ -576,7 +578,7 @@ def axis(values: ArrayLike, name: str) -> _Array:
 
 
 def window_of(values: _Array, margin: float = 0.0) -> tuple[float, float]:
-    """The lowest and the highest of some values, moved apart by a share of themselves."""
+    """The lowest and the highest value, moved apart by a fraction of themselves."""
     return float(values[0]) * (1 - margin), float(values[-1]) * (1 + margin)
 
 
@@ -584,7 +586,8 @@ def verdicts(
     osc: Oscillator, pattern: Pattern, axes: tuple[_Array, _Array], change: _Array, symmetric: bool | None,
     limits: Mapping[str, float], threads: int | None, told: Told,
 ) -> _Array:  # fmt: skip
-    """For one sample: a stable motion exists, this is unknown, all are within the limits (3, n, m)."""
+    """For one sample: whether a stable motion exists, whether this is unknown, whether all are within the limits;
+    (3, n, m)."""
     system = Oscillator(
         xi=float(change[2]), mu=float(change[3]), restitution=tuple(change[4:].tolist())
     )
@@ -617,7 +620,7 @@ def verdicts(
 
 
 class Told:
-    """What a caller's progress function is told: shares of a computation in parts."""
+    """Reports the progress of a computation in parts to the caller's progress function."""
 
     def __init__(self, progress: door.Progress | None, first: float) -> None:
         checks.progress(progress)
@@ -627,7 +630,7 @@ class Told:
         self.note = ""
 
     def part(self, i: float, parts: int, note: str, length: float = 1.0) -> None:
-        """Part i of some parts, or a share of a part, begins."""
+        """Report that part i of several parts, or a fraction of a part, begins."""
         self.begin, self.length = self.first * i / parts, self.first * length / parts
         self.note = f"{note} {int(i) + 1}/{parts}"
 
@@ -640,7 +643,7 @@ class Told:
 
     @property
     def last(self) -> door.Progress | None:
-        """A progress function for the bands, which come last."""
+        """A progress function for the bands, which are computed last."""
         if self.progress is None:
             return None
         return lambda share, _: self._tell(self.first + (1 - self.first) * share, "bands")

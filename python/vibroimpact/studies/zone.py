@@ -37,7 +37,7 @@ __all__ = ["Piece", "Zone", "ZoneSearch", "zone"]
 _Array = NDArray[np.float64]
 #: (lowest, highest) of r and of the clearance.
 Window = tuple[tuple[float, float], tuple[float, float]]
-#: The columns of vertices: their places, and the motions there.
+#: The columns of vertices: coordinates, and the motions there.
 VERTICES = {True: ("x", "y", "speeds", "phases"), False: ("r", "clearance", "x", "theta")}
 
 
@@ -49,30 +49,30 @@ class Piece:
     ----------
     type : str
         fold, pitchfork, flip, neimark_sacker, grazing, zero_approach, or window (the edge of the window); with
-        rests also rest_vanishes and rest_splits (beyond it the rest is two); for a structure also branch_point
-        (a pitchfork or transcritical point where impacts at one instant part), simultaneous (two events at one
-        instant), and stick_begins, stick_vanishes and contact_vanishes, as of `branch`; or joint, a straight piece
-        of at most 1e-4 of the window between two loose ends of the boundary, where it could not be followed; or
-        cut, the straight edge of a strip of the window that is set apart with rests, stops or friction, since the
-        boundary could not be closed in it.
+        rests also rest_vanishes and rest_splits (beyond it there are two rests); for a structure also branch_point
+        (a pitchfork or transcritical point where simultaneous impacts separate), simultaneous (two events at one
+        instant), and stick_begins, stick_vanishes and contact_vanishes, as for `branch`; or joint, a straight
+        piece of at most 1e-4 of the window between two loose ends of the boundary, where it could not be followed;
+        or cut, the straight edge of a strip of the window that is cut out, with rests, stops or friction, because
+        the boundary could not be closed in it.
     x, y : ndarray (M,)
         Vertices in order, in the plane of the zone; the first and the last are corners, where the next piece
         begins, unless the whole boundary is one piece.
     loop : int
         The loop of `Zone.loops` to which the piece belongs; -1 for an open boundary.
     detail : str
-        Of grazing: which flight touches which wall or gap; of window: which edge; of cut: which parameter is
+        For grazing: which flight touches which wall or gap; for window: which edge; for cut: which parameter is
         constant; for a structure also which impact.
     symmetric : bool
         Whether it bounds motions that are their own image half a period later.
     r, clearance : ndarray (M,)
         For an oscillator: x and y.
     x_over_D, theta : ndarray (N, M)
-        For an oscillator: x_i/D and theta_i = alpha_i + tau of the motion at each vertex; of a motion with rest
-        (1, M) the velocity over D and the load phase at the last release.
+        For an oscillator: x_i/D and theta_i = alpha_i + tau of the motion at each vertex; for a motion with rest,
+        (1, M): the velocity over D and the load phase at the last release.
     speeds, phases : ndarray (N, M)
         For a structure: approach speeds and load phases (rad) of the impacts of the motion at each vertex; with
-        rests the speeds are NaN, and of impacts that accumulate only the first ones are listed.
+        rests the speeds are NaN, and only the first impacts of each accumulation are listed.
     """
 
     study: ClassVar[str] = "zone"
@@ -110,7 +110,7 @@ class Piece:
         return self._own("phases", self._motions[1], True)
 
     def _own(self, name: str, values: _Array, of_structure: bool = False) -> _Array:
-        """The values of an attribute that pieces of one kind of system have."""
+        """The values of an attribute that only pieces of one kind of system have."""
         if of_structure == self._of_structure:
             return values
         system, instead = (
@@ -135,14 +135,14 @@ class Piece:
 
 @dataclass(frozen=True)
 class ZoneSearch:
-    """How a zone was searched.
+    """The extent of the search for a zone.
 
     Attributes
     ----------
     motions : int
-        Motions at nodes of the lattice.
+        Number of motions at nodes of the lattice.
     steps : int
-        Steps along the lattice lines on all parts of the surface of motions.
+        Number of steps along the lattice lines on all sheets of motions.
     untraced : int
         Number of places on a boundary from which it could not be followed.
     lines : (int, int)
@@ -161,7 +161,7 @@ class ZoneSearch:
 
 
 class OnPlane(Noun):
-    """What zones and atlases have in common: the window of a plane."""
+    """The common base of zones and atlases: the window of a plane."""
 
     __slots__ = ()
 
@@ -197,26 +197,27 @@ class OnPlane(Noun):
 
 
 class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
-    """The region of a window of the plane of two parameters where motions are stable and admissible.
+    """The region, within a window of the plane of two parameters, where motions are stable and admissible.
 
-    For an oscillator, the plane is (r, d K/F0), and the motions are all those of a pattern; for a structure any
-    two parameters, and the motions those connected with the one from which the search started.
+    For an oscillator, the plane is (r, d K/F0), and the motions are all those of a pattern. For a structure, the
+    plane is that of any two parameters, and the motions are those connected with the motion from which the search
+    started.
 
     Attributes
     ----------
     x_parameter, y_parameter : str
-        "r" and "clearance" of an oscillator; "function" for a function.
+        "r" and "clearance" for an oscillator; "function" for a function.
     x, y : (float, float)
         The window.
     boundary : list of Piece
     loops : list of ndarray (M, 2)
         Closed rings of (x, y), counter-clockwise around a zone and clockwise around a hole; for an oscillator fine
-        enough that the polygon is within 1e-7 of the curve (the window being the unit square, log D).
+        enough that the polygon is within 1e-7 of the curve (in the window scaled to the unit square of r and log
+        D).
     closed : bool
         Whether every boundary that was found could be closed, and every seed is enclosed. The known parts of a
-        boundary that could not be closed are in `open_boundary`; with rest they lie in narrow strips, and the
-        zone is closed along their edges. Nothing is said about zones that were not
-        found: see `search`.
+        boundary that could not be closed are in `open_boundary`; with rest they lie in narrow strips, and the zone
+        is closed along the edges of the strips. True does not mean that all zones were found: see `search`.
     search : ZoneSearch
     cycles : int
         Load cycles in a period.
@@ -228,13 +229,13 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         For an oscillator: only motions that are their own mirror images (True), only others (False), or both
         (None).
     structure : Structure
-        For a structure: of the motion from which the search started.
+        For a structure: the structure of the motion from which the search started.
     load : float, or Load
-        1 for an oscillator; for a structure that of the motion from which the search started.
+        1 for an oscillator; for a structure the load of the motion from which the search started.
     gaps : ndarray (N,)
         For a structure: the gap of each impact, from 0.
     case : str
-        The case as a namelist; of a zone of an atlas, the search for its pattern alone.
+        The case as a namelist; for a zone of an atlas, the case that searches only for its pattern.
     """
 
     __slots__ = ()
@@ -279,7 +280,7 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         points = np.stack(
             [rings.columns[name].values for name in VERTICES[self.of_structure][:2]], axis=1
         )
-        if not self.of_structure and not np.all(points[:, 1] > 0):  # in a file that is broken
+        if not self.of_structure and not np.all(points[:, 1] > 0):  # in a damaged file
             raise ParameterError(f"rings.clearance = {points[:, 1].min()}: must be above 0")
         return [points[here] for here in runs(rings, self._result.tables["loops"].dims["ring"])]
 
@@ -308,8 +309,8 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
     def contains(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.bool_]:
         """Whether there is a stable, admissible motion of the pattern, or of the family of a structure, at points.
 
-        Only closed loops count. Where an open boundary leaves it undecided (`undecided`), the result is False,
-        with an `OpenBoundaryWarning`.
+        Only closed loops count. At points that an open boundary leaves undecided (`undecided`), the result is
+        False, with an `OpenBoundaryWarning`.
 
         Parameters
         ----------
@@ -326,7 +327,7 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
     def count(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.int64]:
         """Number of stable, admissible motions of the pattern or family at points; mirror images count once.
 
-        A lower bound where an open boundary leaves it undecided, with an `OpenBoundaryWarning`.
+        At points that an open boundary leaves undecided it is a lower bound, with an `OpenBoundaryWarning`.
         """
         return self._counted(x, y)
 
@@ -357,11 +358,11 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         return x, y
 
     def _square(self, points: _Array) -> _Array:
-        """Points (M, 2) in the form of `winding`: those of a structure in the unit square, with the exponential of
-        the second coordinate."""
+        """Points (M, 2) in the form that `winding` takes; for a structure they are scaled to the unit square, and
+        the second coordinate is replaced by its exponential."""
         if not self.of_structure:
             return points
-        # a point may be as far outside the window as numbers go
+        # points may be arbitrarily far outside the window
         with np.errstate(over="ignore", invalid="ignore"):
             scaled = (points - (self.x[0], self.y[0])) / (np.ptp(self.x), np.ptp(self.y))
             return np.stack([scaled[:, 0], np.exp(scaled[:, 1])], axis=1)
@@ -372,11 +373,11 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         return [piece for piece in self.boundary if piece.loop < 0]
 
     def undecided(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.bool_]:
-        """Whether an open boundary leaves it undecided whether there is a stable, admissible motion at points.
+        """Whether an open boundary leaves open if there is a stable, admissible motion at points.
 
-        This is so at points of the window in no closed loop whose line of constant x or of constant y meets an
-        open piece or a seed that is not enclosed. If no part of the open boundary is known, it is so everywhere
-        outside closed loops.
+        Undecided are points of the window outside all closed loops whose line of constant x or of constant y meets
+        an open piece or a seed that is not enclosed. If no part of the open boundary is known, all points outside
+        closed loops are undecided.
 
         Parameters
         ----------
@@ -403,19 +404,19 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         return np.asarray(window & met & (turns <= 0))
 
     def at(self, x: float, y: float) -> tuple[Structure, Load]:
-        """The structure and the load at values of both parameters, of a zone of a structure."""
+        """The structure and the load at values of both parameters, for a zone of a structure."""
         place = [checks.to_float(value, "x, y", "finite numbers") for value in (x, y)]
         return Path(self._result, *self._start, [self.x, self.y]).at(*place)
 
     def motion(self, x: float, y: float) -> Any:
         """The motion at a point, followed from the boundary.
 
-        It is followed from the nearest vertex of each piece, then from others: the first one that is stable and
-        admissible; otherwise, or where no closed loop of an oscillator encloses the point, the first admissible
-        one of the nearest pieces. Motions of structures with rests, stops or friction are followed from the one
-        where the search started, along branches on the straight line or along one parameter after the other. None
-        if none can be followed so far, for motions of an oscillator with rest, and for the latter in a zone of an
-        atlas.
+        The motion is followed from the nearest vertex of each piece, then from other vertices, until a stable and
+        admissible motion is found. If there is none, or no closed loop of an oscillator encloses the point, the
+        first admissible motion from the nearest pieces is returned. Motions of structures with rests, stops or
+        friction are followed from the motion where the search started, along branches on the straight line or
+        along one parameter after the other. The result is None if no motion can be followed to the point, for
+        motions of an oscillator with rest, and for motions with rests, stops or friction in a zone of an atlas.
 
         Examples
         --------
@@ -430,7 +431,7 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         return self._motion_of_oscillator(checks.number(x, "r"), checks.number(y, "clearance"))
 
     def _motion_of_oscillator(self, r: float, clearance: float) -> Motion | None:
-        """As `motion`, of an oscillator."""
+        """As `motion`, for an oscillator."""
         if self.pattern.has_rest:
             return None
         r_size, d_size = np.ptp(self.r), np.ptp(np.log(self.clearance))
@@ -454,7 +455,7 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
     def _has(self, motion: Motion, piece: Piece) -> bool:
         """Whether a motion followed from a piece is admissible and of the family of the piece.
 
-        Next to a pitchfork or a flip Newton's method can leave for motions that repeat themselves.
+        Near a pitchfork or a flip, Newton's method can converge to a motion that repeats itself.
         """
         return bool(
             motion.admissible and motion.consistent and is_symmetric(motion) == piece.symmetric
@@ -462,7 +463,7 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         )  # fmt: skip
 
     def _followed(self, piece: Piece, j: int, r: float, clearance: float) -> Motion | None:
-        """The motion at a point, followed from a vertex; None if it cannot be followed so far."""
+        """The motion at a point, followed from a vertex; None if it cannot be followed to the point."""
         x, theta = piece.x_over_D[:, j], piece.theta[:, j]
         begin, last = float(piece.clearance[j]), None
         for part in np.linspace(0, 1, 7)[1:].tolist():
@@ -476,7 +477,7 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         return last
 
     def _motion_of_structure(self, x: float, y: float) -> Motion | None:
-        """As `motion`, of a structure."""
+        """As `motion`, for a structure."""
         target = np.array([checks.to_float(value, "x, y", "finite numbers") for value in (x, y)])
         if len(self.resting) or not self.structure._is_rigid:
             return self._followed_from_start(target)
@@ -485,7 +486,7 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         for piece in self.boundary:
             apart = np.linalg.norm((np.c_[piece.x, piece.y] - target) / size, axis=1)
             nearest = int(np.argmin(apart))
-            # later others: Newton's method can fail from where two impacts come together
+            # then other vertices: Newton's method can fail where two impacts are nearly simultaneous
             for j in {nearest, *np.linspace(0, len(piece) - 1, 5).astype(int).tolist()}:
                 vertices.append((j != nearest, float(apart[j]), piece, j))
         other = None
@@ -499,8 +500,8 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         return other
 
     def _followed_from_start(self, target: _Array) -> Motion | None:
-        """The motion with rests, stops or friction at a point, followed from the one where the search started: on
-        the straight line, or along one parameter after the other."""
+        """The motion with rests, stops or friction at a point, followed from the motion where the search started:
+        along the straight line, or along one parameter after the other."""
         begin, motions = self._origin
         found: Motion | None = None
         for corner in (target, np.array([target[0], begin[1]]), np.array([begin[0], target[1]])):
@@ -514,7 +515,7 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         return found
 
     def _along(self, motion: Motion, start: _Array, end: _Array) -> list[Motion]:
-        """The admissible motions at the end of a straight line on the branch of a motion at its start."""
+        """The admissible motions at the end of a straight line, on the branch of the motion at its start."""
         if (start == end).all():
             return [motion]
         try:
@@ -531,7 +532,7 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
 
     @cached_property
     def _origin(self) -> tuple[_Array, list[Motion]]:
-        """Where the search of a structure started, and the motion there, if the case has it."""
+        """The point where the search of a structure started, and the motion there, if the case contains it."""
         path = Path(self._result, *self._start, [self.x, self.y])
         begin = np.array(path.start([self.keys.get("x_at"), self.keys.get("y_at")]))
         before, group, _ = self.case.rpartition("\n&zone\n")
@@ -560,8 +561,8 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
 
     @property
     def area(self) -> float:
-        """Area in the plane (r, log D), or of both parameters of a structure; zones of motions that coexist are
-        added."""
+        """Area in the plane (r, log D), or in that of both parameters of a structure; areas of coexisting motions
+        are added."""
         rings = self.loops
         if not self.of_structure:
             rings = [np.c_[ring[:, 0], np.log(ring[:, 1])] for ring in rings]
@@ -594,7 +595,7 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         return bool(self)
 
     def prove(self, tolerance: float = 0.004, progress: door.Progress | None = None) -> Any:
-        """Prove in ball arithmetic where in the window stable, admissible motions exist, and where none does.
+        """Prove in ball arithmetic where in the window stable, admissible motions exist, and where none do.
 
         It needs the extra `proof`, and a zone of symmetric motions RL/k of an oscillator (symmetric=True, R1 = R2,
         k odd). The boundary of the zone is not used: boxes fill the plane of r and the phase of the load at the
@@ -603,7 +604,7 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         Parameters
         ----------
         tolerance : float, optional
-            The width in log D of what may be left open beside the boundary, relative to the window.
+            The width in log D of the undecided strip along the boundary, relative to the window.
         progress : callable, optional
             Called with the fraction done and a note; by default a bar on a terminal or in a notebook.
 
@@ -615,7 +616,7 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         Raises
         ------
         ParameterError
-            If it is another zone.
+            If the zone is of another kind.
         MissingExtraError
             If python-flint is not installed.
 
@@ -633,13 +634,14 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
     def plot(
         self, ax: Any = None, inverse: bool = False, label: str | None = None, units: Units | str | None = None,
     ) -> Any:  # fmt: skip
-        """Draw the zone with its boundary pieces distinguished by line style and colour.
+        """Draw the zone; the types of its boundary pieces differ by line style and colour.
 
         Parameters
         ----------
         ax : matplotlib Axes, optional
         inverse : bool
-            For an oscillator: F0/(d K) upwards, as in Figures 6 to 8 of the 1983 paper, instead of d K/F0.
+            For an oscillator: draw F0/(d K) on the vertical axis, as in Figures 6 to 8 of the 1983 paper, instead
+            of d K/F0.
         label : str, optional
             Written into the zone; by default the pattern of an oscillator.
         units : Units or str, optional
@@ -708,7 +710,7 @@ def zone_structure(
     x_at: float | None = None,
     y_at: float | None = None,
 ) -> Zone:
-    """As `zone`, of a motion of a structure."""
+    """As `zone`, for a motion of a structure."""
     keys, names = keys_of_plane(motion.structure, motion.load, (x, y), (x_at, y_at))
     keys |= {"lines": lines, "max_points": max_points}
     found = run_from(motion, Zone, keys, names, progress)
@@ -770,22 +772,22 @@ def zone(
 
     For an oscillator: those of all motions of a pattern, in the plane (r, d K/F0). Motions of a pattern with rest
     are continued in the same way. Where a rest vanishes, the accumulation of impacts just fails to complete before
-    the acceleration that closes the gap changes its sign; that boundary is accurate to about 1e-10.
+    the acceleration that closes the gap changes its sign; this boundary is accurate to about 1e-10.
 
-    Motions are searched by Newton's method at the nodes of a lattice over the window and, for patterns without
-    rest, by simulation at points between them; the more impacts and the fewer motions found, the longer. The
-    lattice lines are followed on every sheet of motions found, and on those that begin at the pitchforks and flips
-    that the lines of the symmetric motions and of half the pattern meet. Where a line enters or leaves a zone, the
-    boundary is traced by pseudo-arclength continuation of the motion together with the one condition that is zero
-    there (fold, flip, pitchfork, Neimark-Sacker, grazing, zero approach, or an edge of the window); where another
-    condition becomes zero there is a corner, and the boundary is followed along that one.
+    Motions are searched for by Newton's method at the nodes of a lattice over the window and, for patterns without
+    rest, by simulation at points between the nodes; the search is longer for more impacts and if few motions are
+    found. The motions are followed along the lattice lines on every sheet that was found, and on the sheets that
+    begin at pitchforks and flips of symmetric motions and of motions of half the pattern on these lines. Where a
+    line enters or leaves a zone, the boundary is traced by pseudo-arclength continuation of the motion together
+    with the one condition that is zero there (fold, flip, pitchfork, Neimark-Sacker, grazing, zero approach, or an
+    edge of the window); where another condition becomes zero there is a corner, and the boundary continues along
+    that condition.
 
-    Of a motion of a structure: the zone around it, in the plane of any two parameters. The lines of a lattice over
-    the window are followed through the motion and through each motion where two lines cross, on every sheet that
-    they reach; boundaries are traced in the same way. Motions with other impacts, and sheets that are not
-    connected to the motion, have zones of their own. With stops or friction a zone also ends where the sequence of
-    events changes, as along a branch; pitchforks of motions that are their own mirror image are not followed, and
-    a zone that has them is refused.
+    For a motion of a structure: the zone around it, in the plane of any two parameters. The motion is followed
+    along the lines of a lattice over the window, and from each crossing of two lines further motions are followed,
+    on every sheet that is reached; boundaries are traced in the same way. Motions with other impacts, and sheets
+    that are not connected to the motion, have separate zones. With stops or friction a zone also ends where the
+    sequence of events changes, as along a branch.
 
     Parameters
     ----------
@@ -793,10 +795,10 @@ def zone(
     pattern : Pattern or str
         At most 24 impacts.
     r, clearance : (float, float)
-        The window: ranges (lo, hi) of the frequency ratio and of d K/F0, or arrays, of which the ends count; d is
-        the whole travel of m between the walls.
+        The window: ranges (lo, hi) of the frequency ratio and of d K/F0, or arrays, of which only the ends are
+        used; d is the whole travel of m between the walls.
     motion : Motion
-        In place of the oscillator and the pattern: one of a structure that `branch` takes.
+        In place of the oscillator and the pattern: a motion of a structure, as accepted by `branch`.
     x, y : (parameter, (float, float))
         For a structure, in place of r and clearance: each a parameter, as in `branch`, with its lowest and highest
         value.
@@ -804,29 +806,28 @@ def zone(
         Only motions that are their own mirror image half a period later (True: the equispaced ones, of two
         impacts), only others (False), or both (None).
     lines : int
-        Lattice lines in each direction over a window like that of the 1983 charts (r 0.8 to 1.2, and a factor
-        100 in
-        d K/F0), 5 to 129; a larger window gets more of them, in proportion to the logarithm of d K/F0 and to
-        asinh(10 (r - 1)), and one more at each resonance r = 1/n; at least 33 are taken for a pattern with rest.
-        Parts of a zone that touch no line can be missed: more lines find more. For a structure: in each direction,
-        whatever the window.
+        Number of lattice lines in each direction over a window like that of the 1983 charts (r 0.8 to 1.2, and a
+        factor 100 in d K/F0), 5 to 129. A larger window gets more lines, in proportion to the logarithm of d K/F0
+        and to asinh(10 (r - 1)), and one more at each resonance r = 1/n; a pattern with rest gets at least 33.
+        Parts of a zone that touch no line can be missed: more lines find more. For a structure, the number of
+        lines in each direction for any window.
     guesses : int
-        Guesses for motions at every second node in each direction; a quarter of this number at the others. Both
-        are searched again with further guesses as long as these find new sheets of motions of many impacts.
-        With 0, only the seeds are used.
+        Number of guesses for motions at every second node in each direction, and a quarter of it at the other
+        nodes. For motions of many impacts the search is repeated with further guesses as long as these find new
+        sheets. With 0, only the seeds are used.
     seeds : sequence of Motion
-        Known motions of the pattern that the search could miss. From each that is stable and admissible a line is
-        followed to the boundary of its zone. If that was not known, or the seed is not such a motion, the lines of
-        constant r and of constant d K/F0 through it are followed through the window, and every boundary that they
-        meet is traced: each seed that is stable, admissible and inside the window is in the zone or in
-        `search.open_seeds`.
+        Known motions of the pattern that the search could miss. From each stable and admissible seed a line is
+        followed to the boundary of its zone. If this boundary was not known, or the seed is not stable and
+        admissible, motions are followed through the window along the lines of constant r and of constant d K/F0
+        through the seed, and every boundary that they meet is traced. Each seed that is stable, admissible and
+        inside the window is then in the zone or in `search.open_seeds`.
     max_points : int
-        Most vertices of a loop.
+        Largest number of vertices of a loop.
     progress : callable, optional
         Called a few times a second with the fraction done and the current task; an exception that it raises ends
         the search.
     x_at, y_at : float, optional
-        For a structure: the value of a parameter at the motion, if it is a function.
+        For a structure: the value of the parameter at the motion, if the parameter is a function.
 
     Returns
     -------
@@ -852,7 +853,8 @@ def zone(
     >>> equispaced.contains(1.04, [25.0, 3.0]).tolist()
     [True, False]
 
-    The motion of the third column of Table 1 of the 1983 paper, by the matrices of its two masses:
+    The motion of the third column of Table 1 of the 1983 paper, with the system given by the matrices of its two
+    masses:
 
     >>> import math
     >>> gaps = [vi.Gap([-1, 1], 18.5, 0.75), vi.Gap([1, -1], 18.5, 0.75)]
@@ -873,7 +875,7 @@ def zone(
 
 
 def seed_list(pattern: Pattern, seeds: Sequence[Motion]) -> list[float]:
-    """Seeds in the form of the key: r, D, x_i/D, theta_i of each."""
+    """Seeds in the form of the key: r, D, x_i/D and theta_i for each."""
     if not isinstance(seeds, Iterable):
         raise ParameterTypeError(f"seeds = {seeds!r}: must be a list of motions")
     numbers: list[float] = []

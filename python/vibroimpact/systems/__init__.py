@@ -1,1 +1,1 @@
-"""What is computed: oscillators and structures with gaps, restitution, loads and records, units, distributions."""
+"""The systems: oscillators and structures with gaps, restitution, loads and records, units, and distributions."""

@@ -1,4 +1,4 @@
-"""What is known of an uncertain parameter: its value, a range, quantiles, or a normal distribution."""
+"""Uncertain parameters: a value, a range, quantiles, or a normal distribution."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ RANGE_OF = {
 }  # fmt: skip
 #: Standard deviations beyond which a normal distribution is cut off.
 CUT = 6.0
-#: Number of quantiles that represent a distribution of SciPy that is neither normal nor uniform, and the share
-#: taken for 0 at its lower end and for 1 less at its upper end.
+#: Number of quantiles that represent a SciPy distribution that is neither normal nor uniform, and the probability
+#: that is cut off at each of its ends.
 QUANTILES, TAIL = 1001, 1e-9
-#: Nominal values that a point gives, and that may be uncertain by a factor.
+#: Parameters whose nominal values are those of a point, and that may be uncertain by a factor.
 FACTORS = ("r", "clearance", "load")
 #: Rows of `systems`.
 ROWS = ("r", "clearance", "xi", "mu", "R1", "R2")
@@ -36,10 +36,10 @@ class Uncertain:
     Attributes
     ----------
     numbers : tuple of float
-        Quantiles at even steps, linear in between: two are the range of a uniform distribution. If it is normal,
-        mean and standard deviation.
+        Quantiles at evenly spaced probabilities, linear in between; two numbers are the range of a uniform
+        distribution. For a normal distribution, mean and standard deviation.
     normal : bool
-        A normal distribution is cut off at 6 standard deviations.
+        Whether it is a normal distribution, which is cut off at 6 standard deviations.
     """
 
     numbers: tuple[float, ...]
@@ -47,12 +47,12 @@ class Uncertain:
 
     @property
     def low(self) -> float:
-        """Its least value."""
+        """The smallest value."""
         return self.numbers[0] - CUT * self.numbers[1] if self.normal else self.numbers[0]
 
     @property
     def high(self) -> float:
-        """Its greatest value."""
+        """The largest value."""
         return self.numbers[0] + CUT * self.numbers[1] if self.normal else self.numbers[-1]
 
     @property
@@ -70,18 +70,18 @@ class Uncertain:
 
     @property
     def meaning(self) -> str:
-        """What `around` takes its values for."""
+        """How `around` interprets the values: as factors or deviations."""
         return " (factors)" if self.low > 0 else " (deviations)"
 
     def around(self, nominal: Any, values: Any) -> Any:
-        """Values of a parameter that has a nominal one: factors if all are positive, otherwise deviations.
+        """Values of a parameter around its nominal value: factors if all are positive, otherwise deviations.
 
-        Values that include 0 are deviations, and factors are above 0, so the two cannot be confused.
+        Deviations include 0 and factors are above 0, so the two cannot be confused.
         """
         return nominal * values if self.low > 0 else nominal + values
 
     def require_around(self, name: str) -> None:
-        """Refuses values that are neither deviations from a nominal value nor factors of it.
+        """Rejects values that are neither deviations from a nominal value nor factors of it.
 
         Raises
         ------
@@ -96,7 +96,7 @@ class Uncertain:
             )
 
     def at(self, shares: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The quantiles of shares between 0 and 1."""
+        """The quantiles for probabilities between 0 and 1."""
         if not self.normal:
             return np.interp(shares, np.linspace(0, 1, len(self.numbers)), self.numbers)
         from scipy.special import ndtri
@@ -106,14 +106,14 @@ class Uncertain:
 
 
 def uncertain(value: Any, name: str) -> Uncertain:
-    """An uncertain parameter from what a caller gives.
+    """An uncertain parameter from the value that a caller gives.
 
     Parameters
     ----------
     value : float, sequence or distribution
-        A number, a range (low, high) in which all values are equally likely, three or more quantiles at even
-        steps, or a frozen distribution of scipy.stats. A distribution that is neither normal nor uniform is
-        represented by 1001 quantiles, with those of 1e-9 and 1 - 1e-9 at its ends.
+        A number, a range (low, high) in which all values are equally likely, three or more quantiles at evenly
+        spaced probabilities, or a frozen distribution of scipy.stats. A distribution that is neither normal nor
+        uniform is represented by 1001 quantiles, of which the outermost are those at 1e-9 and 1 - 1e-9.
     name : str
         For messages.
 
@@ -157,9 +157,9 @@ def _of_scipy(distribution: Any) -> Uncertain:
 
 
 def uncertain_parameters(given: Any, name: str, factors: bool = False) -> dict[str, Uncertain]:
-    """Uncertain parameters by name; `restitution` stands for that of both walls, which is then the same.
+    """Uncertain parameters by name; `restitution` is one value that applies to both walls.
 
-    With `factors`, those of a point (r, clearance, load) are factors of their nominal values.
+    With `factors`, values of r, clearance and load are factors of their nominal values.
 
     Raises
     ------
@@ -202,7 +202,7 @@ def shares(count: int, items: int, random: np.random.Generator) -> NDArray[np.fl
 def systems(
     osc: Oscillator, parameters: Mapping[str, Uncertain], where: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Systems whose uncertain parameters are at some quantiles.
+    """Systems whose uncertain parameters have the values at given quantiles.
 
     Parameters
     ----------
@@ -211,7 +211,7 @@ def systems(
     parameters : dict of Uncertain
         As in `uncertain_parameters` with `factors`.
     where : ndarray (parameters, n)
-        Shares between 0 and 1.
+        Probabilities between 0 and 1.
 
     Returns
     -------
@@ -233,14 +233,14 @@ def systems(
 
 
 def interval(holds: int, count: int, confidence: float = 0.95) -> tuple[float, float]:
-    """The interval of Clopper and Pearson for a probability, from independent trials.
+    """The Clopper–Pearson interval for a probability, from independent trials.
 
     Parameters
     ----------
     holds, count : int
-        Successes, and trials, at least one.
+        Number of successes, and of trials (at least one).
     confidence : float
-        Least probability with which such an interval contains the true one.
+        Lower bound of the probability that such an interval contains the true probability.
 
     Examples
     --------
@@ -260,7 +260,8 @@ def interval(holds: int, count: int, confidence: float = 0.95) -> tuple[float, f
         return float(np.exp(exponents).sum())
 
     def solved(successes: int, wanted: float) -> float:
-        """The probability of a trial at which `at_least` has a value, which it increases to."""
+        """The success probability of a trial at which `at_least` (an increasing function of it) has the given
+        value."""
         low, high = 0.0, 1.0
         for _ in range(60):
             middle = 0.5 * (low + high)
@@ -272,7 +273,7 @@ def interval(holds: int, count: int, confidence: float = 0.95) -> tuple[float, f
 
 
 def in_range(key: str, low: float, high: float, name: str) -> None:
-    """Refuses values outside the range of a parameter.
+    """Rejects values outside the range of a parameter.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The given data: the vibrating system and the pattern of impacts."""
+"""The oscillator, an oscillator at a point, and the pattern of impacts."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from .units import (
 
 __all__ = ["Oscillator", "Pattern"]
 
-#: Largest number of characters of a text that a message repeats.
+#: Largest number of characters of a user's text that a message repeats.
 MOST_SHOWN = 80
 Names = ParamSpec("Names")
 Found = TypeVar("Found")
@@ -44,7 +44,7 @@ def by_name(example: str) -> Callable[[Callable[Names, Found]], Callable[Names, 
     def decorate(method: Callable[Names, Found]) -> Callable[Names, Found]:
         @wraps(method)
         def checked(*positional: Any, **named: Any) -> Found:
-            if len(positional) > 1:  # the first is the object or the class
+            if len(positional) > 1:  # the first argument is the object or the class
                 given = ", ".join(map(repr, positional[1:]))
                 raise ParameterTypeError(
                     f"{example.partition('(')[0]}({given}): must have the names of its parameters, as {example}"
@@ -229,7 +229,7 @@ class Oscillator:
         ratio = values["xi"]
         if C is not None:
             damping = positive(values["C"], "C", zero=True)
-            # with 50 digits, so that the result is the nearest float: a xi of 0.05 gives exactly 0.05
+            # with 50 digits, so that the result is the nearest float and xi = 0.05 is restored exactly
             with localcontext() as context:
                 context.prec = 50
                 critical = 2 * (Decimal(stiffness) * Decimal(mass)).sqrt()
@@ -366,7 +366,7 @@ class Oscillator:
         return amplitude * math.hypot(self.K, omega * 2 * self.xi * math.sqrt(self.K * self.M))
 
     def units(self, F0: float | None = None) -> Units:
-        """Physical units of length, time, velocity, … for a load amplitude F0, by default the oscillator's.
+        """Physical units of length, time, velocity, … for a load amplitude F0; by default that of the oscillator.
 
         M and K of the oscillator must be known (see `from_dimensional`).
 
@@ -528,7 +528,7 @@ class Point:
 
     @property
     def _has_elements(self) -> bool:
-        """Whether there is friction, or walls give."""
+        """Whether there is friction or compliant walls."""
         return self.friction > 0 or self.stops is not None
 
     @property
@@ -665,7 +665,7 @@ class Pattern:
         return re.findall(r"[RL]\*?", self.sides)
 
     def standard(self, alike: bool = False) -> Pattern:
-        """The same pattern, rotated to the standard starting symbol, with R before L.
+        """The same pattern, rotated to its standard first symbol, with R before L.
 
         Parameters
         ----------
@@ -697,7 +697,7 @@ def of_numbers(osc: Any, name: str = "osc") -> None:
 
 
 def pattern_of(value: Any, name: str = "pattern") -> Pattern:
-    """A pattern, also from its text: SIDES, or SIDES/CYCLES.
+    """A pattern, possibly given as a text: SIDES, or SIDES/CYCLES.
 
     Examples
     --------
@@ -724,7 +724,7 @@ def pattern_of(value: Any, name: str = "pattern") -> Pattern:
 
 
 def plain_pattern(value: Any) -> Pattern:
-    """A pattern without rest, as the linear equations need it, also from its text."""
+    """A pattern without rest, as the linear equations require; it may be given as a text."""
     pattern = pattern_of(value)
     if pattern.has_rest:
         raise ParameterError(

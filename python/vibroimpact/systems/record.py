@@ -1,4 +1,4 @@
-"""Forces by samples, and loads due to a motion of the base."""
+"""Sampled forces, and loads due to a motion of the base."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ MOST = 10**8
 class Record(ByValue):
     """A sampled force, from time 0: linear between samples, and 0 after the last one.
 
-    Motions under a record are exact for the forces that are linear between the samples. Samples of a sine give
-    the motion under the sine with an error that falls with the square of `step`.
+    Motions under a record are exact for the force that is linear between the samples. For samples of a sine, the
+    error of the motion decreases with the square of `step`.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ class Record(ByValue):
     force : ndarray (samples, n)
         The force at each coordinate.
     samples : ndarray (samples, columns)
-        The columns as they were given, without weights those that act.
+        The columns as given; without weights, the columns that are not all zero.
     weights : ndarray (columns, n)
         The forces on the coordinates per unit of each column.
 
@@ -121,7 +121,7 @@ class Record(ByValue):
         return self.step * (len(self.force) - 1)
 
     def _arrays(self) -> tuple[float, _Array, _Array]:
-        """As of a load without harmonics."""
+        """As for a load without harmonics."""
         return 0.0, np.zeros((self.coordinates, 2, 0)), self.constant
 
     def _groups(self) -> list[tuple[str, dict[str, Any]]]:

@@ -47,7 +47,7 @@ class Law(ABC):
 
     @abstractmethod
     def _scaled(self, factor: float) -> Restitution:
-        """The law whose coefficients are those of this one times a factor."""
+        """The law with all coefficients multiplied by a factor."""
 
     def __call__(self, speed: ArrayLike) -> _Array:
         """R at approach speeds >= 0, of any shape."""
@@ -174,7 +174,7 @@ class TabulatedRestitution(ByValue, Law):
 
 #: The kinds of laws, by their numbers in the core.
 KINDS = ("constant", "power", "table", "stop", "pushing", "friction")
-#: What is taken as the coefficient of restitution of a gap.
+#: The types that a coefficient of restitution of a gap may have.
 Restitution: TypeAlias = float | Law
 
 
@@ -192,12 +192,12 @@ def checked(restitution: Restitution, label: str | None = None) -> Restitution:
 
 
 def to_columns(restitution: Restitution) -> dict[str, Any]:
-    """A law as the keys of a &gap, from which files, parameters and the core's arrays take it."""
+    """A law as the keys of a &gap; files, parameters and the arrays of the core use this form."""
     return restitution._columns() if isinstance(restitution, Law) else {"restitution": restitution}
 
 
 def from_columns(columns: Mapping[str, Any]) -> Restitution:
-    """The inverse of `to_columns`; other columns than those of the law do not matter."""
+    """The inverse of `to_columns`; columns that are not those of the law are ignored."""
     law = columns.get("law", "constant")
     if law == "power":
         numbers = [columns[f"law_{name}"] for name in ("speed", "exponent", "sharpness")]
@@ -209,7 +209,7 @@ def from_columns(columns: Mapping[str, Any]) -> Restitution:
 
 
 def numbers_of(restitution: Restitution) -> list[float]:
-    """The kind and numbers of a law, for the core: of a table its length, speeds and values."""
+    """The kind and numbers of a law, for the core; for a table, its length, speeds and values."""
     columns = to_columns(restitution)
     kind = KINDS.index(columns.pop("law", "constant"))
     length = [len(columns["law_speeds"])] if KINDS[kind] == "table" else []

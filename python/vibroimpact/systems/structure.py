@@ -20,14 +20,14 @@ __all__ = ["Friction", "Gap", "Load", "Stop", "Structure"]
 _Array = NDArray[np.float64]
 #: Largest number of coordinates of a structure, and of gaps.
 MOST = 500
-#: Largest modulus of a number of a matrix; of a frequency, a damping ratio, a mode shape or a direction.
+#: Largest modulus of an entry of a matrix; of a frequency, a damping ratio, a mode shape or a direction.
 LARGEST, LARGEST_MODAL = 1e100, 1e40
 MOST_OUTPUTS = 100
-#: What follows where coupled gaps close at one instant, as the core numbers it.
+#: The laws for coupled gaps that close at one instant, as the core numbers them.
 SIMULTANEOUS = (None, "newton", "sequence")
-#: Most harmonics of the motion of a wall.
+#: Largest number of harmonics of the motion of a wall.
 MOST_HARMONICS = 100
-#: The verbs that take stops and friction.
+#: The functions that accept stops and friction.
 WITH_ELEMENTS = (
     "simulate, periodic, exact, find, branch, zone, chart, atlas, response, bifurcation_diagram,"
     " lyapunov and basins"
@@ -57,7 +57,7 @@ def _checked_direction(direction: ArrayLike) -> _Array:
 
 
 def _wall(cosine: ArrayLike | None, sine: ArrayLike | None) -> tuple[_Array, _Array]:
-    """The amplitudes of the motion of a wall, checked, as many of both."""
+    """The amplitudes of the motion of a wall, checked, with equal numbers of cosines and sines."""
     wanted = f"at most {MOST_HARMONICS} numbers from -1e100 to 1e100"
     parts = []
     for name, values in {"cosine": cosine, "sine": sine}.items():
@@ -480,7 +480,7 @@ class Structure(ByValue):
         if not 1 <= n <= MOST:
             raise ParameterError(f"mass of shape {(n, n)}: must be for 1 to {MOST} coordinates")
         masses = np.diag(matrices["mass"])
-        # coordinates scaled by the roots of their masses: what is refused does not depend on their units
+        # coordinates scaled by the square roots of their masses, so that the checks do not depend on their units
         unit = 1 / np.sqrt(masses) if (masses > 0).all() else np.ones(n)
         for name, matrix in matrices.items():
             if len(matrix) != n:
@@ -489,7 +489,7 @@ class Structure(ByValue):
                 )
             object.__setattr__(self, name, _symmetric(matrix, unit, name))
             if ((masses < 1e-40) | (masses > 1e40)).any():
-                # such masses are refused by a simulation; their factors would overflow
+                # a simulation rejects such masses; their factors would overflow
                 unit = np.ones(n)
         gaps = _list_of_gaps(gaps)
         friction = _list_of_gaps(friction, "friction", (Friction,))
@@ -625,9 +625,10 @@ class Structure(ByValue):
         return len(self.mass)
 
     def _arrays(self) -> tuple[_Array, _Array, _Array]:
-        """Matrices (n, n, 3), directions (n, gaps), and openings with restitution.
+        """Matrices (n, n, 3), directions (n, gaps), and openings with coefficients of restitution.
 
-        The latter are (2, gaps), or with laws (3 or more, gaps): opening, kind and numbers of each.
+        The last array is (2, gaps), or with laws (3 or more, gaps): the opening, then kind and numbers of each
+        law.
         """
         matrices = np.stack([self.mass, self.damping, self.stiffness], axis=-1)
         # f2py refuses arrays with two rows and no column: a gap that never closes is used in place of none
@@ -656,14 +657,14 @@ class Structure(ByValue):
         return np.asfortranarray(matrices), np.asfortranarray(directions), np.asfortranarray(values)
 
     def _raise_status(self, code: int) -> None:
-        """As `raise_status`; names the eigenvalues of two modes that nearly coincide."""
+        """As `raise_status`, but also names the eigenvalues of two modes that nearly coincide."""
         if code != DEFECTIVE:
             raise_status(code)
             return
         n = self.coordinates
         rates = np.linalg.solve(self.mass, np.hstack([self.stiffness, self.damping]))
         values, vectors = np.linalg.eig(np.vstack([np.eye(n, 2 * n, n), -rates]))
-        # complex eigenvalues first: two real ones that coincide are a pair at critical damping
+        # complex eigenvalues first: two equal real ones belong to critical damping
         moving = np.abs(values) > 1e-6 * np.abs(values).max()
         for kept in (values.imag > 0, moving & (values.imag == 0)):
             parallel = np.triu(np.abs(vectors[:, kept].conj().T @ vectors[:, kept]), 1)
@@ -674,7 +675,7 @@ class Structure(ByValue):
         raise_status(code)
 
     def _groups(self) -> list[tuple[str, dict[str, Any]]]:
-        """The groups of a namelist that describe it."""
+        """The namelist groups that describe it."""
         if not self._parts:
             raise ParameterError(
                 f"{self!r}: has no namelist, since a &structure has at least one &gap, &stop or &friction"
@@ -694,7 +695,7 @@ class Structure(ByValue):
 
     @property
     def _parts(self) -> tuple[Gap | Stop | Friction, ...]:
-        """Gaps and stops, and then friction, as the core numbers them."""
+        """Gaps and stops, then friction, in the order of the core."""
         return (*self.gaps, *self.friction)
 
     @property
@@ -708,7 +709,7 @@ class Structure(ByValue):
         return not self.friction and all(isinstance(gap, Gap) for gap in self.gaps)
 
     def _rigid(self) -> list[Gap]:
-        """Its gaps; ParameterError if one of them is a stop, or if it has friction."""
+        """The gaps; ParameterError if one of them is a stop, or if there is friction."""
         if self.friction:
             raise ParameterError(
                 f"friction[0] = {self.friction[0]!r}: must be left out here; only {WITH_ELEMENTS} take friction"
@@ -735,7 +736,7 @@ class Structure(ByValue):
 
 
 def _check_size(array: NDArray[Any], name: str) -> None:
-    """An error if a matrix, or its diagonal, is for more coordinates than there may be, before it is made."""
+    """Raises an error, before the matrix is made, if it or its diagonal is for too many coordinates."""
     if max(array.shape, default=0) > MOST:
         raise ParameterError(f"{name} of shape {array.shape}: must be for 1 to {MOST} coordinates")
 
@@ -775,7 +776,7 @@ def _square(values: Any, name: str) -> _Array:
 
 
 def _symmetric(matrix: _Array, unit: _Array, name: str) -> _Array:
-    """A matrix that is symmetric, and definite as it must be, but for rounding; `unit` scales the coordinates."""
+    """A matrix checked to be symmetric and definite as required, up to rounding; `unit` scales the coordinates."""
     scales = np.outer(unit, unit)
     scaled = matrix * scales
     apart = np.abs(scaled - scaled.T)
@@ -795,7 +796,7 @@ def _symmetric(matrix: _Array, unit: _Array, name: str) -> _Array:
     elif least < -1e-12 * largest * n:
         rule = "must have no negative eigenvalue; the least one"
     if rule:
-        # the sign may be lost where the units of coordinates differ
+        # the sign may be lost if coordinates have very different units
         own = float(np.linalg.eigvalsh(symmetric).min())
         lost = " with coordinates scaled by the square roots of their masses" if own > 0 else ""
         raise ParameterError(f"{name}: {rule} is {least if own > 0 else own:.3g}{lost}")
@@ -958,7 +959,7 @@ class Load(ByValue):
 
 
 def without_none(load: Any) -> Any:
-    """None for `Load.none()`; else the load."""
+    """None for `Load.none()`, otherwise the load."""
     return None if isinstance(load, Load) and not load.coordinates else load
 
 
@@ -966,8 +967,8 @@ def check_load(
     structure: Any, load: Any, frequency: bool = False, kinds: tuple[type, ...] = (Load,),
     stops: bool = False,
 ) -> None:  # fmt: skip
-    """Checks that a load of one of some kinds is one for a structure, and has a frequency where it must; and that
-    the structure has stops only where it may."""
+    """Checks that a load is of an allowed kind, fits the structure, and has a frequency if one is required; and
+    that the structure has stops only if they are allowed."""
     checks.instance(structure, "structure", Structure)
     if not stops:
         structure._rigid()

@@ -1,4 +1,4 @@
-"""Physical units: what a dimensionless number is worth, in any unit of length, force and time."""
+"""Physical units: conversion of dimensionless numbers to any units of length, force and time, and back."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ..base.jupyter import facts_html
 
 __all__ = ["Units"]
 
-#: The units of length, force and time in those of SI.
+#: The units of length, force and time, each with its size in SI.
 KNOWN: tuple[dict[str, float], ...] = (
     {
         "m": 1.0,
@@ -43,23 +43,23 @@ KNOWN: tuple[dict[str, float], ...] = (
 )
 #: Metre, newton and second.
 SI = "m N s"
-#: The unit of columns whose numbers have several units, or one that the case decides.
+#: The unit of columns whose numbers have several units, or a unit that depends on the case.
 MIXED = "mixed"
-#: How the meaning of a frequency ratio begins.
+#: The beginning of the description of a frequency ratio.
 RATIO = "frequency ratio"
-#: The meaning of a dimensionless clearance, and of a physical one.
+#: The descriptions of a dimensionless and of a physical clearance.
 GAP = "clearance d K/F0; d is the whole travel of m between the walls"
 PHYSICAL_GAP = "clearance d, the whole travel of m between the walls"
-#: Powers of length, force and time in the quantities of which dimensionless units consist.
+#: Powers of length, force and time in F0, K and omega, of which dimensionless units consist.
 DIMENSIONS = {"F0": (0, 1, 0), "K": (-1, 1, 0), "omega": (0, 0, -1)}
 #: Powers of length, force and time.
 Powers: TypeAlias = tuple[int, int, int]
 
-#: Those of the quantities of a rig.
+#: Powers for the quantities of a rig.
 POWERS: dict[str, Powers] = {
     "M": (-1, 1, 2), "m": (-1, 1, 2), "K": (-1, 1, 0), "C": (-1, 1, 1), "xi": (0, 0, 0), "F0": (0, 1, 0),
 }  # fmt: skip
-#: Further ones, and the frequencies among them, which count cycles.
+#: Further quantities, and those among them that are frequencies in cycles.
 OTHERS: dict[str, Powers] = {
     "mu": (0, 0, 0), "d": (1, 0, 0), "displacement": (1, 0, 0), "velocity": (1, 0, -1),
     "acceleration": (1, 0, -2), "contact": (0, 0, 1),
@@ -78,28 +78,28 @@ NAMED: dict[str, tuple[float, Powers, bool]] = {
     "mHz": (2e-3 * math.pi, (0, 0, -1), True), "rpm": (2 * math.pi / 60, (0, 0, -1), True),
     "%": (0.01, (0, 0, 0), False),
 }  # fmt: skip
-#: A number and the rest of the text; one unit with its power.
+#: Patterns of a number followed by text, and of one unit with its power.
 QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*((?:1/)?[^\d\s.].*?)\s*")
 FACTOR = re.compile(r"([A-Za-z%]+)(?:\^?(-?\d))?")
-#: The dimensionless units of arguments of verbs, by name; a state is a mapping of its own.
+#: The dimensionless units of arguments of functions, by name; a state has a mapping of its own.
 ARGUMENTS = {"r": "omega", "clearance": "F0/K", "load": "F0", "friction": "F0"}
 STATE = {
     "t": "1/omega", "x": "F0/K", "y": "F0/K", "z": "F0/K", "x_dot": "omega F0/K", "z_dot": "omega F0/K"
 }  # fmt: skip
-#: Those of the start of a free vibration.
+#: The units of the initial state of a free vibration.
 START = {"amplitude": "F0/K", "y": "F0/K", "x_dot": "omega F0/K", "z_dot": "omega F0/K"}
-#: Arguments that hold values of a state by name.
+#: Arguments that contain values of a state by name.
 OF_STATES = ("state", "fixed")
-#: Those of what limits and targets limit.
+#: The units of the quantities that limits and targets refer to.
 OF_FIGURES = {
     "displacement": "F0/K", "rms": "F0/K", "acceleration": "omega^2 F0/K", "force": "F0",
     "speed": "omega F0/K", "least_speed": "omega F0/K", "least_gap": "F0/K",
 }  # fmt: skip
-#: Arguments that hold values by name, and the units of these.
+#: Arguments that contain values by name, and the units of these values.
 BY_NAME = {"free": ARGUMENTS, "tolerance": ARGUMENTS, "limit": OF_FIGURES, "limits": OF_FIGURES}
-#: Arguments that hold values of the parameter that another argument names.
+#: Arguments that contain values of the parameter that another argument names.
 OF_PARAMETER = ("bounds", "values", "at")
-#: Types that have no unit, which are most arguments.
+#: Types that never have a unit; most arguments are of these types.
 PLAIN = (float, int, np.ndarray, np.float64, type(None))
 
 
@@ -107,7 +107,7 @@ PLAIN = (float, int, np.ndarray, np.float64, type(None))
 class Units:
     """Physical units of the dimensionless quantities for a primary mass M, stiffness K and load F0.
 
-    Multiply a dimensionless number by its unit to get the physical one.
+    A dimensionless number times its unit is the physical number.
 
     Parameters
     ----------
@@ -194,7 +194,7 @@ class Units:
         return self.omega / (2 * math.pi)
 
     def to(self, names: str) -> Units:
-        """The same in other units of length, force and time, such as "mm N s"; "SI" is "m N s".
+        """The same system in other units of length, force and time, such as "mm N s"; "SI" is "m N s".
 
         Raises
         ------
@@ -211,12 +211,13 @@ class Units:
         )
 
     def scale(self, unit: str) -> float:
-        """The number by which a quantity of a dimensionless unit is multiplied, 1 without a dimension.
+        """The factor that converts a dimensionless quantity to physical units; 1 for quantities without a
+        dimension.
 
         Parameters
         ----------
         unit : str
-            As columns of results declare it: "F0/K", "omega F0/K", "1/omega" and the like.
+            The unit in the form that columns of results declare: "F0/K", "omega F0/K", "1/omega" and so on.
 
         Raises
         ------
@@ -227,7 +228,7 @@ class Units:
         return math.prod(factors[name] ** power for name, power in powers_of(unit).items())
 
     def name(self, unit: str) -> str:
-        """The name of the physical unit of a quantity of a dimensionless unit, as "m/s^2"."""
+        """The name of the physical unit, such as "m/s^2", that corresponds to a dimensionless unit."""
         powers = powers_of(unit)
         if not powers:
             return unit
@@ -242,7 +243,7 @@ class Units:
 
     @property
     def of_pictures(self) -> Units:
-        """The same for axes: in mm instead of m where F0/K is below a decimetre."""
+        """The units for axes: with mm instead of m if F0/K is below a decimetre."""
         length, force, time = self.names.split()
         return self.to(f"mm {force} {time}") if length == "m" and self.length < 0.1 else self
 
@@ -259,9 +260,8 @@ class Units:
     def clearance(self, d: Any) -> Any:
         """The dimensionless clearance D = d K/F0 of a clearance d.
 
-        d is the whole travel of the free mass from wall to wall: in the middle it has d/2 on either side, and its
-        position relative to the primary mass stays within |Z - X| <= D/2. If "4 mm of play" means 4 mm on each
-        side, d is 8 mm.
+        d is the whole travel of the free mass from wall to wall: in the middle of the slot it has d/2 on either
+        side, so that |Z - X| <= D/2. If "4 mm of play" means 4 mm on each side, d is 8 mm.
 
         Parameters
         ----------
@@ -361,7 +361,7 @@ class Units:
 
 
 def powers_of(unit: str) -> dict[str, int]:
-    """The powers of F0, K and omega in a unit; none for one without these.
+    """The powers of F0, K and omega in a unit; empty for a unit without them.
 
     Examples
     --------
@@ -379,7 +379,7 @@ def powers_of(unit: str) -> dict[str, int]:
         for factor in text.split():
             name, _, power = factor.partition("^")
             if name in DIMENSIONS:
-                powers[name] = sign * (2 if power == "2" else 1)  # others are refused below
+                powers[name] = sign * (2 if power == "2" else 1)  # other names are rejected below
     if unit == MIXED or (
         powers and set(unit.replace("/", " ").replace("^2", "").split()) - {"1", *DIMENSIONS}
     ):
@@ -411,7 +411,7 @@ def checked_names(value: Any, name: str = "units") -> str:
 
 
 def with_u(unit: str) -> str:
-    """The name of a unit with u for micro, which is also written as the micro sign or the Greek letter."""
+    """The name of a unit with u for micro, in place of the micro sign or the Greek letter."""
     return re.sub("[\N{MICRO SIGN}\N{GREEK SMALL LETTER MU}]", "u", unit)
 
 
@@ -429,7 +429,7 @@ def positive_each(value: Any, name: str) -> Any:
 
 
 def positive(value: Any, name: str, *, zero: bool = False) -> float:
-    """One positive number, or 0 where that is allowed."""
+    """One positive number, or 0 if that is allowed."""
     wanted = f"a finite number with {name} {'>=' if zero else '>'} 0"
     item = checks.to_float(value, name, wanted)
     if not (0 < item < math.inf or (zero and item == 0)):
@@ -450,9 +450,9 @@ def in_si(text: str, name: str) -> tuple[Decimal, Powers, bool]:
     """A text with a unit: its value in SI, its powers of length, force and time, and whether it is an angle."""
     found = QUANTITY.fullmatch(with_u(text))
     assert found is not None
-    # decimal: 1.1 % is the float 0.011
+    # Decimal, so that 1.1 % is the float 0.011
     value, powers, angular = Decimal(found[1]), np.zeros(3, int), False
-    # one unit behind each slash, any number before the first one
+    # one unit after each slash, any number of units before the first one
     above, *below = found[2].replace("\N{SUPERSCRIPT TWO}", "^2").split("/")
     parts = [(part, 1) for part in re.split(r"[\s*\N{MIDDLE DOT}]+", above.strip())]
     for part, sign in [*parts, *((part.strip(), -1) for part in below)]:
@@ -473,7 +473,7 @@ def in_si(text: str, name: str) -> tuple[Decimal, Powers, bool]:
 
 
 def of_pint(quantity: Any, name: str) -> tuple[Any, Powers, bool]:
-    """A quantity of pint, as in `in_si`; pint itself takes 1 Hz for 1 rad/s."""
+    """A quantity of pint, as in `in_si`; pint itself treats 1 Hz as 1 rad/s."""
     units = str(quantity.units)
     base = quantity.to_base_units()
     by_name = {str(key): int(power) for key, power in base.dimensionality.items()}
@@ -489,7 +489,8 @@ def of_pint(quantity: Any, name: str) -> tuple[Any, Powers, bool]:
 
 
 def has_unit(value: Any) -> bool:
-    """Whether a value is a text as "4 mm" or a quantity of pint, or a list, tuple or mapping with one."""
+    """Whether a value is a text such as "4 mm", a quantity of pint, or a list, tuple or mapping that contains
+    one."""
     if isinstance(value, PLAIN):
         return False
     if isinstance(value, Mapping):
@@ -502,7 +503,7 @@ def has_unit(value: Any) -> bool:
 
 
 def number_of(value: Any, name: str, unit: str, units: Callable[[], Units]) -> Any:
-    """The dimensionless number of an argument; what has no unit is returned as it is.
+    """The dimensionless number of an argument; a value without a unit is returned unchanged.
 
     Parameters
     ----------
@@ -511,14 +512,14 @@ def number_of(value: Any, name: str, unit: str, units: Callable[[], Units]) -> A
     name : str
         The argument, for messages.
     unit : str
-        Its dimensionless unit, as "F0/K"; a frequency is a ratio to "omega".
+        Its dimensionless unit, such as "F0/K"; a frequency is a ratio to "omega".
     units : callable
-        Gives the units of the system, or raises what is missing.
+        Returns the units of the system, or raises an error that names what is missing.
 
     Raises
     ------
     ParameterError
-        If the unit is unknown or of another kind, or a frequency does not tell whether it counts cycles or
+        If the unit is unknown or of another kind, or a frequency in 1/s leaves open whether it means cycles or
         radians.
     """
     if not has_unit(value):
@@ -540,7 +541,8 @@ def number_of(value: Any, name: str, unit: str, units: Callable[[], Units]) -> A
 
 
 def plain_number(value: Any, name: str, powers: Powers, names: str) -> Any:
-    """A value with a unit in units of length, force and time by name; what has none is returned as it is."""
+    """A value with a unit, converted to the named units of length, force and time; a value without a unit is
+    unchanged."""
     if not has_unit(value):
         return value
     size, found, angular = in_si(value, name) if isinstance(value, str) else of_pint(value, name)
@@ -560,12 +562,12 @@ def plain_number(value: Any, name: str, powers: Powers, names: str) -> Any:
 
 
 def units_to_show(osc: Any) -> Units | None:
-    """The units in which people read results of a system; None if they are dimensionless."""
+    """The units in which results of a system are shown; None if they are dimensionless."""
     return osc.units().of_pictures if getattr(osc, "F0", None) is not None else None
 
 
 def place_text(osc: Any, r: float, clearance: float, digits: int = 6) -> str:
-    """A point of r and clearance for people: in the units of the system, if it has them, then dimensionless.
+    """A point of r and clearance as a text: in the units of the system, if it has them, then dimensionless.
 
     Examples
     --------
@@ -587,7 +589,7 @@ def place_text(osc: Any, r: float, clearance: float, digits: int = 6) -> str:
 
 
 def shown_unit(osc: Any, name: str) -> tuple[float, str]:
-    """The factor and the unit with which values of an argument, or of what a limit limits, are shown."""
+    """The factor and the unit with which values of an argument, or of a limited quantity, are shown."""
     units, unit = units_to_show(osc), (ARGUMENTS | START | OF_FIGURES).get(name, "")
     if units is None or not unit:
         return 1.0, ""
@@ -597,21 +599,22 @@ def shown_unit(osc: Any, name: str) -> tuple[float, str]:
 
 
 def range_text(osc: Any, name: str, low: float, high: float, digits: int = 6) -> str:
-    """A range of values for people, as "18 to 21 Hz" or "0.9 to 1.1"."""
+    """A range of values as a text, such as "18 to 21 Hz" or "0.9 to 1.1"."""
     scale, unit = shown_unit(osc, name)
     return f"{low * scale:.{digits}g} to {high * scale:.{digits}g}{unit}"
 
 
 def value_text(osc: Any, name: str, value: float, digits: int = 6) -> str:
-    """A value for people, as "4 mm" or "28"."""
+    """A value as a text, such as "4 mm" or "28"."""
     scale, unit = shown_unit(osc, name)
     return f"{value * scale:.{digits}g}{unit}"
 
 
 def own_number(value: Any, name: str, names: str = SI, label: str = "") -> Any:
-    """A value of a rig with a unit in units of length, force and time by name; what has none is returned as it is.
+    """A value of a rig with a unit, converted to the named units of length, force and time; a value without one is
+    unchanged.
 
-    Frequencies count cycles, but `omega` radians; `label` is the name for messages.
+    Frequencies are in cycles, except `omega`, which is in radians; `label` is the name for messages.
     """
     if not has_unit(value):
         return value
@@ -626,7 +629,7 @@ def own_number(value: Any, name: str, names: str = SI, label: str = "") -> Any:
 
 
 def dimensionless(osc: Scaled, name: str, value: Any, parameter: str = "") -> Any:
-    """The dimensionless value of an argument of a verb; of one that has no unit, the value."""
+    """The dimensionless value of an argument of a function; a value without a unit is unchanged."""
     if name in OF_STATES:
         return {
             key: number_of(part, f"{name}[{key!r}]", STATE[key], osc.units)

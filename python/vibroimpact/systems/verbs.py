@@ -1,4 +1,4 @@
-"""Verbs for every system: an oscillator, a structure with its load, or an oscillator at a point."""
+"""Functions that accept every system: an oscillator, a structure with its load, or an oscillator at a point."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from .units import (
     has_unit,
 )
 
-#: Texts that verbs take as arguments.
+#: Examples of texts with units as arguments.
 EXAMPLES = '"19.5 Hz", "4 mm" and "6 N"'
 Given = ParamSpec("Given")
 Found = TypeVar("Found")
@@ -32,7 +32,8 @@ OF_POINT = {"osc": "osc", "r": "r", "clearance": "clearance", "load": "amplitude
 def usage(
     name: str, kind: type | None, of_structure: Callable[..., Any], of_point: list[Any]
 ) -> str:
-    """A paragraph of the docstring with the signatures of a verb for structures and, if it takes them, points."""
+    """A paragraph of the docstring with the signatures of a function for structures and, if it accepts them,
+    points."""
     of = "a motion of a structure" if kind else "a structure"
     shown = plain_signature([*inspect.signature(of_structure).parameters.values()])
     text = f"Of {of}: ``{name}{shown}``."
@@ -54,23 +55,23 @@ def every_system(
     of_structure: Callable[..., Any], kind: type | None = None,
     of_law: Callable[[dict[str, Any]], None] | None = None, along: tuple[str, ...] = (), no_point: str = "",
 ) -> Callable[[Callable[..., Any]], Callable[..., Any]]:  # fmt: skip
-    """A decorator: a procedure for oscillators, which hands structures, or objects of a class of theirs, over.
+    """A decorator of a function for oscillators: calls with a structure go to `of_structure`.
 
     Parameters
     ----------
     of_structure : callable
-        The procedure for structures.
+        The function for structures.
     kind : type, optional
-        The class of the first argument that selects this system, if it is not `Structure`.
+        The class of the first argument for which `of_structure` is called, if it is not `Structure`.
     of_law : callable, optional
-        Oscillators whose restitution depends on the speed, or whose load is a `Load`, are handed over, too, and
-        points with friction or stops; it turns the arguments, by name, into those of a point and those for
-        structures. Of such a point there is also the argument "point".
+        Oscillators whose restitution depends on the speed or whose load is a `Load`, and points with friction or
+        stops, also go to `of_structure`. This function converts the arguments, by name, to those of a point and
+        those for structures. For such a point there is also the argument "point".
     along : tuple of str
-        The parameter that the procedure varies, and others that a point makes superfluous. A point stands for the
-        oscillator and the other arguments that it has.
+        The parameter that the function varies, and others that a point makes superfluous. A point replaces the
+        oscillator and the other arguments that it contains.
     no_point : str
-        What to give instead of a point, where none is taken.
+        What to give instead of a point, for functions that accept none.
     """
 
     def decorate(of_oscillator: Callable[..., Any]) -> Callable[..., Any]:
@@ -112,7 +113,8 @@ def every_system(
             return of_oscillator(*args, **kwargs)
 
         def called(args: tuple[Any, ...], kwargs: dict[str, Any]) -> Any:
-            """The procedure for structures; errors in the number and names of arguments have the public name."""
+            """Call the function for structures; errors in the number and names of arguments show the public
+            name."""
             own = inspect.signature(of_structure)
             try:
                 own.bind(*args, **kwargs)
@@ -157,7 +159,7 @@ def every_system(
 def named(
     verb: str, names: list[str], args: tuple[Any, ...], kwargs: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """All arguments of a verb by their names."""
+    """All arguments of a call by name."""
     if len(args) > len(names):
         raise TypeError(
             f"{verb}(): {len(args)} arguments given by position; these are {', '.join(names)}"
@@ -172,7 +174,7 @@ def spread_out(
     verb: str, parameters: list[str], point: Point, args: tuple[Any, ...], kwargs: Mapping[str, Any],
     along: tuple[str, ...] = (),
 ) -> dict[str, Any]:  # fmt: skip
-    """The arguments of a verb by name, of which a point gives several; `along` is as in `every_system`."""
+    """The arguments of a call by name, where a point provides several; `along` is as in `every_system`."""
     of_point = {
         key: getattr(point, attribute)
         for key, attribute in OF_POINT.items() if key in parameters and key not in along[:1]
@@ -192,7 +194,7 @@ def spread_out(
 def of_plain_point(
     verb: str, parameters: list[str], point: Point, args: tuple[Any, ...], kwargs: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """The arguments of a verb that takes an oscillator alone, from a point of one."""
+    """The arguments of a function that takes only an oscillator, from a point."""
     if not {"r", "clearance"} <= {*parameters}:
         raise ParameterTypeError(f"osc = {point!r}: must not be a point; give its osc")
     if point._has_elements or isinstance(point.amplitude, Load):
@@ -203,7 +205,7 @@ def of_plain_point(
 
 
 def physical_arguments(function: Callable[Given, Found]) -> Callable[Given, Found]:
-    """A decorator: frequencies, lengths and loads of an oscillator that knows its units may have units."""
+    """A decorator: frequencies, lengths and loads may have units if the oscillator knows its units."""
     names = list(inspect.signature(function).parameters)
     known = {*ARGUMENTS, *(START if "amplitude" in names else ())}
     taken = {*known, *OF_STATES, *OF_PARAMETER, *BY_NAME, "plane"}
@@ -211,9 +213,9 @@ def physical_arguments(function: Callable[Given, Found]) -> Callable[Given, Foun
     with_units = ", ".join(f"`{name}`" for name in names if name in known)
     if with_units:
         parts = inspect.cleandoc(function.__doc__ or "").split("\n\n")
-        # behind the summary, and the form for structures
+        # after the summary and the form for structures
         place = 2 if len(parts) > 1 and parts[1].startswith("Of a ") else 1
-        note = f"With units, as {EXAMPLES}, of an oscillator that knows M, K and F0: {with_units}."
+        note = f"With units, such as {EXAMPLES}, of an oscillator that knows M, K and F0: {with_units}."
         function.__doc__ = "\n\n".join([*parts[:place], note, *parts[place:]])
 
     takes_points = hasattr(function, "takes_points")
@@ -229,7 +231,7 @@ def physical_arguments(function: Callable[Given, Found]) -> Callable[Given, Foun
                 break
         else:
             return function(*args, **kwargs)
-        # a point stands for three arguments: further ones have names
+        # a point replaces three arguments; further ones are given by name
         order = names[:1] if args and isinstance(args[0], Point) else names
         given: dict[str, Any] = dict(zip(order, args, strict=False)) | kwargs
         physical = [name for _, name in places if has_unit(given.get(name))]
