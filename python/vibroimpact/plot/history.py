@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..base import checks
 from ..base.errors import ParameterError
 from ..results.events import Sample
-from ..systems.structure import opening_at
+from ..systems.structure import Gap, opening_at
 from .sketch import bodies_of, draw_sketch, has_bodies
 from .style import (
     ABOVE,
@@ -44,6 +44,8 @@ __all__ = ["KINDS", "History", "draw", "history"]
 COLOURS = (PRIMARY, FREE, "#56B4E9", "#E69F00", "0.15", "0.6")
 #: Colours of the modes in the picture of energies; free masses have a colour of their own.
 BANDS = (PRIMARY, "#56B4E9", "#E69F00", "#F0E442", "0.15", "0.55")
+#: Colours of the times of contact and of stick.
+SHADES = ("#E69F00", "0.5")
 #: Largest number of coordinates in one diagram; more are drawn in separate lanes, one above the other.
 OVERLAID = 6
 #: Number of samples of a history, and of modes whose shares are shown.
@@ -303,6 +305,56 @@ def times_of(run: Trajectory, begin: float, end: float) -> NDArray[np.float64]:
     return times
 
 
+def spans_of(run: Trajectory) -> dict[str, NDArray[np.float64]]:
+    """Beginnings and ends (M, 2) of the times of contact (with stops, and rests on gaps), and of stick.
+
+    Before its first event, the state of an element follows from the motion halfway to that event.
+    """
+    ends = {
+        "contact": (("touch", "press", "stick"), ("leave", "let_go", "release")),
+        "stick": (("halt",), ("slip_up", "slip_down")),
+    }
+    gaps = run.structure.gaps
+    spans: dict[str, list[tuple[float, float]]] = {"contact": [], "stick": []}
+    for j, element in enumerate((*gaps, *run.structure.friction)):
+        kind = "contact" if j < len(gaps) else "stick"
+        own = run.events[run.events["gap"] == j]
+        own = own[np.isin(own["kind"], ends[kind][0] + ends[kind][1])]
+        middle = 0.5 * (run.start + (own["time"][0] if len(own) else run.end))
+        q, rate = (values[:, 0] for values in run.sample([middle]))
+        if isinstance(element, Gap):
+            held = j in run.permanent or (len(own) > 0 and own["kind"][0] == "release")
+        elif kind == "contact":
+            wall = opening_at(element, np.array([middle]), getattr(run.load, "frequency", 0.0))
+            held = float(element.direction @ q - wall[0]) > 0
+        else:
+            terms = element.direction * rate
+            slip = abs(terms.sum() - element.speed)
+            held = slip <= 1e-9 * (np.abs(terms).sum() + abs(element.speed))
+        begin = run.start
+        for event in own:
+            if held:
+                spans[kind].append((begin, float(event["time"])))
+            held, begin = event["kind"] in ends[kind][0], float(event["time"])
+        if held:
+            spans[kind].append((begin, run.end))
+    return {kind: np.reshape(found, (-1, 2)) for kind, found in spans.items()}
+
+
+def _shade(ax: Any, run: Trajectory, begin: float, end: float) -> None:
+    """Shade contact and stick, of a structure with few elements."""
+    if len(run.structure.gaps) + len(run.structure.friction) > OVERLAID:
+        return
+    for (kind, spans), colour in zip(spans_of(run).items(), SHADES, strict=True):
+        shown = np.clip(spans, begin, end)
+        shown = shown[shown[:, 1] > shown[:, 0]]
+        if len(shown):
+            ax.broken_barh(
+                [(first, last - first) for first, last in shown], (0, 1), color=colour, alpha=0.25, lw=0,
+                transform=ax.get_xaxis_transform(), label=kind, zorder=0,
+            )  # fmt: skip
+
+
 def _draw_sketch(ax: Any, run: Trajectory, begin: float, end: float) -> None:
     draw_sketch(ax, run.structure, run.load)
 
@@ -334,6 +386,7 @@ def _draw_coordinates(ax: Any, run: Trajectory, begin: float, end: float) -> Non
     times = times_of(run, begin, end)
     q = run.sample(times)[0]
     n = len(q)
+    _shade(ax, run, begin, end)
     if run.structure.outputs:
         _draw_outputs(ax, run, times, q)
     elif not has_bodies(run.structure):
@@ -419,10 +472,14 @@ def _draw_openings(ax: Any, run: Trajectory, times: NDArray[Any], q: NDArray[Any
 
 
 def _draw_impacts(ax: Any, run: Trajectory, begin: float, end: float) -> None:
-    """Approach speeds over time for few gaps; for many, a raster of gaps and times with the speed as colour."""
+    """Approach speeds over time for few gaps and stops; for many, a raster of gaps and times with the speed as
+    colour; without any, the speeds of sliding."""
     events = events_in(run, begin, end)
-    events = events[events["kind"] == "impact"]
+    events = events[np.isin(events["kind"], ("impact", "touch"))]
     gaps = len(run.structure.gaps)
+    if not gaps:
+        _draw_sliding(ax, run, begin, end)
+        return
     if gaps <= 4:
         for j in range(gaps):
             own = events[events["gap"] == j]
@@ -456,6 +513,21 @@ def _draw_impacts(ax: Any, run: Trajectory, begin: float, end: float) -> None:
             bar.outline.set_visible(False)
     ax.set_xlabel(TIME)
     ax.set_xlim(begin, end)
+
+
+def _draw_sliding(ax: Any, run: Trajectory, begin: float, end: float) -> None:
+    """The speed of sliding along each friction element."""
+    times = times_of(run, begin, end)
+    rate = run.sample(times)[1]
+    _shade(ax, run, begin, end)
+    for j, element in enumerate(run.structure.friction[:OVERLAID]):
+        speed = element.direction @ rate - element.speed
+        ax.plot(times, speed, color=COLOURS[j], lw=0.9, label=f"friction {j}")
+    ax.set_ylabel("sliding speed $s$")
+    ax.set_xlabel(TIME)
+    ax.set_xlim(begin, end)
+    add_legend(ax, loc="lower right", ncols=4, bbox_to_anchor=(1.0, 1.0), handlelength=1.0,
+               columnspacing=1.0, borderaxespad=0.2)  # fmt: skip
 
 
 def modes_of(run: Trajectory) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal, localcontext
 from functools import wraps
-from typing import Any, ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,7 @@ from .units import (
     Units,
     checked_names,
     dimensionless,
+    number_of,
     own_number,
     place_text,
     plain_number,
@@ -32,6 +33,8 @@ from .units import (
 
 __all__ = ["Oscillator", "Pattern"]
 
+#: Stiffness divided by K and damping divided by sqrt(K M) of a compliant wall.
+Wall: TypeAlias = tuple[float, float]
 #: Largest number of characters of a user's text that a message repeats.
 MOST_SHOWN = 80
 Names = ParamSpec("Names")
@@ -389,7 +392,7 @@ class Oscillator:
 
     def at(
         self, r: float | str, clearance: float | str, load: float | str | Load = 1.0, friction: float | str = 0.0,
-        stops: tuple[tuple[float, float], tuple[float, float]] | None = None,
+        stops: tuple[Wall | None, Wall | None] | None = None,
     ) -> Point:  # fmt: skip
         """The oscillator at a point, which functions accept in place of the oscillator, r, clearance and load.
 
@@ -407,10 +410,10 @@ class Oscillator:
         friction : float, str or pint.Quantity
             Dry friction between the free mass and its slot, divided by F0, or a force. The oscillator is then
             treated as a structure; functions that accept structures with friction accept it here too.
-        stops : ((float, float), (float, float)), optional
-            Compliant walls, in place of the coefficients of restitution: stiffness divided by K and damping
-            divided by sqrt(K M), for the right wall and for the left one. The oscillator is then treated as a
-            structure.
+        stops : ((float, float) or None, (float, float) or None), optional
+            Compliant walls: stiffness divided by K and damping divided by sqrt(K M), for the right wall and for
+            the left one; if M and K are known, also values with units, such as ("40 kN/m", "3 N s/m"). A wall with
+            None is rigid, with its coefficient of restitution. The oscillator is then treated as a structure.
 
         Returns
         -------
@@ -444,6 +447,13 @@ class Oscillator:
         >>> rough = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75).at(1.04, 25, friction=0.05)
         >>> vi.exact(rough, vi.simulate(rough, cycles=400))
         <Motion of 4 events in 1 cycle: admissible, stable (max|lambda| = 0.9227)>
+
+        A left wall with tape, which gives, and a rigid right wall:
+
+        >>> taped = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+        >>> taped = taped.at(1.04, 25, stops=(None, (20.0, 0.2)))
+        >>> taped.structure.gaps
+        (Gap([-1.0, 1.0], 12.5, restitution=0.75), Stop([1.0, -1.0], 12.5, stiffness=20, damping=0.2))
         """
         ratio, gap, force = (
             dimensionless(self, name, value)
@@ -454,7 +464,7 @@ class Oscillator:
         rubs = checks.to_float(dimensionless(self, "friction", friction), "friction", wanted)
         if not 0 <= rubs <= 1e100:
             raise ParameterError(f"friction = {rubs!r}: must be {wanted}")
-        walls = None if stops is None else _stiff_walls(stops)
+        walls = None if stops is None else _compliant_walls(self, stops)
         if not isinstance(force, Load):
             return Point(self, ratio, gap, checks.number(force, "load"), rubs, walls)
         if force.constant.size != 2 or not math.isclose(force.frequency, ratio, rel_tol=1e-12):
@@ -502,8 +512,8 @@ class Point:
     friction : float
         Friction in the slot, divided by F0.
     stops : tuple, or None
-        Stiffness divided by K and damping divided by sqrt(K M) of the right and the left wall, if they are
-        compliant.
+        Stiffness divided by K and damping divided by sqrt(K M) of the right and the left wall; None for a wall
+        that is rigid.
     """
 
     osc: Oscillator
@@ -511,7 +521,7 @@ class Point:
     clearance: float
     amplitude: float | Load = 1.0
     friction: float = 0.0
-    stops: tuple[tuple[float, float], tuple[float, float]] | None = None
+    stops: tuple[Wall | None, Wall | None] | None = None
 
     @property
     def structure(self) -> Structure:
@@ -520,11 +530,11 @@ class Point:
         if not self._has_elements:
             return pair
         gaps = [
-            Stop(gap.direction, gap.opening, *numbers)
-            for gap, numbers in zip(pair.gaps, self.stops or (), strict=False)
+            Stop(gap.direction, gap.opening, *wall) if wall else gap
+            for gap, wall in zip(pair.gaps, self.stops or (None, None), strict=True)
         ]
         friction = [Friction([-1, 1], self.friction)] if self.friction else []
-        return Structure(pair.mass, pair.damping, pair.stiffness, gaps or pair.gaps, friction)
+        return Structure(pair.mass, pair.damping, pair.stiffness, gaps, friction)
 
     @property
     def _has_elements(self) -> bool:
@@ -574,16 +584,29 @@ class Point:
         return f"<{self.osc!r} at {place_text(self.osc, self.r, self.clearance)}{load}>"
 
 
-def _stiff_walls(stops: Any) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Stiffness and damping of both walls, checked."""
+def _compliant_walls(osc: Oscillator, stops: Any) -> tuple[Wall | None, Wall | None] | None:
+    """Dimensionless stiffness and damping of both walls, checked; None for a rigid wall, or for both."""
+
+    def wall(name: str, given: Any) -> Wall | None:
+        if given is None:
+            return None
+        numbers = [
+            number_of(value, f"{kind} of the {name} wall", unit, lambda: osc.units(osc.F0 or 1.0))
+            for value, kind, unit in zip(given, ("stiffness", "damping"), ("K", "K/omega"), strict=True)
+        ]
+        stop = Stop([-1, 1], 1, *numbers)
+        return stop.stiffness, stop.damping
+
     try:
-        (k1, c1), (k2, c2) = stops
-    except (TypeError, ValueError):
+        right, left = stops
+        walls = wall("right", right), wall("left", left)
+    except (TypeError, ValueError) as error:
+        if isinstance(error, (ParameterError, ParameterTypeError)):
+            raise
         raise ParameterError(
-            f"stops = {stops!r}: must be (stiffness, damping) of the right wall, and of the left one"
+            f"stops = {stops!r}: must be (stiffness, damping) or None for the right wall, and for the left one"
         ) from None
-    right, left = (Stop([-1, 1], 1, k, c) for k, c in ((k1, c1), (k2, c2)))
-    return (right.stiffness, right.damping), (left.stiffness, left.damping)
+    return None if walls == (None, None) else walls
 
 
 @dataclass(frozen=True)
