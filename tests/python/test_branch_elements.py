@@ -1,5 +1,7 @@
 """Branches of structures with elastic stops and friction, against exact motions and simulations."""
 
+import json
+
 import numpy as np
 import pytest
 import vibroimpact as vi
@@ -56,8 +58,8 @@ def test_points_are_exact_motions(first, last, share):
     assert judged >= 5 * (last - first)
 
 
-def test_a_point_is_its_own_motion_or_none():
-    """Near other attractors a simulation from a point may settle elsewhere: an error, not another motion."""
+def between_stops():
+    """A mass with friction between two stops, under a load with which other attractors are near."""
     stops = [
         vi.Stop(
             [side], 0.6972788425859135, stiffness=19.178452850140584, damping=0.09041032149400266
@@ -66,21 +68,73 @@ def test_a_point_is_its_own_motion_or_none():
     ]
     s = vi.Structure([1], [0.04065131975330451], [1], stops, friction=[vi.Friction([1], 0.1)])
     load = vi.Load(1.9586661830366296, cosine=[0.6397892985427163])
-    motion = vi.exact(s, load, vi.simulate(s, load, cycles=400))
-    branch = vi.branch(motion, "frequency", bounds=(1.2, 2.0))
-    judged = refused = 0
-    for i in np.flatnonzero(branch.admissible == 1).tolist():
-        try:
-            found = branch[i]
-        except vi.SingularError as error:
-            refused += "another motion" in str(error)
-            continue
-        assert np.abs(found.multipliers).max() == pytest.approx(
-            np.abs(branch.multipliers[:, i]).max(), rel=1e-6
+    return vi.exact(s, load, vi.simulate(s, load, cycles=400))
+
+
+def largest(multipliers):
+    return np.abs(multipliers).max()
+
+
+def test_each_point_gives_its_own_motion():
+    """Given the events of a point all else is linear: its motion solves them to rounding and has the multipliers
+    of the columns, also where it is not admissible, and near other attractors."""
+    branch = vi.branch(between_stops(), "frequency", bounds=(1.2, 3.0))
+    assert (branch.admissible == 0).sum() > 20
+    for i in range(0, len(branch), 4):
+        found = branch[i]
+        assert found.residual < 1e-14
+        assert largest(found.multipliers) == pytest.approx(
+            largest(branch.multipliers[:, i]), rel=1e-9
         )
-        judged += 1
-    assert judged > 10
-    assert refused > 5
+        assert found.admissible == {1: True, 0: False, -1: None}[branch.admissible[i]]
+        # a reversal: the speed is 0 there, and half a period later the state is the opposite one
+        assert np.abs(found.states[:, 1]).max() < 1e-13
+        assert found.states[0] == pytest.approx(-found.states[1], abs=1e-12)
+    refused = branch[0]
+    with pytest.raises(vi.SingularError, match="it is not admissible"):
+        refused.sample([0.0])
+
+
+def test_points_without_their_events(tmp_path):
+    """A file of before the events were kept: the points are simulated, from states that begin the same motion."""
+    branch = vi.branch(between_stops(), "frequency", bounds=(1.2, 3.0))
+    branch.save(tmp_path / "branch.json")
+    text = json.loads((tmp_path / "branch.json").read_text())
+    del text["tables"]["events"]
+    (tmp_path / "old.json").write_text(json.dumps(text))
+    old = vi.load(tmp_path / "old.json")
+    for i in np.flatnonzero(branch.admissible == 1)[::12].tolist():
+        q, wanted = (np.sort(motion.states[:, 0], axis=0) for motion in (old[i], branch[i]))
+        assert q == pytest.approx(wanted, abs=1e-9)
+    with pytest.raises(vi.SingularError, match="not admissible and cannot be simulated"):
+        old[0]
+
+
+def test_an_unstable_point():
+    """Beyond a flip the motions of a branch are unstable and simulations leave them; the points give them."""
+    s, load = of_chance(1)
+    motion = vi.exact(s, load, vi.simulate(s, load, cycles=600, discard=500))
+    branch = vi.branch(motion, "frequency", bounds=(0.8 * load.frequency, 1.2 * load.frequency))
+    unstable = np.flatnonzero((branch.stable == 0) & (branch.admissible == 1))
+    regular = np.isfinite(branch.multipliers).all(axis=0)
+    behind = np.flatnonzero((branch.speeds < 0).any(axis=0) & (branch.admissible == 0) & regular)
+    assert len(unstable) > 5
+    assert len(behind) > 5  # an impact that meets its wall from behind
+    for i in np.r_[unstable[::4], behind[::8]].tolist():
+        found = branch[i]
+        assert found.admissible == (branch.admissible[i] == 1)
+        assert largest(found.multipliers) == pytest.approx(
+            largest(branch.multipliers[:, i]), rel=1e-8
+        )
+        assert found.determinant == pytest.approx(found.law, rel=1e-8, abs=1e-13)
+
+
+def test_a_branch_that_is_full_is_not_complete():
+    branch = vi.branch(between_stops(), "frequency", bounds=(1.2, 3.0), max_points=20)
+    assert "full" in branch.ends
+    assert branch.complete is False
+    assert branch.cut == "max_points = 20 was reached"
+    assert vi.branch(between_stops(), "frequency", bounds=(1.9, 2.0)).complete
 
 
 def test_closed_form_of_den_hartog():

@@ -70,6 +70,14 @@ def to_float(value: Any, label: str, wanted: str) -> float:
         raise kind(f"{label} = {value!r}: must be {wanted}") from None
 
 
+def finite(value: Any, label: str) -> float:
+    """A finite float."""
+    number = to_float(value, label, "a finite number")
+    if not math.isfinite(number):
+        raise ParameterError(f"{label} = {value!r}: must be a finite number")
+    return number
+
+
 def read_number(text: str) -> float:
     """The number in a text; ValueError also for numbers that no float can represent, such as 1e400 or 1e-400.
 

@@ -865,6 +865,10 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
 
         The first event may occur again at the start, where its condition is met to rounding.
         """
+        if self.admissible is False:
+            raise SingularError(
+                f"{self!r}: it is not admissible, and with stops or friction a motion is sampled by simulation"
+            )
         start = float(self.phases[0] / self.load.frequency)
         return simulate_structure(
             self.structure, self.load, duration=self.period, state=(self.q, self.q_dot), start=start

@@ -85,8 +85,15 @@ def motion_from_events(
         raise ParameterError(f"kinds = {kinds!r}: must be {wanted}") from None
     if isinstance(kinds, str) or len(words) != len(numbers):
         raise ParameterError(f"kinds = {kinds!r}: must be {wanted}")
+    return motion_with_events(structure, load, numbers, phases, cycles, words)
+
+
+def motion_with_events(
+    structure: Structure, load: Load, gaps: NDArray[np.int32], phases: _Array, cycles: int, kinds: list[str]
+) -> Motion:  # fmt: skip
+    """The motion from the core, for known kinds, places and instants of events."""
     keys = {
-        "kind": "periodic", "cycles": cycles, "gaps": numbers.tolist(), "phases": phases.tolist(), "kinds": words
+        "kind": "periodic", "cycles": cycles, "gaps": gaps.tolist(), "phases": phases.tolist(), "kinds": kinds
     }  # fmt: skip
     found = door.run_groups(
         MotionSet, [*structure._groups(), *load._groups()], keys, True, little=True

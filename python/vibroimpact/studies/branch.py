@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 from ..base import checks
 from ..base.actions import ACTIONS
 from ..base.errors import ParameterError, SingularError, StudyInterrupted
+from ..base.status import VERDICT
 from ..motions.exact import self_excited_from, settled
 from ..motions.motion import VERDICTS, Motion, load_phase_of, motion_of_oscillator
-from ..motions.periodic import impact_restitution, motion_from_phases
+from ..motions.periodic import impact_restitution, motion_from_phases, motion_with_events
 from ..motions.trajectory import simulate_structure
 from ..results import door, namelist
 from ..results.noun import Noun, column
@@ -37,6 +38,8 @@ _Array = NDArray[np.float64]
 _Found = TypeVar("_Found", bound=Noun)
 #: The columns of impacts and of the motion, in the order of the core's arrays of motions.
 FLIGHTS = ("X", "Z", "X_dot_before", "X_dot_after", "Z_dot_before", "Z_dot_after")
+#: Phases of events (rad) that differ by less are those of events that meet.
+MEETING = 1e-6
 SCALARS = ("clearance", "A", "tau", "residual", "x_min", "x_max")
 
 
@@ -191,8 +194,9 @@ class Followed(Noun, part=True):
 class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
     """A family of exact motions along one parameter, as columns; the last axis runs over the points.
 
-    An index returns the motion at a point. The points are in order along the curve: the parameter turns back at
-    folds.
+    An index returns the motion at a point, from the instants of its events, given which all else is linear. A
+    motion with rests, or a self-excited one, is simulated from the point instead and must be admissible. The
+    points are in order along the curve: the parameter turns back at folds.
 
     Attributes
     ----------
@@ -244,6 +248,8 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
         For a structure: least and greatest value of each coordinate over the period.
     case : str
         The case as a namelist.
+    complete : bool
+        False if an end is "full" or "stopped"; `cut` then says how far it got.
     """
 
     __slots__ = ()
@@ -317,6 +323,15 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
         return bool(self._values("branches", "symmetric")[0])
 
     @property
+    def cut(self) -> str:
+        full = f"max_points = {self.keys['max_points']} was reached"
+        return super().cut or (full if "full" in self.ends else "")
+
+    @property
+    def complete(self) -> bool:
+        return not self.cut
+
+    @property
     def ends(self) -> tuple[str, str]:
         table = "branch" if self.of_structure else "branches"
         first, last = (self._values(table, name)[0] for name in ("first_end", "last_end"))
@@ -348,7 +363,7 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
 
     def at(self, value: float) -> tuple[Structure, Load]:
         """The structure and the load at a value of the parameter, for a branch of a structure."""
-        value = checks.to_float(value, "value", "a finite number")
+        value = checks.finite(value, "value")
         bounds = [(self.keys["low"], self.keys["high"])]
         return Path(self._result, *self._start, bounds).at(value)
 
@@ -362,6 +377,8 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
             return [self[j] for j in i]
         if self.of_structure:
             structure, load = self.at(float(self.values[i]))
+            if self._sequence is not None and not self.self_excited:
+                return self._presumed(structure, load, i)
             if len(self.resting) or not structure._is_rigid:
                 return self._simulated(structure, load, i)
             # rounding may swap two impacts at one instant
@@ -382,9 +399,48 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
             self.multipliers[:, i].copy(), verdicts,
         )  # fmt: skip
 
+    @cached_property
+    def _sequence(self) -> tuple[NDArray[np.int64], NDArray[np.int32], list[str]] | None:
+        """With stops or friction: the place among `gaps` at whose instant each event comes, what changes in it,
+        and its kind; None in files of before they were kept."""
+        if "events" not in self._result.tables:
+            return None
+        place, gap, kind = (self._values("events", name) for name in ("impact", "gap", "kind"))
+        return place.astype(np.int64) - 1, gap.astype(np.int32), [str(word) for word in kind]
+
+    def _presumed(self, structure: Structure, load: Load, i: int) -> Motion:
+        """The motion with stops or friction at a point, from its events: for known instants all else is linear,
+        so that it need be neither stable nor admissible."""
+        assert self._sequence is not None
+        place, gaps, kinds = self._sequence
+        phases = self.phases[:, i].copy()
+        for j in range(1, len(phases)):
+            if phases[j] < phases[j - 1] - MEETING:
+                raise SingularError(
+                    f"point {i}: this motion is not admissible: event {j + 1} would precede event {j}; "
+                    "the columns have it"
+                )
+            # where two events meet, each keeps an instant of its own
+            phases[j] = max(phases[j], np.nextafter(phases[j - 1], np.inf))
+        try:
+            found = motion_with_events(structure, load, gaps, phases[place], self.cycles, kinds)
+        except (ParameterError, SingularError):
+            # the linear equations lack a restitution that depends on the speed, and where events meet they
+            # may be singular
+            return self._simulated(structure, load, i)
+        found = self._same(i, found)
+        known = VERDICT[int(self.admissible[i])]
+        if found.admissible != known:
+            # where a condition is at its limit rounding decides what a simulation does, and what [P] is
+            found = found.__replace__(admissible=None)
+        if not np.isfinite(self.multipliers[:, i]).all():
+            nothing = np.full(found.multipliers.shape, np.nan + 0j)
+            found = found.__replace__(multipliers=nothing, stable=None)
+        return found
+
     def _simulated(self, structure: Structure, load: Load, i: int) -> Motion:
-        """The motion at a point of a branch with rests, stops or friction, by simulation; it must be
-        admissible."""
+        """The motion at a point, by simulation; it must be admissible. For motions with rests, self-excited ones,
+        and those with stops or friction whose events are unknown or do not determine the motion."""
         q, rate = (self._values("points", name)[i] for name in ("q", "q_dot"))
         if not self.admissible[i]:
             raise SingularError(
@@ -397,7 +453,8 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
                 load = Load(constant=load.constant)
                 run = simulate_structure(structure, load, duration=period, state=state)
                 state = run._between_events()[1]
-                return self._same(i, self_excited_from(structure, load, state, period=period))
+                found = self_excited_from(structure, load, state, period=period)
+                return self._same(i, found)
             if not structure._is_rigid:
                 # just after an event its limit may be reached again by rounding
                 period = 2 * np.pi * self.cycles / load.frequency
@@ -411,7 +468,7 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
         return self._same(i, found)
 
     def _same(self, i: int, found: Motion) -> Motion:
-        """The motion simulated from a point; raises an error if the simulation led to another motion.
+        """The motion found from a point; raises an error if it is not the motion of the branch.
 
         The events are not compared: an event without effect, such as a halt at the instant of a contact, may occur
         in only one of the two.
@@ -423,7 +480,7 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
             same = not np.isfinite(sizes).all() or abs(sizes[0] - sizes[1]) < 1e-3 * (1 + sizes[1])
         if not same:
             raise SingularError(
-                f"point {i}: simulating from it leads to another motion; the columns have this one"
+                f"point {i}: from it another motion is found; the columns have this one"
             )
         return found
 
@@ -501,9 +558,22 @@ class Branches(Noun, study="branch"):
     """The branches of a case: one for each motion of its &motion that can be followed.
 
     An index returns a `Branch`; the branches share the points of this result without copying.
+
+    Attributes
+    ----------
+    complete : bool
+        Whether all branches are complete; `cut` gives the reason if one is not.
     """
 
     __slots__ = ()
+
+    @property
+    def cut(self) -> str:
+        return super().cut or next((branch.cut for branch in self if branch.cut), "")
+
+    @property
+    def complete(self) -> bool:
+        return not self.cut
 
     def __len__(self) -> int:
         table = self._result.tables.get("branch" if self.of_structure else "branches")

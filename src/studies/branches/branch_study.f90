@@ -30,6 +30,7 @@ module vi_branch_study
    use vi_structure_resting_family, only: structure_resting_type
    use vi_structure_rests, only: release, rests_type
    use vi_structure_return, only: settled_type
+   use vi_structure_run, only: event_kinds
    use vi_structure_start, only: motion_at, period_at, phases_at, start_curve
    use vi_structure_tables, only: path_columns, put_path, put_structure, structure_columns
    use vi_study, only: a_whole, a_word, case_type, column_type, complexes, every_model, key_type, &
@@ -143,6 +144,13 @@ module vi_branch_study
       meaning='wall at which the motion grazes', model=of_oscillator), &
       column_type('branch', 'gaps', wholes, each='impact', listed=.false., &
       meaning='gaps of the impacts, from 0', model=of_structure), &
+      column_type('events', 'impact', wholes, listed=.false., &
+      meaning='with stops or friction: number of the impact at whose instant each event comes', &
+      model=of_structure), &
+      column_type('events', 'gap', wholes, listed=.false., &
+      meaning='gap, stop or friction of each event, from 0', model=of_structure), &
+      column_type('events', 'kind', words, words=event_kinds, listed=.false., &
+      meaning='what happens in each event', model=of_structure), &
       column_type('branch', 'resting', wholes, each='rest', listed=.false., &
       meaning='gaps that rest, from 0', model=of_structure), &
       column_type('branch', 'cycles', wholes, listed=.false., meaning='load cycles in a period', &
@@ -811,6 +819,12 @@ contains
       end if
       call result%put('branch', 'cycles', [found%cycles])
       call result%put('branch', 'frequency', [frequency])
+      if (allocated(found%sequence)) then
+         call result%open('events', 'event', [size(found%sequence, 2)])
+         call result%put('events', 'impact', found%sequence(3, :))
+         call result%put('events', 'gap', found%sequence(2, :) - 1)
+         call result%put('events', 'kind', found%sequence(1, :))
+      end if
       ends(1)%text = end_text(reasons(1))
       ends(2)%text = end_text(reasons(2))
       call result%put_text('branch', 'first_end', ends(1:1))

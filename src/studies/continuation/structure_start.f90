@@ -349,8 +349,8 @@ contains
    subroutine read_events(s, start, most_symbols, unknowns, message)
       !> In and out: the family; symbols and what is closed after them are set.
       type(rests_type), intent(inout) :: s
-      !> The motion.
-      type(settled_type), intent(in) :: start
+      !> In and out: the motion; the sequence of its events is set.
+      type(settled_type), intent(inout) :: start
       !> Most symbols.
       integer, intent(in) :: most_symbols
       !> The unknowns of the motion.
@@ -359,10 +359,10 @@ contains
       character(:), allocatable, intent(out) :: message
       !> Events nearer than this (rad) are at one instant.
       real(wp), parameter :: instant = 1.0e-8_wp
-      integer, allocatable :: order(:)
+      integer, allocatable :: order(:), all_events(:)
       real(wp), allocatable :: phases(:), flights(:)
       logical, allocatable :: free(:)
-      integer :: begin, i, m
+      integer :: begin, i, j, m
 
       message = ''
       associate (events => start%events, structure => s%path%structure)
@@ -409,6 +409,12 @@ contains
          end do
          s%first_gap = s%gaps(m)
          unknowns = [events(order(m))%q/s%length, events(order(m))%rate/s%speed, phases]
+         all_events = cshift([(i, i=1, size(events))], order(1) - 1)
+         allocate (start%sequence(3, size(events)))
+         do i = 1, size(events)
+            start%sequence(:, i) = [events(all_events(i))%kind, events(all_events(i))%gap, &
+               count([(any(all_events(:i) == order(j)), j=1, m)])]
+         end do
       end associate
    contains
       !> Whether an event tells of a change that was made at the one before it.
@@ -907,7 +913,9 @@ contains
       m = size(motion%phases)
       allocate (states(size(motion%states, 1), 2*m))
       states(:, :m) = motion%states
-      states(:, m + 1:) = -motion%states
+      ! that of the last symbol is the one just after its image, which begins the half
+      states(:, m) = -states(:, m)
+      states(:, m + 1:) = -states(:, :m)
       call move_alloc(states, motion%states)
       motion%phases = [motion%phases, motion%phases + s%whole_turn()]
       motion%speeds = [motion%speeds, motion%speeds]

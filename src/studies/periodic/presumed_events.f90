@@ -619,7 +619,7 @@ contains
       end associate
    end subroutine between_events
 
-   !> Whether a simulation of one period passes the same events.
+   !> Whether a simulation of one period passes the same events at the same instants.
    subroutine simulate_events(run, begun, events, last, verdict)
       !> In and out: regimes are added.
       type(run_type), intent(inout) :: run
@@ -632,8 +632,14 @@ contains
       type(run_event_type), allocatable :: passed(:)
       real(wp), dimension(size(run%structure%mass, 1)) :: q, rate
       real(wp) :: time, within
-      integer :: after, n, status
+      !> How far instants may be from the presumed ones, as a share of a period.
+      real(wp), parameter :: near = 1.0e-6_wp
+      real(wp) :: whole
+      integer :: after, i, n, status
 
+      verdict = no
+      ! met from behind
+      if (any(events%kind == impact_event .and. events%speed < 0)) return
       verdict = unknown
       call between_events(run, events, last, after, time, q, rate)
       call start_at(run, time, q, rate, state, status)
@@ -648,6 +654,14 @@ contains
       if (verdict == no) return
       if (any(passed(:n)%kind /= cshift(events%kind, after)) .or. any(passed(:n)%gap /= &
          cshift(events%gap, after))) verdict = no
+      whole = run%period*real(last%cycle - begun%cycle, wp)
+      do i = 1, n
+         associate (event => events(modulo(after + i - 1, n) + 1))
+            time = real(passed(i)%cycle - event%cycle, wp)*run%period + (passed(i)%elapsed &
+               - event%elapsed)
+         end associate
+         if (abs(time - whole*anint(time/whole)) > near*whole) verdict = no
+      end do
    end subroutine simulate_events
 
 end module vi_presumed_events

@@ -59,6 +59,9 @@ module vi_structure_return
       type(run_event_type), allocatable :: events(:)
       type(closed_type), allocatable :: closed(:)
       integer, allocatable :: limits(:, :)
+      !> Where a branch starts with them: (3, events) kind and gap of each event in the order of the
+      !! branch, and the number in `gaps` of the one at whose instant it comes.
+      integer, allocatable :: sequence(:, :)
    end type settled_type
 
 contains
