@@ -71,6 +71,10 @@ def test_border_of_stops():
             assert np.abs(found.states[:, 0, 0]) == pytest.approx(den_hartog(b, 0.05, f), rel=1e-9)
         else:
             assert found is None
+    for place, name in (((np.nan, 1), "x = nan"), ((1, np.inf), "y = inf")):
+        for method in (zone.motion, zone.at):
+            with pytest.raises(vi.ParameterError, match=f"^{name}: must be a finite number"):
+                method(*place)
     pytest.importorskip("matplotlib")
     assert "stick begins" in zone.plot().get_legend_handles_labels()[1]
 

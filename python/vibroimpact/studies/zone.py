@@ -405,8 +405,12 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
 
     def at(self, x: float, y: float) -> tuple[Structure, Load]:
         """The structure and the load at values of both parameters, for a zone of a structure."""
-        place = [checks.to_float(value, "x, y", "finite numbers") for value in (x, y)]
-        return Path(self._result, *self._start, [self.x, self.y]).at(*place)
+        return Path(self._result, *self._start, [self.x, self.y]).at(*self._place(x, y))
+
+    @staticmethod
+    def _place(x: float, y: float) -> list[float]:
+        """A point of the plane of a structure."""
+        return [checks.finite(value, name) for name, value in (("x", x), ("y", y))]
 
     def motion(self, x: float, y: float) -> Any:
         """The motion at a point, followed from the boundary.
@@ -478,7 +482,7 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
 
     def _motion_of_structure(self, x: float, y: float) -> Motion | None:
         """As `motion`, for a structure."""
-        target = np.array([checks.to_float(value, "x, y", "finite numbers") for value in (x, y)])
+        target = np.array(self._place(x, y))
         if len(self.resting) or not self.structure._is_rigid:
             return self._followed_from_start(target)
         size = np.array([np.ptp(self.x), np.ptp(self.y)])
