@@ -44,6 +44,8 @@ EXCESS, CHANCE = 0.3, 4.0
 LARGEST_MASS, BEYOND = 10.0, 3.0
 #: Change of the sum of squares above which two minima count as different.
 OTHER = 0.01
+#: Share by which coefficients of restitution grow during the record, 0 in every fit: on both walls, and on each.
+DRIFTS = ("drift", "drift1", "drift2")
 
 
 class Minimum(NamedTuple):
@@ -125,8 +127,10 @@ class Impacts:
         self.names += ["gain"] * (self.calibration > 0)
         self.values = values
         self.walls = [law.of_wall(i) for i in (0, 1)]
-        # known values, with respect to which derivatives are computed after the fit
+        # known values, with respect to which derivatives are computed after the fit, and the absence of drift
         self.held = [name for name in ("mu", *law.names, "d") if name in shared]
+        self.values |= dict.fromkeys(DRIFTS, 0.0)
+        self.elapsed = flown.times[1:-1] / np.ptp(windows.t)
         self.active = lawful[1:-1].copy()
         self.g = np.array([values[name] for name in self.names])
         self.typical = [
@@ -145,7 +149,7 @@ class Impacts:
     def constraints(self, states: Any, common: Any, g: Any) -> Any:
         """Momentum and restitution at the inner impacts (..., N - 2, 2)."""
         t, X, V, after = self.windows.events(states, common, self.flown.times)
-        every, signs = [*self.names, *self.held], self.signs
+        every, signs = [*self.names, *self.held, *DRIFTS], self.signs
         value = {**self.values, **{every[j]: g[..., j, None] for j in range(g.shape[-1])}}
         z = X + 0.5 * signs * value["d"] * value["gain"]
         flight = np.diff(z, axis=-1) / np.diff(t, axis=-1)
@@ -161,6 +165,8 @@ class Impacts:
                 for i in (0, 1)
             ),
         )
+        own = np.where(sign > 0, value["drift1"], value["drift2"])
+        R = R * (1 + self.elapsed * (value["drift"] + own))
         momentum = after - V + value["mu"] * (two - one)
         return np.stack([momentum, two - after + sign * R * speed], axis=-1)
 
@@ -375,18 +381,25 @@ def by_laws(
     strains = strains_of(
         windows, common, dict(zip(places, np.diag(covariance).tolist(), strict=True)), variance
     )
-    # known natural frequency and damping ratio, and other known parameters
+    # known natural frequency and damping ratio, other known parameters, and what might drift
+    tested = [*held, *DRIFTS]
     _, A, C, G = slopes(
-        impacts.constraints, here, common, np.append(g, [values[name] for name in held]), flown.held
+        impacts.constraints,
+        here,
+        common,
+        np.append(g, [values[name] for name in tested]),
+        flown.held,
     )
     by_held = np.concatenate(
         [passed_on(A, C, flown.every_turned[:, :, flown.held]), G[..., g.size :]], axis=-1
     )
     by_held[~best.ok] = 0
     of_held, leans = held_strains(
-        flown, [*(("omega", "xi")[i] for i in flown.held), *held], by_held.reshape(-1, by_held.shape[-1]),
+        flown, [*(("omega", "xi")[i] for i in flown.held), *tested], by_held.reshape(-1, by_held.shape[-1]),
         best.multiplier, change, best.cov, best.B, covariance, variance, places,
     )  # fmt: skip
+    drifts = {name: of_held.pop(name) for name in DRIFTS if name in of_held}
+    leans = {name: by for name, by in leans.items() if name not in DRIFTS}
     strains |= of_held
     covariance = variance * covariance + beyond(minima, variance)
     columns = [places.index(name) for name in order]
@@ -402,7 +415,7 @@ def by_laws(
     found = Fit(
         {name: values[name] for name in law.shared}, [float(common[2])], [float(common[3])], [], order,
         part, [name for name in order if places.index(name) in vague],
-        [misfit * flown.colour], variance, strains=strains, leans=leans,
+        [misfit * flown.colour], variance, strains=strains, leans=leans, drifts=drifts,
         most=min(DOUBTFUL, flown.colour * bearable(count - g.size)),
     )  # fmt: skip
     possible(found, int(best.ok.sum()))

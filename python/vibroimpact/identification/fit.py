@@ -53,6 +53,9 @@ class Fit:
     #: first record): the distance of the records from the value in standard errors, and the change of the value if
     #: it were fitted.
     strains: dict[str, Strain] = field(default_factory=dict)
+    #: Relative growth of the coefficients of restitution during the record if they could grow, of both walls
+    #: ("drift") and of each ("drift1", "drift2").
+    drifts: dict[str, Strain] = field(default_factory=dict)
     #: For the same names, the derivatives of each fitted parameter with respect to the value that was not fitted.
     leans: dict[str, dict[str, float]] = field(default_factory=dict)
     #: Sums of squares of the weighted residuals of each record.

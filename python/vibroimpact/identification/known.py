@@ -32,6 +32,10 @@ def known_values(known: Mapping[str, float]) -> tuple[dict[str, float], dict[str
         )
     values: dict[str, float] = {}
     for name, value in known.items():
+        if name in ("f", "friction"):
+            raise ParameterError(
+                f"known {name} = {value!r}: must be left out; identify does not model friction in the slot"
+            )
         checks.choice(name, "known: name", tuple(KNOWN))
         if name == "omega" or name in POWERS or name in OTHERS:
             value = own_number(value, name, label=f"known {name}")

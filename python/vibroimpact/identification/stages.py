@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ..base.errors import ParameterError, SingularError
 from .aperiodic import LEAST_IMPACTS, by_flights, by_laws
+from .attempts import Attempts, NotTriedError
 from .fit import DOUBTFUL, Fit, fit
 from .flights import HOPELESS, Measured
 from .known import HINT
@@ -228,8 +229,9 @@ def identified_by(
     told(steps, progress, 0, 6)
     failed: SingularError | None = None
     described = False
+    tried = Attempts()
     if any(step.data is None for step in steps):
-        return apart(steps, *given)
+        return explained(apart(steps, *given), tried, shared)
     single: tuple[list[Step], Fit | None, Law] | None = None
     attempts = ["as it is", "other walls", "fewer", "exactly", "apart", "twice"]
     if len(steps) == 1 and steps[0].restless:
@@ -261,19 +263,21 @@ def identified_by(
                 single = single or apart(steps, *given)
                 if clear(single[1]):
                     return because(single, str(failed))
+                if single[1] is not None:
+                    tried.misfitting(attempt, single[0], single[1])
                 continue
             for step in measured:
                 assert step.data is not None
                 if attempt == "twice":
                     step.data = replace(step.data, k=2 * step.data.k)
                     if step.data.k > step.most_cycles:
-                        raise SingularError("too few periods")
+                        raise NotTriedError("too few periods")
                     if hopeless(step):
-                        raise SingularError("flights of half this period do not explain the record")
+                        raise NotTriedError("flights of half this period do not explain the record")
                 if attempt == "exactly" and not (
                     step.data.calibration and step.data.F0 is not None
                 ):
-                    raise SingularError("the sensors are exact, or there is no load")
+                    raise NotTriedError("the sensors are exact, or there is no load")
                 flown(step, scale, shared, guess, attempt == "fewer", attempt == "exactly")
                 described |= step.free is not None and step.free.misfit < DOUBTFUL
             if not all(step.rhythm.status == "periodic" for step in others):
@@ -283,20 +287,22 @@ def identified_by(
                 number = max((step.times.size for step in others if several(step)), default=0)
                 if number:
                     return because(single, f"{number} impacts are picked that no flights show")
-                return others, None, law
+                return explained((others, None, law), tried, shared)
             if attempt == "other walls":
                 if len(steps) > 1 or law.kind != "constant":
-                    raise SingularError("several records, or a law")
+                    raise NotTriedError("several records, or a law")
                 found, own = on_other_walls(others[0], scale, shared, guess, law), law
             else:
                 found, own = fitted(others, *given)
         except SingularError as error:
             failed = failed or error
+            tried.refused(attempt, others, error)
             if len(steps) == 1 and single is not None and aperiodic():
                 return because(single, str(failed))
             continue
         # a fit that only another pattern makes possible must be good
         if failed is not None and max(found.misfits) > DOUBTFUL:
+            tried.misfitting(attempt, others, found)
             continue
         if attempt == "twice":
             half = halved(others, found, own, scale, shared, guess)
@@ -310,9 +316,19 @@ def identified_by(
         with_other_loads(steps, scale, shared, guess)
     assert failed is not None
     if described or any(step.record is None for step in steps):
-        raise failed
+        raise SingularError(f"{failed}; {tried.said(steps, shared)}") from failed
     # no periodic flights describe it
-    return because(single or apart(steps, *given), str(failed))
+    return explained(because(single or apart(steps, *given), str(failed)), tried, shared)
+
+
+def explained(
+    found: tuple[list[Step], Fit | None, Law], tried: Attempts, shared: Mapping[str, float]
+) -> tuple[list[Step], Fit | None, Law]:
+    """What was found; without a fit, with a note of what was tried and of what would help."""
+    steps, fit_of_all, _ = found
+    if fit_of_all is None and any(several(step) for step in steps):
+        steps[0].notes.append(f"nothing is fitted; {tried.said(steps, shared)}")
+    return found
 
 
 def told(

@@ -39,6 +39,8 @@ ASSUMED = {
 #: Difference between a known value and the value that the records imply, in standard errors, above which the fit
 #: is doubtful.
 STRAINED = 4.0
+#: Standard errors of a drift of coefficients of restitution from none, above which the fit is doubtful.
+DRIFTING = 3.5
 #: Half the width of a 95 % interval in standard errors.
 WIDTH = 1.959963984540054
 #: Samples and load cycles of each record that a result keeps for its picture.
@@ -227,6 +229,17 @@ def doubts_of(
                 f"wrong, or {'' if name in ('omega', 'xi') else 'the law of restitution, or '}something else that "
                 "acts like it"
             )
+    drifting = max(found.drifts.items(), key=lambda item: abs(item[1].size), default=None)
+    if drifting is not None and abs(drifting[1].size) > DRIFTING:
+        name, strain = drifting
+        walls, verb = {
+            "drift": ("R1 and R2", "seem"), "drift1": ("R1", "seems"), "drift2": ("R2", "seems"),
+        }[name]  # fmt: skip
+        texts.append(
+            f"{walls} {verb} to {'grow' if strain.change > 0 else 'fall'} by {100 * abs(strain.change):.2g} % "
+            f"during the record ({abs(strain.size):.2g} standard errors from none), which the errors "
+            "do not contain: identify parts of the record by themselves"
+        )
     at_bounds = {"xi": (0.0,), "R1": (0.0, 1.0), "R2": (0.0, 1.0)}
     texts += [
         f"{name} = {found.values[name]:g}: the fit would go beyond this bound; a known value may be wrong, a "

@@ -1,0 +1,67 @@
+"""What identify says of records that no fit describes, and of coefficients of restitution that drift."""
+
+import warnings
+
+import pytest
+import vibroimpact as vi
+
+pytest.importorskip("scipy")
+from shared_identify import BENCH
+from vibroimpact.identification.attempts import Attempt, Attempts
+from vibroimpact.identification.steps import of_record
+
+CHAOTIC = BENCH | {"d": 0.0037}
+
+
+def quietly(record, known):
+    """The result, without the warning of a poor fit."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", vi.PoorFitWarning)
+        return vi.identify(record, known=known)
+
+
+def test_a_refusal_lists_what_was_tried():
+    """A wrong mass allows no motion: the error has every attempt, the best one, and what would help."""
+    record = vi.VirtualRig(**BENCH).record(duration=2.0, rng=3)
+    with pytest.raises(vi.SingularError) as refused:
+        vi.identify(record, known={"M": 2.7, "K": 42e3, "m": 2.7}, calibration=0)
+    text = str(refused.value)
+    for part in (
+        "tried: the impacts of the record (RLL/1): ", "without the weakest impact", "the best is ",
+        "what would help most: ",
+    ):  # fmt: skip
+        assert part in text
+
+
+def test_the_best_attempt_has_the_least_misfit():
+    """Whatever the sequence, and attempts without a fit are none."""
+    tried = Attempts()
+    tried.all = [
+        Attempt("as it is", "RL/1", 7.0, "no motion"),
+        Attempt("fewer", "RL/1", float("nan"), "no flights"),
+        Attempt("twice", "RLRL/2", 3.0, "misfit of 3"),
+    ]
+    record = vi.VirtualRig(**BENCH).record(duration=1.0, rng=3)
+    step = of_record(record, None, {}, 0, 1)
+    text = tried.said([step], {})
+    assert "the best is twice the period (RLRL/2) with a misfit of 3;" in text
+    assert "a known m" in text
+    assert "a known m" not in tried.said([step], {"mu": 0.04})
+    assert "a longer record (now 20 load cycles)" in text
+
+
+@pytest.mark.parametrize("drift", [0.0, 0.06])
+def test_a_drift_of_the_restitution_raises_a_doubt(drift):
+    """In a chaotic record the fall of R shows as such, and no drift is none."""
+    rig = vi.VirtualRig(**CHAOTIC, drift=drift)
+    found = quietly(rig.record(duration=6.0, rng=1), {"M": 2.7, "K": 42e3})
+    assert found.status == "not periodic"
+    assert found.good == (drift == 0)
+    assert any("fall by" in doubt for doubt in found.doubts) == (drift > 0)
+
+
+@pytest.mark.parametrize("name", ["f", "friction"])
+def test_friction_is_refused_by_name(name):
+    """It is not modelled."""
+    with pytest.raises(vi.ParameterError, match=f"known {name} = 0.1: must be left out"):
+        vi.identify(vi.VirtualRig(**BENCH).record(duration=1.0, rng=3), known={name: 0.1})
