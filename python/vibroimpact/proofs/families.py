@@ -6,7 +6,7 @@ so exp(A t) is Taylor's polynomial of the duration t alone.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,17 +19,16 @@ from .balls import ball, decimal, flint
 from .boxes import DEGREES, NEAR_CIRCLE, Box, Problem, bound_in_box
 from .equations import characteristic
 from .models import Model, at_middle, space, span
-from .structures import MOST_HALVINGS, System, mirror_of, record_of
-from .verdicts import above, inside_all
+from .structures import System, gaps_stay_open, mirror_of, record_of
+from .verdicts import inside_all
 
 _Array = NDArray[np.float64]
 #: What may vary beside the opening and the restitution of single gaps.
 VARIED = ("frequency", "load", "constant", "opening", "restitution")
 
 
-def dot(one: Sequence[Any], two: Sequence[Any]) -> Any:
-    """The sum of products of which one factor may be a model."""
-    return sum((a * b for a, b in zip(one, two, strict=True)), flint().arb(0))
+#: The sum of products of which one factor may be a model.
+dot = System.dot
 
 
 def product(one: Sequence[Sequence[Any]], two: Sequence[Sequence[Any]]) -> list[list[Any]]:
@@ -322,6 +321,32 @@ class VariedSystem:
         assert total is not None
         return [[one * self.turn for one in row] for row in total]
 
+    def states_in(
+        self, flight: VariedFlight
+    ) -> Callable[[float, float, int], tuple[Any, Any, Any]]:
+        """As `System.states_in`, for all parameters."""
+        n, begin = self.n, span(flight.begin)
+        parts = [
+            (span(w), [span(one) for one in a], [span(one) for one in b])
+            for w, a, b in self.steady_parts
+        ]
+
+        def states(middle: float, width: float, depth: int) -> tuple[Any, Any, Any]:
+            module = flint()
+            t, h = module.arb(middle), module.arb(0, width)
+            free = [dot(row, flight.free) for row in (self.flow * t).exp().tolist()]
+            steady = self.steady(flight.begin + t)
+            q = [one + two for one, two in zip(free[:n], steady[0], strict=True)]
+            v = [one + two for one, two in zip(free[n : 2 * n], steady[1], strict=True)]
+            wide = (self.flow * h).exp() * module.arb_mat([[span(one)] for one in free])
+            bends = (self.square * wide).entries()[:n]
+            for w, a, b in parts:
+                sine, cosine = (w * (begin + t + h)).sin_cos()
+                bends = [one - w * w * (a[k] * cosine + b[k] * sine) for k, one in enumerate(bends)]
+            return q, v, bends
+
+        return states
+
     def determinant(self) -> Any:
         """As `System.determinant`, in the time of the map."""
         value = (self.length * -self.loss).exp()
@@ -422,68 +447,3 @@ def polynomial_of(matrix: list[list[Any]], last: Any) -> list[Any]:
             ]
             power = product(matrix, shifted)
     return [last, *found[::-1]]
-
-
-def gaps_stay_open(system: VariedSystem, found: Sequence[VariedFlight]) -> tuple[bool | None, str]:
-    """As `structures.gaps_stay_open`, for all parameters."""
-    for i, flight in enumerate(found):
-        speed = span(flight.speed)
-        if speed < 0:
-            return False, f"impact {(i + 1) % len(found)} has no approach speed"
-        if not speed > 0 or not span(system.restitution[flight.after]) > 0:
-            return None, f"the speeds at the ends of flight {i} are not separated from zero"
-    for i, flight in enumerate(found):
-        clear = flight_is_open(system, flight)
-        if clear is not True:
-            what = "closes a gap" if clear is False else "comes too near to a wall"
-            return clear, f"flight {i} {what}"
-    return True, ""
-
-
-def flight_is_open(system: VariedSystem, flight: VariedFlight) -> bool | None:
-    """The same of one flight, as `structures.flight_is_open`."""
-    module, n = flint(), system.n
-    duration = span(flight.duration)
-    whole, shortest = above(float(duration.upper())), -above(-float(duration.lower()))
-    begin = span(flight.begin)
-    parts = [
-        (span(w), [span(one) for one in a], [span(one) for one in b])
-        for w, a, b in system.steady_parts
-    ]
-    pieces = [(0.0, whole, 0, list(range(len(system.rows))))]
-    while pieces:
-        low, high, depth, gaps = pieces.pop()
-        middle = (low + high) / 2
-        t, width = module.arb(middle), above(max(high - middle, middle - low))
-        h = module.arb(0, width)
-        matrix = (system.flow * t).exp().tolist()
-        free = [dot(row, flight.free) for row in matrix]
-        steady = system.steady(flight.begin + t)
-        q = [one + two for one, two in zip(free[:n], steady[0], strict=True)]
-        v = [one + two for one, two in zip(free[n : 2 * n], steady[1], strict=True)]
-        wide = (system.flow * h).exp() * module.arb_mat([[span(one)] for one in free])
-        bends = (system.square * wide).entries()[:n]
-        for w, a, b in parts:
-            sine, cosine = (w * (begin + t + h)).sin_cos()
-            bends = [one - w * w * (a[k] * cosine + b[k] * sine) for k, one in enumerate(bends)]
-        left = []
-        for gap in gaps:
-            row = system.rows[gap]
-            distance = span(system.openings[gap] - dot(row, q))
-            rate, bend = -span(dot(row, v)), -dot(row, bends)
-            if middle < shortest and distance < 0:
-                return False
-            speed = rate + h * bend
-            half = module.arb(width) ** 2 / 2
-            opens = (
-                distance + h * rate + (half * bend).union(module.arb(0)) > 0
-                or (low == 0 and gap == flight.before and speed > 0)
-                or (high >= shortest and gap == flight.after and speed < 0)
-            )
-            if not opens:
-                left.append(gap)
-        if left:
-            if depth == MOST_HALVINGS:
-                return None
-            pieces += [(middle, high, depth + 1, left), (low, middle, depth + 1, left)]
-    return True

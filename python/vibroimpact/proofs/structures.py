@@ -7,7 +7,7 @@ for any damping, and no modes are needed. The unknowns are, at each impact, its 
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,6 +20,7 @@ from ..systems.structure import Gap
 from .balls import ball, decimal, decimal_text, flint, hexadecimal
 from .boxes import NEAR_CIRCLE, NO_SPEED
 from .certificate import Certificate
+from .models import span
 from .verdicts import above, approximate_inverse, inside, multiplier_bound
 
 #: Bits of the mantissa, and the sizes of the boxes relative to the largest unknown of a kind, in turn.
@@ -254,6 +255,23 @@ class System:
             product = module.arb_mat(salt) * (module.arb_mat(part) * product)
         return product * self.turn
 
+    def states_in(self, flight: Flight) -> Callable[[float, float, int], tuple[Any, Any, Any]]:
+        """A function for pieces of a flight: q and q' at a time after the impact, and q'' within a width of it, of
+        a piece that was halved so often."""
+        n = self.n
+        powers: dict[int, Any] = {}
+
+        def states(middle: float, width: float, depth: int) -> tuple[Any, Any, Any]:
+            arb = flint().arb
+            if depth not in powers or powers[depth][0] < width:
+                powers[depth] = (width, (self.flow * arb(0, width)).exp())
+            z = (self.flow * arb(middle)).exp() * flight.start
+            bends = (self.square * (powers[depth][1] * z)).entries()[:n]
+            entries = z.entries()
+            return entries[:n], entries[n : 2 * n], bends
+
+        return states
+
     def determinant(self) -> Any:
         """det[P] by its law: exp(-tr(M^-1 C) T) times the product of all R^2."""
         value = (-self.damping.trace() * self.period).exp()
@@ -319,12 +337,14 @@ def is_inside(coefficients: Sequence[Any]) -> bool | None:
     return found
 
 
-def gaps_stay_open(system: System, found: Sequence[Flight]) -> tuple[bool | None, str]:
-    """Whether each impact has an approach speed and all gaps stay open in flights; the reason if not proven."""
+def gaps_stay_open(system: Any, found: Sequence[Any]) -> tuple[bool | None, str]:
+    """Whether each impact has an approach speed and all gaps stay open in flights, for all parameters where the
+    numbers are models; the reason if not proven."""
     for i, flight in enumerate(found):
-        if flight.speed < 0:
+        speed = span(flight.speed)
+        if speed < 0:
             return False, f"impact {(i + 1) % len(found)} has no approach speed"
-        if not flight.speed > 0 or not system.restitution[flight.after] > 0:
+        if not speed > 0 or not span(system.restitution[flight.after]) > 0:
             return None, f"the speeds at the ends of flight {i} are not separated from zero"
     for i, flight in enumerate(found):
         clear = flight_is_open(system, flight)
@@ -334,32 +354,27 @@ def gaps_stay_open(system: System, found: Sequence[Flight]) -> tuple[bool | None
     return True, ""
 
 
-def flight_is_open(system: System, flight: Flight) -> bool | None:
+def flight_is_open(system: Any, flight: Any) -> bool | None:
     """The same of one flight: on each piece a gap is open, or opens from or closes to the impact at its end."""
-    module, n = flint(), system.n
-    whole, shortest = above(float(flight.duration.upper())), -above(-float(flight.duration.lower()))
-    powers: dict[int, Any] = {}
+    arb, dot = flint().arb, System.dot
+    duration, states = span(flight.duration), system.states_in(flight)
+    whole, shortest = above(float(duration.upper())), -above(-float(duration.lower()))
     pieces = [(0.0, whole, 0, list(range(len(system.rows))))]
     while pieces:
         low, high, depth, gaps = pieces.pop()
         middle = (low + high) / 2
-        t, width = module.arb(middle), above(max(high - middle, middle - low))
-        h = module.arb(0, width)
-        if depth not in powers or powers[depth][0] < width:
-            powers[depth] = (width, (system.flow * h).exp())
-        z = (system.flow * t).exp() * flight.start
-        bends = (system.square * (powers[depth][1] * z)).entries()[:n]
-        z, left = z.entries(), []
+        width, left = above(max(high - middle, middle - low)), []
+        q, v, bends = states(middle, width, depth)
+        h, half = arb(0, width), arb(width) ** 2 / 2
         for gap in gaps:
             row = system.rows[gap]
-            distance = system.openings[gap] - system.dot(row, z[:n])
-            rate, bend = -system.dot(row, z[n : 2 * n]), -system.dot(row, bends)
+            distance = span(system.openings[gap] - dot(row, q))
+            rate, bend = -span(dot(row, v)), -dot(row, bends)
             if middle < shortest and distance < 0:
                 return False
             speed = rate + h * bend
-            half = module.arb(width) ** 2 / 2
             opens = (
-                distance + h * rate + (half * bend).union(module.arb(0)) > 0
+                distance + h * rate + (half * bend).union(arb(0)) > 0
                 or (low == 0 and gap == flight.before and speed > 0)
                 or (high >= shortest and gap == flight.after and speed < 0)
             )
