@@ -11,7 +11,7 @@ from ..base.errors import ParameterError, SingularError, VibroimpactError
 from ..base.progress import Progress
 from ..cases.case import Case
 from ..proofs.balls import exact, flint
-from ..proofs.certificate import VERDICTS
+from ..proofs.form import VERDICTS
 from . import PICTURES, add_files, add_folder, picture_writer, ready
 from .request import Request, read_cases
 

@@ -9,22 +9,17 @@ from pathlib import Path
 from typing import Any
 
 from ..base.actions import ACTIONS
-from ..base.errors import ParameterError, ParameterTypeError
+from ..base.errors import ParameterError
 from ..base.files import place_for, write_text
 from ..base.jupyter import facts_html
 from ..results.noun import NOUNS
 from .balls import exact
+from .form import ITEMS, VERDICTS, check_form
 
 __all__ = ["Certificate"]
 
 #: The format of the JSON.
 FORMAT = 1
-VERDICTS = ("exists", "admissible", "stable")
-#: The items of the JSON, with their types.
-ITEMS = {
-    "kind": str, "sides": str, "cycles": int, "symmetric": bool, "system": dict, "sheets": list,
-    "boxes": list, "undecided": list, "seconds": float,
-}  # fmt: skip
 
 
 @dataclass(frozen=True, repr=False)
@@ -228,12 +223,9 @@ class Certificate:
             raise ParameterError("certificate: must be a dict with type = 'Certificate'")
         if data.get("format") != FORMAT:
             raise ParameterError(f"format = {data.get('format')!r}: must be {FORMAT}")
-        for name, kind in ITEMS.items():
-            if not isinstance(data.get(name), kind):
-                raise ParameterTypeError(
-                    f"{name} = {data.get(name)!r:.80}: must be of type {kind.__name__}"
-                )
-        return cls(**{name: data[name] for name in ITEMS})
+        check_form(data)
+        found = {name: data[name] for name in ITEMS}
+        return cls(**found | {"seconds": float(data["seconds"])})
 
     def to_json(self) -> str:
         """`to_dict` as JSON text."""
@@ -242,7 +234,11 @@ class Certificate:
     @classmethod
     def from_json(cls, text: str) -> Certificate:
         """The inverse of `to_json`."""
-        return cls.from_dict(json.loads(text))
+        try:
+            data = json.loads(text)
+        except (ValueError, RecursionError) as error:
+            raise ParameterError(f"text = {text!r:.80}: must be JSON; {error}") from None
+        return cls.from_dict(data)
 
     def save(self, path: str | Path) -> None:
         """Write a .json file, completely or not at all; `vibroimpact.load` reads it back."""
