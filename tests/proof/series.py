@@ -11,8 +11,9 @@ from flint import arb, fmpq
 
 #: The degree of polynomials by the number of parameters.
 DEGREES = (0, 5, 5, 3, 2, 2, 1, 1, 1)
-HEXADECIMAL = re.compile(r"(-?0x[0-9a-f]+)p(-?[0-9]+)")
-DECIMAL = re.compile(r"-?[0-9]+(\.[0-9]+)?(e[-+]?[0-9]+)?|-?[0-9]+/[0-9]+")
+#: Exact texts; of higher powers the numbers would take all memory.
+HEXADECIMAL = re.compile(r"(-?0x[0-9a-f]+)p(-?[0-9]{1,5})")
+DECIMAL = re.compile(r"-?[0-9]+(\.[0-9]+)?(e[-+]?[0-9]{1,4})?|-?[0-9]+/[0-9]+")
 UNIT = arb(0, 1)
 
 

@@ -56,7 +56,6 @@ class Varied:
         self.A = arb_mat([[fixed.A[i, j] for j in range(2 * n + 1)] for i in range(2 * n + 1)])
         self.impacts, self.turn, half = fixed.impacts, 1, len(fixed.impacts) // 2
         self.last, cycles = self.impacts[0], 2 * fixed.cycles
-        need(type(data["symmetric"]) is bool, "symmetric or not")
         if data["symmetric"]:
             self.last, cycles = self.mirrored(data, names, half), fixed.cycles
             self.impacts, self.turn = self.impacts[:half], -1

@@ -17,8 +17,10 @@ import vibroimpact as vi
 CHECKER = Path(__file__).parents[1] / "proof" / "check_certificate.py"
 sys.path.insert(0, str(CHECKER.parent))
 import check_certificate as checker  # noqa: E402
+import form  # noqa: E402
 import search  # noqa: E402
 from check_certificate import exact  # noqa: E402
+from check_structure import check_structure  # noqa: E402
 
 OSC = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
 TABLE1 = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
@@ -149,6 +151,73 @@ def wrong(data):
         yield changed("attenuation", "boxes", 0, "attenuation_below", value=lower)
 
 
+def false_items(data):
+    """Certificates with an item too few or too many, of another type, or that contradicts the others."""
+
+    changed = partial(changed_in, data)
+
+    places = [(), ("system",), *((("boxes", 0),) if data["boxes"] else ())]
+    if data["system"].get("gaps"):
+        places.append(("system", "gaps", 0))
+    for place in places:
+        items = functools.reduce(lambda part, key: part[key], place, data)
+        for name in items:
+            if name not in ("multipliers_below", "multipliers_above", "attenuation_below"):
+                rest = lambda old, name=name: {k: v for k, v in old.items() if k != name}  # noqa: E731
+                yield changed_in({"all": data}, f"no {name}", "all", *place, value=rest)
+        more = lambda old: old | {"note": "also proven"}  # noqa: E731
+        yield changed_in({"all": data}, f"more in {place}", "all", *place, value=more)
+    for name, value in (
+        ("type", "Proof"), ("format", 2), ("kind", "every"), ("sides", 1), ("cycles", 0), ("cycles", True),
+        ("symmetric", 1), ("sheets", []), ("seconds", -1.0), ("seconds", math.nan), ("seconds", "1"),
+    ):  # fmt: skip
+        yield changed(f"{name} = {value}", name, value=lambda _, value=value: value)
+    # what is not decided: too much, too little, elsewhere, or without a reason
+    undecided = data["undecided"]
+    wrong_item = {"reason": "unknown", "parameters": {"clearance": ["1", "2"]}}
+    yield changed("one more", "undecided", value=lambda old: [*old, wrong_item])
+    if data["kind"] != "zone":
+        yield changed("one more", "undecided", value=lambda old: [*old, {"reason": "unknown"}])
+    for k, item in enumerate(undecided):
+        if "times" not in item and (data["kind"] != "zone" or len(undecided) == 1):
+            yield changed("one fewer", "undecided", value=lambda old, k=k: old[:k] + old[k + 1 :])
+        yield changed("no reason", "undecided", k, "reason", value=lambda _: "")
+        for name, (low, high) in item.get("parameters", {}).items():
+            middle = str((Fraction(low) + Fraction(high)) / 2)
+            for ends in ([low, middle], [middle, high], [low, str(Fraction(high) + 1)]):
+                value = lambda _, ends=ends: ends  # noqa: E731
+                yield changed(f"{name}", "undecided", k, "parameters", name, value=value)
+    for sheet in data["sheets"]:
+        for name in {"r", "clearance", "xi", "mu", "load", "frequency"}.intersection(sheet):
+            if name in data["system"]:
+                yield changed(f"{name} at the start", "system", name, value=lambda _: "1e6")
+    for j, box in list(enumerate(data["boxes"]))[:2]:
+        for name, value in (
+            ("sheet", len(data["sheets"])), ("sheet", -1), ("sheet", "0"), ("exists", 1),
+            ("admissible", "yes"), ("stable", 0),
+        ):  # fmt: skip
+            yield changed(f"{name} = {value!r}", "boxes", j, name, value=lambda _, v=value: v)
+        if data["kind"] == "zone" and box["exists"] is not False:
+            continue
+        for name, texts in (
+            ("multipliers_below", ("0", "-0.5", "1.000001", "nan", "inf", ".9", 0.999)),
+            ("multipliers_above", ("0", "-2", "0.999", "nan")),
+            ("attenuation_below", ("0", "-1", "nan")),
+        ):  # fmt: skip
+            for text in texts:
+                changed_box = {**box, name: text}
+                value = lambda _, new=changed_box: new  # noqa: E731
+                yield changed(f"{name} = {text}", "boxes", j, value=value)
+        if box["stable"] is not None:
+            opened = lambda _, box=box: {**box, "stable": None}  # noqa: E731
+            yield changed("open, with a bound or no reason", "boxes", j, value=opened)
+        nothing = {name: box[name] for name in ("sheet", "parameters")}
+        nothing |= dict.fromkeys(("exists", "admissible", "stable"))
+        for name in ("multipliers_below", "multipliers_above", "attenuation_below"):
+            value = lambda _, new={**nothing, name: "0.9"}: new  # noqa: E731
+            yield changed(f"a bound {name} of nothing", "boxes", j, value=value)
+
+
 #: Certificates of motions, a branch with a special point, and a box, each small.
 CERTIFICATES = [
     MOTIONS[0].prove,
@@ -179,6 +248,76 @@ def test_false_certificates_are_rejected(make):
         accepted.append(what)
     assert number > 20
     assert accepted == []
+
+
+#: Certificates of each kind, as small as they can be.
+KINDS = {
+    "motion": lambda: MOTIONS[0].prove(),
+    "nothing": lambda: vi.prove_box(OSC, "RL", r=1.04, clearance=(10, 11)),
+    "branch": lambda: vi.branch(
+        vi.equispaced(OSC, 1.04, 21.1)[0], "clearance", bounds=(21.0, 21.2)
+    ).prove(tolerance=0.3),
+    "box": lambda: vi.prove_box(OSC, "RL", r=(1.0399, 1.0401), clearance=(24.99, 25.01)),
+    "zone": lambda: proof_of_zone(0.1, 60.0)[1],
+    "all": lambda: vi.prove_all(TABLE1, 0.94, 37.0, max_impacts=2),
+    "structure": lambda: structures()[0].prove(),
+    "symmetric structure": lambda: structures()[1].prove(),
+    "branch of structure": lambda: vi.branch(
+        structures()[0], "frequency", bounds=(0.99, 1.01)
+    ).prove(),
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_each_item_is_checked(kind):
+    """Of each kind of certificate, every item is needed, no other is taken, and none may contradict the boxes."""
+    data = json.loads(KINDS[kind]().to_json())
+    form.check_form(data)
+    accepted = []
+    number = 0
+    for what, other in false_items(data):
+        number += 1
+        try:
+            checker.check(other.get("all", other))
+        except checker.RejectedError:
+            continue
+        accepted.append(what)
+    assert accepted == []
+    assert number > 25
+
+
+@pytest.mark.parametrize("text", ["-0.9", "0", "1.0000001"])
+@pytest.mark.parametrize("kind", ["motion", "structure", "branch of structure"])
+def test_bounds_of_multipliers_lie_between_0_and_1(kind, text):
+    """Each of the three programs that check multipliers rejects another bound of a stable motion."""
+    data = json.loads(KINDS[kind]().to_json())
+    box = data["boxes"][0]
+    box["multipliers_below"] = text
+    # also without the check of the form
+    alone = check_structure if kind == "structure" else lambda data: checker.check_box(data, box)
+    for check in (checker.check, alone):
+        with pytest.raises(checker.RejectedError, match="bound"):
+            check(data)
+
+
+def test_restitution_from_zero_to_one():
+    """At R = 0 nothing is proven, with the reason; down to it and up to R = 1 certificates are accepted."""
+    wall = structures()[0]
+    proof = vi.branch(wall, "restitution", bounds=(0, 1)).prove(tolerance=0.02)
+    assert "R = 0" in proof.undecided[0]["reason"]
+    assert proof.boxes[0]["exists"] is None
+    assert proof.boxes[1]["exists"]
+    checker.check(json.loads(proof.to_json()))
+    proof = vi.branch(MOTIONS[0], "restitution", bounds=(0, 0.8)).prove(tolerance=0.02)
+    assert "R = 0" in proof.undecided[0]["reason"]
+    data = json.loads(proof.to_json())
+    form.check_form(data)
+    for box in data["boxes"][:3]:
+        checker.check_box(data, box)
+    # neither end is a binary number, so a ball around them reaches beyond 1
+    span = {"xi": (0, 0.001), "restitution": (0.97, 1)}
+    proof = vi.prove_box(OSC, "RL", r=1.3, clearance=3.0, most_boxes=3, **span)
+    checker.check(json.loads(proof.to_json()))
 
 
 def test_branch():
@@ -277,7 +416,7 @@ def test_box_is_not_proven():
     # it states nothing but the reason
     data = json.loads(none.to_json())
     checker.check(data)
-    with pytest.raises(checker.RejectedError, match="a reason where nothing is proven"):
+    with pytest.raises(checker.RejectedError, match="leaves more open than is said"):
         checker.check({**data, "undecided": []})
     with pytest.raises(
         vi.ParameterError, match=r"clearance = \(26, 24\): must be \(lowest, highest\)"
@@ -550,9 +689,84 @@ def test_independent_program(tmp_path):
     assert "false.json: REJECTED" in bad.stdout
     source = CHECKER.read_text()
     assert len(source.splitlines()) <= 400
-    for part in ("series.py", "flight.py"):
-        assert "vibroimpact" not in (CHECKER.parent / part).read_text()
+    for part in CHECKER.parent.glob("*.py"):
+        assert "import vibroimpact" not in part.read_text()
     assert "import vibroimpact" not in source
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        None,
+        "",
+        "{",
+        "[]",
+        "null",
+        "7",
+        '{"type": "Certificate"}',
+        "[" * 100_000,
+        '{"a": NaN}',
+        "\xff",
+    ],
+)
+def test_independent_program_of_what_is_no_certificate(tmp_path, text):
+    """One line says what is wrong, and the exit status is 1."""
+    path = tmp_path / "case.json"
+    if text is not None:
+        path.write_bytes(text.encode("latin-1"))
+    assert checker.main([str(path)]) == 1
+
+
+def test_independent_program_says_what_it_cannot_read(tmp_path, capsys):
+    """The message names the file; a certificate of nothing is called that."""
+    missing, broken, nothing = (str(tmp_path / name) for name in ("none.json", "{.json", "no.json"))
+    Path(broken).write_text("{")
+    vi.prove_box(OSC, "RL", r=1.04, clearance=(10, 11)).save(nothing)
+    assert checker.main([missing, broken, nothing]) == 1
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].startswith(f"{missing}: cannot be read: ")
+    assert lines[1].startswith(f"{broken}: cannot be read: ")
+    assert lines[2] == f"{nothing}: accepted: it proves nothing"
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "message"),
+    [
+        (("cycles",), True, "cycles = True: must be of type int"),
+        (("kind",), "foo", "kind = 'foo': must be one of motion"),
+        (("seconds",), math.nan, "seconds = nan: must be a time in seconds"),
+        (("system",), {}, r"system\['xi'\] = None: must be the text of an exact number"),
+        (("system", "r"), "1e999999999", r"system\['r'\] = '1e999999999': must be the text"),
+        (("sheets", 0), {"r": ["a", "b"]}, r"sheets\[0\]\['r'\] = 'a': must be the text"),
+        (("boxes", 0), 1, r"boxes\[0\] = 1: must be a dict"),
+        (("boxes", 0), {}, r"boxes\[0\]\['sheet'\] = None: must be the number of a sheet"),
+        (("boxes", 0, "stable"), "no", r"boxes\[0\]\['stable'\] = 'no': must be True, False or None"),
+        (("boxes", 0, "multipliers_below"), "nan", r"\['multipliers_below'\] = 'nan': must be the text"),
+        (("boxes", 0, "centre", 0, 0), ["x"], r"boxes\[0\]\['centre'\] = 'x': must be the text"),
+        (("boxes", 0, "radius"), ["0x1p0"], r"boxes\[0\]\['radius'\] = .* must be lists of exact"),
+        (("undecided",), [1], r"undecided\[0\] = 1: must be a dict with a reason"),
+    ],
+)  # fmt: skip
+def test_files_of_another_form(path, value, message):
+    """The item that a certificate cannot have is named."""
+    _, other = changed_in(MOTIONS[0].prove().to_dict(), "", *path, value=lambda _: value)
+    with pytest.raises((vi.ParameterError, vi.ParameterTypeError), match=message):
+        vi.Certificate.from_dict(other)
+
+
+def test_files_of_whole_seconds_and_broken_text():
+    """A whole number of seconds is a time; broken JSON is an error of the text."""
+    data = MOTIONS[0].prove().to_dict()
+    assert vi.Certificate.from_dict(data | {"seconds": 1}).seconds == 1.0
+    with pytest.raises(vi.ParameterError, match=r"text = '\{': must be JSON"):
+        vi.Certificate.from_json("{")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_files_of_each_kind(kind):
+    """A certificate of each kind is read back from its text."""
+    proof = KINDS[kind]()
+    assert vi.Certificate.from_json(proof.to_json()) == proof
 
 
 def test_files(tmp_path):
@@ -603,8 +817,14 @@ def test_refused():
     osc = vi.Oscillator(xi=0.05, mu=0.1, restitution=0.3)
     rest = next(motion for motion in vi.find(osc, 0.3, 0.5) if motion.pattern.has_rest)
     for call in (rest.prove, lambda: vi.prove_box(osc, rest.pattern, r=0.3, clearance=0.5)):
-        with pytest.raises(vi.ParameterError, match=r"pattern = 'R\*L\*': must be without rest"):
+        with pytest.raises(vi.ParameterError, match="must be without rest, which proofs") as error:
             call()
+        name = "motion = <Motion" if call == rest.prove else "pattern = 'R*L*/"
+        assert str(error.value).startswith(name)
+    with pytest.raises(
+        vi.ParameterError, match=r"^pattern = '(RL)*/1': must have at most 12 impacts"
+    ):
+        vi.prove_box(OSC, "RL" * 20, r=1.04, clearance=25.0)
 
 
 @pytest.mark.slow
@@ -999,6 +1219,23 @@ def test_branch_of_structure(motion, parameter, bounds, symmetric):
             assert max(abs(own.multipliers)) < float(box["multipliers_below"])
     checker.check(json.loads(proof.to_json()))
     assert f"for {parameter} {bounds[0]:g} to {bounds[1]:g} in " in repr(proof)
+
+
+def test_branches_of_symmetric_pairs():
+    """Certificates of random pairs as structures are accepted, also of motions with large multipliers."""
+    random = np.random.default_rng(10)
+    largest = []
+    for mu, R, xi, frequency in ((0.1, 0.8, 0.025, 1.006), (0.05, 0.75, 0.01, 1.04)):
+        osc = vi.Oscillator(xi=xi, mu=mu, restitution=R)
+        for motion in vi.equispaced(osc, frequency, random.uniform(9, 11)):
+            point = osc.at(frequency, motion.clearance)
+            motion = vi.exact(point.structure, point.load, (motion.phases, motion.gaps.tolist(), 1))
+            bounds = (frequency, frequency * 1.006)
+            proof = vi.branch(motion, "frequency", bounds=bounds).prove(tolerance=0.3)
+            assert (proof.symmetric, proof.exists) == (True, True)
+            largest.append(max(abs(motion.multipliers)))
+            checker.check(json.loads(proof.to_json()))
+    assert max(largest) > 2
 
 
 def wrong_branches(data):

@@ -34,14 +34,18 @@ DEGREES = {1: 5, 2: 3, 3: 2, 4: 2}
 EXPLICIT_DEGREE = 5
 #: The radius of the box of uniqueness at first, relative to the unknowns.
 UNIQUE = (2.0**-7, 2.0**-11, 2.0**-16)
+#: Parts of that radius that are stated if they are enough for what is proven: other methods than this one enclose
+#: the derivatives in a box less closely.
+STATED = (2.0**-6, 2.0**-4, 2.0**-2)
 #: Steps of Newton's method, and the relative step after which it has converged.
 NEWTON, CLOSE = 8, 1e-13
 #: What proofs refuse.
-WITH_REST = "pattern = {!r}: must be without rest, which proofs do not support"
+WITHOUT_REST = "must be without rest, which proofs do not support"
 #: What a box may lack.
 NO_MOTION = "Newton's method does not contract in a box around it (near a fold, pitchfork or graze)"
 NEAR_CIRCLE = "stability: a multiplier is too near to the unit circle"
 NO_SPEED = "stability: an impact may have no approach speed"
+NO_REBOUND = "R = 0: an impact does not part the masses"
 
 
 def sizes_of(states: _Array) -> _Array:
@@ -93,9 +97,9 @@ class Family:
             )
         sides = motion.pattern.sides
         if motion.pattern.has_rest:
-            raise ParameterError(WITH_REST.format(sides))
+            raise ParameterError(f"motion = {motion!r}: {WITHOUT_REST}")
         if not motion.load > 0:
-            raise ParameterError(f"load = {motion.load!r}: must be above 0 for a proof")
+            raise ParameterError(f"motion = {motion!r}: must have a load above 0 for a proof")
         numbers = (motion.osc.xi, motion.osc.mu, motion.r, motion.clearance, motion.load)
         values = dict(zip(PARAMETERS, map(decimal, numbers), strict=True))
         walls = tuple(map(decimal, motion.restitution.tolist()))
@@ -154,6 +158,8 @@ class Box:
         The polynomials around which the unknowns lie.
     radius : list of float
         The distance within which there is one and only one motion.
+    radii : list of list of float
+        All such distances that are proven, in ascending order.
     error : list
         Balls; the distance within which that motion lies.
     middle : ndarray (4 impacts, 1 + parameters)
@@ -169,6 +175,7 @@ class Box:
     span: dict[str, tuple[Fraction, Fraction]]
     centre: _Array | None = None
     radius: list[float] = field(default_factory=list)
+    radii: list[list[float]] = field(default_factory=list)
     error: list[Any] = field(default_factory=list)
     middle: _Array | None = None
     effects: _Array = field(default_factory=lambda: np.zeros(0))
@@ -359,6 +366,14 @@ def enclose(problem: Problem, box: Box, sizes: _Array) -> bool:
     left = [[one] for one in problem.left(problem.system, problem.models(centre))]
     shift = bound_of([inverse * layer for layer in problem.layers(left)])
     identity = module.arb_mat(n, n, [int(k % (n + 1) == 0) for k in range(n * n)])
+
+    def contracts(radius: Sequence[float], strictly: bool = True) -> bool:
+        """Whether Krawczyk's operator leads from a distance from the polynomials to a shorter one."""
+        stated = module.arb_mat([[module.arb(one)] for one in radius])
+        image = shift + moved * stated
+        pairs = [(image[k, 0], stated[k, 0]) for k in range(n)]
+        return all(one < two if strictly else one <= two for one, two in pairs)
+
     for unique in UNIQUE:
         around = [module.arb(one * unique) for one in sizes.tolist()]
         layers = [
@@ -378,20 +393,19 @@ def enclose(problem: Problem, box: Box, sizes: _Array) -> bool:
         if not np.all(weights > 0):
             continue
         radius = (weights * (unique * np.min(sizes / weights) * (1 - 2.0**-40))).tolist()
-        stated = module.arb_mat([[module.arb(one)] for one in radius])
-        image = shift + moved * stated
-        if all(image[k, 0] < stated[k, 0] for k in range(n)):
+        if contracts(radius):
             break
     else:
         return False
     # its distance d from the polynomials has d <= shift + moved d, so any solution of this with >= is above it
     error = np.linalg.solve(np.eye(n) - doubles, [float(one) for one in shift.entries()])
     error = np.minimum(np.abs(error) * (1 + 2.0**-30) + np.finfo(float).tiny, radius)
-    stated = module.arb_mat([[module.arb(one)] for one in error.tolist()])
-    image = shift + moved * stated
-    if not all(image[k, 0] <= stated[k, 0] for k in range(n)):
+    if not contracts(error.tolist(), strictly=False):
         error = np.array(radius)
-    box.centre, box.radius, box.exists = centre, radius, True
+    # the image is linear in the radius, so it lies inside boxes between these two as well
+    between = [(error + (np.array(radius) - error) * share).tolist() for share in STATED]
+    box.radii = [one for one in between if contracts(one)] + [radius]
+    box.centre, box.radius, box.exists = centre, box.radii[0], True
     box.error = [module.arb(one) for one in error.tolist()]
     return True
 
@@ -434,6 +448,9 @@ def prove_over(
     family: Motions, box: Box, sizes: _Array, bounds: bool = True, facing: int = 1
 ) -> None:
     """Fill in what can be proven of a box."""
+    if any(low <= 0 for name, (low, _) in box.span.items() if is_restitution(name)):
+        box.reason = NO_REBOUND
+        return
     try:
         # near resonance the amplitude over a wide box may have no bound
         problem = family.problem(box, facing)
@@ -443,6 +460,11 @@ def prove_over(
         problem.judge(box, bounds)
     except ZeroDivisionError:
         box.reason = box.reason or (NO_SPEED if box.exists else NO_MOTION)
+
+
+def is_restitution(name: str) -> bool:
+    """Whether a parameter is a coefficient of restitution."""
+    return name in ("R1", "R2") or name.partition("_")[0] == "restitution"
 
 
 def bound_in_box(polynomial: Sequence[Any], mirrored: bool) -> str | None:

@@ -23,7 +23,7 @@ from ..studies.find import find
 from ..systems.oscillator import Oscillator, Pattern, pattern_of
 from ..systems.verbs import physical_arguments
 from .balls import decimal, decimal_text, flint, hexadecimal, upward
-from .boxes import NEAR_CIRCLE, NO_MOTION, NO_SPEED, WITH_REST, Box, Family, cover, sizes_of
+from .boxes import NEAR_CIRCLE, NO_MOTION, NO_SPEED, WITHOUT_REST, Box, Family, cover, sizes_of
 from .certificate import Certificate
 from .equations import System, characteristic, determinant, flights, period_map
 from .families import StructureFamily
@@ -36,6 +36,8 @@ __all__ = ["prove_box", "prove_branch", "prove_motion"]
 Interval = tuple[float, float] | float
 #: How often a box of `prove_box` is halved at most.
 HALVINGS = 24
+#: Impacts and load cycles of the motions that `find` looks for.
+MOST_IMPACTS, MOST_CYCLES = 12, 8
 
 _Array = NDArray[np.float64]
 
@@ -150,7 +152,12 @@ def link(boxes: Sequence[Box]) -> None:
         apart = np.abs(one.centre.sum(axis=1) - two.centre @ signs)
         error = np.array([float(value) for value in one.error])
         # 1e-9 of them is far above what these sums are rounded by
-        if not np.all((apart + error) * (1 + 1e-9) < np.array(two.radius) * (1 - 1e-9)):
+        far = (apart + error) * (1 + 1e-9)
+        # twice that, if possible, so that another enclosure of the motion is near enough, too
+        held = [one for one in two.radii if np.all(far < np.array(one) * (1 - 1e-9))]
+        clear = [one for one in held if np.all(2 * far < np.array(one))]
+        two.radius = next(iter(clear or held[-1:]), two.radius)
+        if not held:
             two.exists, two.centre, two.reason = None, None, NOT_LINKED
             two.admissible = two.stable = None
 
@@ -217,10 +224,12 @@ def prove_branch(
 
 
 @physical_arguments
+@with_progress
 def prove_box(
     osc: Oscillator, pattern: Pattern | str, r: Interval, clearance: Interval, *, xi: Interval | None = None,
     mu: Interval | None = None, R1: Interval | None = None, R2: Interval | None = None,
-    restitution: Interval | None = None, most_boxes: int = 2000
+    restitution: Interval | None = None, most_boxes: int = 2000,
+    progress: Callable[[float, str], None] | None = None,
 ) -> Certificate:  # fmt: skip
     """Prove that a motion is stable and admissible for all parameters of a box, as tolerances (extra `proof`).
 
@@ -240,6 +249,8 @@ def prove_box(
         R1 = R2, in place of both: it keeps symmetric motions symmetric, which is much easier to prove.
     most_boxes : int, optional
         Boxes that are tried, at least 1.
+    progress : callable, optional
+        Called with the share done and ""; by default a bar on a terminal or in a notebook.
 
     Returns
     -------
@@ -264,9 +275,10 @@ def prove_box(
     """
     begin = time.perf_counter()
     checks.instance(osc, "osc", Oscillator)
+    checks.progress(progress)
     pattern = pattern_of(pattern)
     if pattern.has_rest:
-        raise ParameterError(WITH_REST.format(pattern.sides))
+        raise ParameterError(f"pattern = {text_of(pattern)!r}: {WITHOUT_REST}")
     most_boxes = checks.integer(most_boxes, "most_boxes", 1, 10**9)
     if restitution is not None and (R1 is not None or R2 is not None):
         raise ParameterError(
@@ -314,9 +326,16 @@ def prove_box(
     if {"R1", "R2"}.intersection(varied):
         family = replace(family, symmetric=False)
     states = family.states(motion)
+
+    def told(share: float) -> None:
+        if progress is not None:
+            progress(share, "")
+
     with flint().ctx.workprec(64):
         box = Box(varied, start=states.ravel())
-        boxes = cover(family, box, sizes_of(states), HALVINGS, most_boxes)
+        boxes = cover(family, box, sizes_of(states), HALVINGS, most_boxes, told=told)
+        if len(varied) == 1:
+            link(boxes)
     return Certificate(
         "box", family.sides, family.cycles, family.symmetric, family.record(), [sheet],
         [{"sheet": 0, **box.record()} for box in boxes], summary(boxes), time.perf_counter() - begin,
@@ -335,6 +354,11 @@ def ends_of(value: Any, name: str) -> tuple[Fraction, Fraction]:
     return low, high
 
 
+def text_of(pattern: Pattern) -> str:
+    """A pattern as a text."""
+    return f"{pattern.sides}/{pattern.cycles}"
+
+
 def stable_motion(osc: Oscillator, pattern: Pattern, r: float, clearance: float) -> Motion | None:
     """A stable, admissible motion of a pattern."""
     found: Iterable[Motion] = ()
@@ -342,6 +366,11 @@ def stable_motion(osc: Oscillator, pattern: Pattern, r: float, clearance: float)
         found = equispaced(osc, r, clearance, pattern.cycles)
     best = next((one for one in found if one.stable and one.admissible), None)
     if best is None:
+        if len(pattern) > MOST_IMPACTS or pattern.cycles > MOST_CYCLES:
+            raise ParameterError(
+                f"pattern = {text_of(pattern)!r}: must have at most {MOST_IMPACTS} impacts and {MOST_CYCLES} "
+                "load cycles"
+            )
         found = find(osc, r, clearance, max_impacts=len(pattern), max_cycles=pattern.cycles)
         same = (
             one

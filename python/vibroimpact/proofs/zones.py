@@ -98,9 +98,12 @@ def family_of(zone: Zone) -> Family:
 def record(box: Box) -> dict[str, Any]:
     """The box of a certificate, with its reason."""
     spans = {name: [str(low), str(high)] for name, (low, high) in box.span.items()}
-    names = ("exists", "admissible", "stable")
+    verdicts = {name: getattr(box, name) for name in ("exists", "admissible", "stable")}
+    if box.exists is False:
+        # of motions that are not in the window nothing is stated
+        verdicts |= {"admissible": None, "stable": None}
     reason = "" if decision(vars(box)) is not None else box.reason
-    return {"parameters": spans} | {name: getattr(box, name) for name in names} | {"reason": reason}
+    return {"parameters": spans} | verdicts | {"reason": reason}
 
 
 def decision(box: dict[str, Any]) -> bool | None:
