@@ -8,7 +8,6 @@ divided by those of the magnet and the spring, lengths by the distance to the st
 """
 
 import matplotlib.pyplot as plt
-import numpy as np
 import vibroimpact as vi
 
 stops = [vi.Stop([side], 1.0, stiffness=5.0, damping=0.05, release="force") for side in (1, -1)]

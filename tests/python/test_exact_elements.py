@@ -140,9 +140,32 @@ def test_walls_of_an_oscillator_that_give():
     assert np.sort(np.abs(motion.multipliers)) == pytest.approx(
         np.sort(np.abs(rigid.multipliers)), rel=2e-3
     )
-    for stops in ((1.0, 2.0), ((1.0, 0.0),), ((-1.0, 0.0), (1.0, 0.0))):
+    for stops in ((1.0, 2.0), ((1.0, 0.0),), ((-1.0, 0.0), (1.0, 0.0)), (((1.0, 2.0, 3.0), None))):
         with pytest.raises(vi.ParameterError, match=r"stops|stiffness"):
             osc.at(1.04, 25, stops=stops)
+
+
+def test_one_wall_of_an_oscillator_gives():
+    """A rigid wall beside a compliant one whose numbers have units: the same as the structure of the rig."""
+    rig = vi.Oscillator.from_dimensional(
+        M="2.7 kg", K="42 kN/m", xi="1.1 %", m="0.11 kg", restitution=(0.75, 0.61), F0="6 N"
+    )
+    point = rig.at("19.5 Hz", "4 mm", stops=(None, ("840 kN/m", "20 N s/m")))
+    steel, tape = point.structure.gaps
+    assert isinstance(steel, vi.Gap)
+    assert steel.restitution == 0.75
+    assert isinstance(tape, vi.Stop)
+    assert tape.stiffness == pytest.approx(840e3 / 42e3, rel=1e-14)
+    assert tape.damping == pytest.approx(20 / math.sqrt(42e3 * 2.7), rel=1e-14)
+    assert rig.at(1, 28, stops=(None, None)) == rig.at(1, 28)
+    for stops, name in (
+        ((("1 N", 0.1), None), "stiffness of the right wall = 1 N: must be a stiffness"),
+        ((None, (1, "3 kg")), "damping of the left wall = 3 kg: must be a damping coefficient"),
+    ):
+        with pytest.raises(vi.ParameterError, match=name):
+            rig.at(1, 28, stops=stops)
+    with pytest.raises(vi.ParameterError, match="M = None"):
+        vi.Oscillator(xi=0.01, mu=0.1, restitution=0.5).at(1, 20, stops=(("3 N/m", 1), None))
 
 
 def test_find_settles_on_several_motions():

@@ -5,7 +5,7 @@ import pytest
 import vibroimpact as vi
 from vibroimpact.plot.animation import _Bodies
 from vibroimpact.plot.history import KINDS_OF_STRUCTURE as KINDS
-from vibroimpact.plot.history import modes_of
+from vibroimpact.plot.history import modes_of, spans_of
 from vibroimpact.plot.sketch import bodies_of, draw_sketch
 from vibroimpact.plot.style import REST, condition_name, parameter_label
 
@@ -187,6 +187,43 @@ def test_energy_of_one_coordinate():
     assert energy == pytest.approx(rate[0] ** 2 + 1.5 * q[0] ** 2)
     assert ax.get_ylim()[0] == 0
     assert ax.get_xlim() == (0, 5)
+
+
+def test_times_of_contact_and_of_stick_are_shaded():
+    """While a span lasts, a stop is compressed or friction does not slide; outside, neither."""
+    stops = [
+        vi.Stop([1], 0.5, stiffness=20, damping=2, release="force"),
+        vi.Stop([-1], 0.8, stiffness=50),
+    ]
+    rub = vi.Friction([1], slip=0.5, stick=0.7)
+    soft = vi.Structure(mass=[1], damping=[0.1], stiffness=[1], gaps=stops, friction=[rub])
+    run = vi.simulate(soft, vi.Load(0.8, cosine=[1.5]), cycles=8)
+    spans = spans_of(run)
+    assert len(spans["contact"]) > 8
+    assert len(spans["stick"]) > 1
+    times = np.linspace(run.start, run.end, 4001)[1:-1]
+    (q,), (rate,) = run.sample(times)
+
+    def within(kind):
+        return np.any([(times > a) & (times < b) for a, b in spans[kind]], axis=0)
+
+    force = np.maximum(20 * (q - 0.5) + 2 * rate, 0) * (q > 0.5) + 50 * np.maximum(-q - 0.8, 0)
+    assert np.mean(within("contact") == (force > 0)) > 0.999
+    assert np.array_equal(within("stick"), np.abs(rate) < 1e-12)
+    run.plot()
+
+
+def test_spans_of_what_never_changes():
+    """A stop that stays compressed, and friction that never lets go, have no events."""
+    stop = vi.Stop([1], 0.0, stiffness=1)
+    pressed = vi.Structure(mass=[1], damping=[0], stiffness=[1], gaps=[stop])
+    run = vi.simulate(pressed, vi.Load(constant=[1.0]), duration=3, state=([0.5], [0]))
+    assert spans_of(run)["contact"].tolist() == [[0.0, 3.0]]
+    stuck = vi.Structure(mass=[1], damping=[0], stiffness=[1], friction=[vi.Friction([1], slip=2)])
+    run = vi.simulate(stuck, vi.Load(1.3, cosine=[1]), cycles=1)
+    assert spans_of(run)["stick"].tolist() == [[run.start, run.end]]
+    axes = run.plot()
+    assert axes[2].get_ylabel() == "sliding speed $s$"
 
 
 def test_animation(tmp_path):

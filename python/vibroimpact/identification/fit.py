@@ -56,7 +56,8 @@ class Fit:
     #: Relative growth of the coefficients of restitution during the record if they could grow, of both walls
     #: ("drift") and of each ("drift1", "drift2").
     drifts: dict[str, Strain] = field(default_factory=dict)
-    #: For the names of `strains`, the derivatives of each fitted parameter with respect to the value that was not fitted.
+    #: For the names of `strains`, the derivatives of each fitted parameter with respect to the value that was not
+    #: fitted.
     leans: dict[str, dict[str, float]] = field(default_factory=dict)
     #: Sums of squares of the weighted residuals of each record.
     squares: list[float] = field(default_factory=list)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..base import checks
 from ..base.errors import ParameterError
 from ..results.events import Sample
-from ..systems.structure import Gap, opening_at
+from ..systems.structure import Gap, Stop, opening_at
 from .sketch import bodies_of, draw_sketch, has_bodies
 from .style import (
     ABOVE,
@@ -322,9 +322,10 @@ def spans_of(run: Trajectory) -> dict[str, NDArray[np.float64]]:
         own = own[np.isin(own["kind"], ends[kind][0] + ends[kind][1])]
         middle = 0.5 * (run.start + (own["time"][0] if len(own) else run.end))
         q, rate = (values[:, 0] for values in run.sample([middle]))
+        held: bool
         if isinstance(element, Gap):
             held = j in run.permanent or (len(own) > 0 and own["kind"][0] == "release")
-        elif kind == "contact":
+        elif isinstance(element, Stop):
             wall = opening_at(element, np.array([middle]), getattr(run.load, "frequency", 0.0))
             held = float(element.direction @ q - wall[0]) > 0
         else:

@@ -592,7 +592,9 @@ def _compliant_walls(osc: Oscillator, stops: Any) -> tuple[Wall | None, Wall | N
             return None
         numbers = [
             number_of(value, f"{kind} of the {name} wall", unit, lambda: osc.units(osc.F0 or 1.0))
-            for value, kind, unit in zip(given, ("stiffness", "damping"), ("K", "K/omega"), strict=True)
+            for value, kind, unit in zip(
+                given, ("stiffness", "damping"), ("K", "K/omega"), strict=True
+            )
         ]
         stop = Stop([-1, 1], 1, *numbers)
         return stop.stiffness, stop.damping

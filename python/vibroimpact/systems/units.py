@@ -534,7 +534,11 @@ def number_of(value: Any, name: str, unit: str, units: Callable[[], Units]) -> A
         raise ParameterError(f"{name} = {value!s}: must be in Hz, rpm or rad/s")
     if powers != tuple(wanted.tolist()) or angular != (unit == "omega"):
         kind = {"omega": "a frequency", "F0/K": "a length", "F0": "a force", "1/omega": "a time"}
-        kind |= {"omega^2 F0/K": "an acceleration", "K": "a stiffness", "K/omega": "a damping coefficient"}
+        kind |= {
+            "omega^2 F0/K": "an acceleration",
+            "K": "a stiffness",
+            "K/omega": "a damping coefficient",
+        }
         raise ParameterError(f"{name} = {value!s}: must be {kind.get(unit, 'a velocity')}")
     size = float(size) if isinstance(size, Decimal) else size
     return size / units().to("SI").scale(unit)
