@@ -248,7 +248,7 @@ def test_bar_and_interrupt_on_a_terminal(name, tool):
     assert bars(output) == sorted(bars(output))
     assert f"\r{name} [" in output
     assert " s left " in output
-    kept = f"interrupted; what was finished is kept: results/{name}.csv"
+    kept = f"interrupted; finished results are kept: results/{name}.csv"
     assert output.splitlines()[-1].endswith(f"vibroimpact {name}: {kept}")
     assert list(contents(tool.cwd / "results")) == [f"{name}.csv"]
     assert len(rows(tool.cwd / "results" / f"{name}.csv")) > 1

@@ -134,7 +134,7 @@ def test_bar_of_a_branch(form, stop, tool):
         assert (status, output[-2:]) == (0, " \r")
         return
     assert status == 1
-    kept = f"vibroimpact branch: interrupted; what was finished is kept: {name}"
+    kept = f"vibroimpact branch: interrupted; finished results are kept: {name}"
     assert output.splitlines()[-1].endswith(kept)
     if form == "csv":
         found = column(rows(tool.cwd / name), "clearance")

@@ -234,7 +234,7 @@ def test_interrupted_cases_keep_what_is_finished(tmp_path, monkeypatch, capsys):
     assert main(["zone", str(path), "--format", "json", "-o", str(tmp_path / "out")]) == 1
     assert list(contents(tmp_path / "out")) == ["case_1.json"]
     assert capsys.readouterr().err == (
-        f"vibroimpact zone: interrupted; what was finished is kept: {tmp_path / 'out/case_1.json'}\n"
+        f"vibroimpact zone: interrupted; finished results are kept: {tmp_path / 'out/case_1.json'}\n"
     )
     assert math.isfinite(vi.load(tmp_path / "out/case_1.json").area)
 
@@ -314,7 +314,7 @@ def test_interrupted_chart_is_written_as_far_as_it_came(form, tmp_path, monkeypa
     (name,) = contents(tmp_path / "out")
     assert output == (
         "vibroimpact chart: interrupted; writing what is finished ...\n"
-        f"vibroimpact chart: interrupted; what was finished is kept: {tmp_path / 'out' / name}\n"
+        f"vibroimpact chart: interrupted; finished results are kept: {tmp_path / 'out' / name}\n"
     )
     if form == "csv":
         table = (tmp_path / "out" / name).read_text()

@@ -49,7 +49,7 @@ def test_whole_cases_are_named(form, tmp_path):
     words = ["run", "case.nml", "-o", "out", "--format", form]
     # in the second case: the first one is not yet recorded at the moment at which its file exists
     status, faults = interrupted(tmp_path, words, f"out/case_1.{form}", later=1.0)
-    kept = f"what was finished is kept: out/case_1.{form}"
+    kept = f"finished results are kept: out/case_1.{form}"
     assert (status, faults) == (1, [f"vibroimpact run: interrupted; {kept}"])
     assert [path.name for path in (tmp_path / "out").iterdir()] == [f"case_1.{form}"]
 
@@ -127,7 +127,7 @@ def masks_of_workers(parent):
 @pytest.mark.parametrize(("words", "left"), [
     (["find", "--xi", ".1", "--mu", ".1", "--restitution", ".5", "--r", ".9", "--clearance", "9"],
      "; nothing was finished"),
-    (["find", "case.nml", "--max-impacts", "2"], "; what was finished was printed"),
+    (["find", "case.nml", "--max-impacts", "2"], "; finished results were printed"),
 ])  # fmt: skip
 def test_what_is_told_is_not_lost(words, left, tmp_path, monkeypatch, capsys):
     """The message of an interrupted command says whether results were printed."""
@@ -159,7 +159,7 @@ def test_reproduction_names_what_it_has_written(tmp_path, monkeypatch, capsys):
 
     monkeypatch.setattr("vibroimpact.commands.reproduce.reproduce", stop)
     assert main(["reproduce"]) == 1
-    kept = "what was finished is kept: results/figure4a.svg"
+    kept = "finished results are kept: results/figure4a.svg"
     assert capsys.readouterr().err == f"vibroimpact reproduce: interrupted; {kept}\n"
 
 

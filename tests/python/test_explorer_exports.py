@@ -97,7 +97,7 @@ def test_an_oblique_line_is_left_to_python():
     """A line across both axes is not in the namelist, which states this in a comment."""
     text = as_namelist(Explorer(State(line=(0.9, 10.0, 1.1, 30.0))))
     assert "\n&bifurcation" not in text
-    assert text.splitlines()[-1].startswith("! a line across both axes")
+    assert text.splitlines()[-1].startswith("! a &bifurcation cannot follow an oblique line")
 
 
 def test_motions_without_phases_have_a_definition():

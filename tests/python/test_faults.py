@@ -341,7 +341,7 @@ def test_two_clients(nursery, tmp_path):
     wait_for(lambda: len(list(store.glob("sums/*.json"))) > done)
     os.kill(process, signal.SIGTERM)
     status, output = nursery.end()
-    assert (status, f"interrupted; what was finished is kept: {store}" in output) == (1, True)
+    assert (status, f"interrupted; finished results are kept: {store}" in output) == (1, True)
 
 
 # -- a cluster

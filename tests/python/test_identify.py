@@ -173,7 +173,7 @@ def test_another_motion_with_a_weak_impact_is_doubted():
         warnings.simplefilter("ignore", vi.PoorFitWarning)
         found = vi.identify(record, known={"M": rig.M, "K": rig.K, "m": rig.m})
     off = abs(found.values["R2"] - rig.restitution[1]) / found.errors["R2"]
-    assert off < 4 or any("from where the flights alone have it" in doubt for doubt in found.doubts)
+    assert off < 4 or any("from its time in the flights alone" in doubt for doubt in found.doubts)
     assert off < 4 or "errors not valid, see doubts" in repr(found)
 
 

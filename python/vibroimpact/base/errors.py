@@ -71,10 +71,12 @@ class ClusterError(VibroimpactError, ConnectionError):
 
 
 class StudyInterrupted(KeyboardInterrupt):
-    """Ctrl-C stopped a study; the attribute `result` holds what was finished."""
+    """Ctrl-C stopped a study; the attribute `result` is the part that was finished."""
 
     def __init__(self, result: Any) -> None:
-        super().__init__("stopped; what was finished is the attribute `result` of this exception")
+        super().__init__(
+            "stopped; the attribute `result` of this exception is the part that was finished"
+        )
         self.result = result
 
 

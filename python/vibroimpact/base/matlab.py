@@ -77,7 +77,7 @@ def read_variables(path: Path) -> dict[str, Any]:
                     raise ParameterError("a compressed part is damaged: it is truncated")
                 declared = 8 + struct.unpack(f"{order}II", begin)[1]
                 inflated += declared
-                check_size(inflated, TEXT, "what it holds, by the sizes of its compressed parts,")
+                check_size(inflated, TEXT, "the content, by the sizes of its compressed parts,")
                 parts = list(elements(memoryview(inflate(body, declared)), order))
             except zlib.error as error:
                 raise ParameterError(f"a compressed part is damaged: {error}") from None

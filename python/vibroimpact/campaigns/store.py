@@ -280,7 +280,7 @@ class Contents(NamedTuple):
             together = sum(
                 np.dtype(kind).itemsize * math.prod(shape) for kind, shape in about.values()
             )
-            check_size(together, NUMBERS, f"{self.place}: what is read of it")
+            check_size(together, NUMBERS, f"{self.place}: the data to be read")
             return [self.unpacked(path, *item) for path, item in about.items()]
 
     def declared(self, path: str) -> tuple[str, list[int]]:

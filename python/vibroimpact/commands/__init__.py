@@ -82,11 +82,11 @@ class Record:
         left = "; writing was stopped, no incomplete file is left" if self.halted else ""
         if self.files:
             some = ", ".join(self.files[:3]) + ", ..." * (len(self.files) > 3)
-            left += f"; what was finished is kept: {some}"
+            left += f"; finished results are kept: {some}"
         elif self.halted:
             pass
         elif self.results:
-            left = "; what was finished was printed"
+            left = "; finished results were printed"
         elif writes:
             left = "; nothing was finished"
         self.fault(f"vibroimpact {self.command}: interrupted{left}")

@@ -516,8 +516,9 @@ def design(
     coordinate : int
         For a structure: the coordinate whose motion counts.
     states : int
-        Number of initial states of each unit. samples : int Number of samples of the confirmation, at least 10; 0
-        for none.
+        Number of initial states of each unit.
+    samples : int
+        Number of samples of the confirmation, at least 10; 0 for none.
     evaluations : int
         Number of candidates of each global search, at least 8 for each free parameter.
     searches : int

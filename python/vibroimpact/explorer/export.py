@@ -64,7 +64,7 @@ def _diagram_lines(state: State) -> list[str]:
     parameter, values, other = along(state)
     if np.ndim(other):
         return [
-            "! a line across both axes is no &bifurcation; the diagram is in what is copied as Python"
+            "! a &bifurcation cannot follow an oblique line; the diagram is in the copy as Python"
         ]
     low, high = float(values[0]), float(values[-1])
     keys = f"parameter = '{parameter}', low = {low!r}, high = {high!r}, values = {VALUES}"

@@ -96,7 +96,7 @@ def page() -> Any:
     document = pn.state.curdoc
     if not PLACES.enter():
         return pn.pane.Str(
-            f"{PLACES.most} pages of the explorer are open, which is the most: close some, wait for half a "
+            f"{PLACES.most} pages of the explorer are open, and no more are allowed: close some, wait for half a "
             "minute, and load this one again"
         )
     bridge = Bridge(width=0, height=0)

@@ -173,7 +173,9 @@ def assembled(
     found = content.channels
     labels = as_list(channels, "channels", len(found))
     given_units = as_list(units, "units", len(found))
-    factors = None if scale is None else checks.real_array(scale, "scale", "numbers, one a channel")
+    factors = (
+        None if scale is None else checks.real_array(scale, "scale", "numbers, one per channel")
+    )
     if factors is not None and factors.shape != (len(found),):
         raise ParameterError(
             f"scale = {scale!r}: must be {len(found)} numbers, one for each channel"

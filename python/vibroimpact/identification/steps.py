@@ -193,7 +193,7 @@ def of_record(
         if own > rate / 4:
             step.notes.append(
                 f"bandwidth of {own:g} Hz of {name} at a rate of {rate:g} Hz: the signal above half the "
-                "rate is aliased, which the errors do not contain"
+                "rate is aliased, which the errors do not include"
             )
     for name in ("load", quantity):
         if (channel := getattr(record, name)) is not None:
@@ -497,7 +497,7 @@ def steadiness(force: _Array, rate: float, load: Tones) -> str:
         return ""
     return (
         f"load phase off a constant frequency by {worst:.2g} rad, {worst / load.omega * rate:.2g} samples: "
-        "samples are missing or the frequency changes, which the errors do not contain"
+        "samples are missing or the frequency changes, which the errors do not include"
     )
 
 

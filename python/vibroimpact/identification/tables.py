@@ -24,11 +24,11 @@ _Array = NDArray[np.float64]
 #: What can and cannot be determined from records that are not periodic.
 LEFT_OPEN = {
     "no impacts": ", so that mu, R1, R2 and d do not show in the record",
-    "not periodic": "; their times and walls, and the load, are what the record tells",
-    "accumulation": " at intervals that shrink, of which the last ones may be missing; times, walls and the load "
-    "are what the record tells",
+    "not periodic": "; only their times and walls, and the load, are identified",
+    "accumulation": " at intervals that shrink, of which the last ones may be missing; only times, walls and the load "
+    "are identified",
     "rest": " at intervals that shrink, of which the last ones may be missing, before the free mass rests on a "
-    "wall; times, walls and the load are what the record tells",
+    "wall; only times, walls and the load are identified",
 }
 #: The assumptions of the errors about a law.
 ASSUMED = {
@@ -164,8 +164,8 @@ def tables_of(
         notes.append(
             (
                 False,
-                f"undetermined: {names_of}; what would help most is one of them as known ({more}), or a record at "
-                "another frequency, or one that is not periodic",
+                f"undetermined: {names_of}; to determine them, give one of them as known ({more}), or add a "
+                "record at another frequency, or one that is not periodic",
             )
         )
     if found is not None and law.shape in ASSUMED:
@@ -226,8 +226,8 @@ def doubts_of(
                 given = "mu = m/M"
             texts.append(
                 f"known {given} = {value:.6g}: the record gives {value + strain.change:.4g} ({apart}); it may be "
-                f"wrong, or {'' if name in ('omega', 'xi') else 'the law of restitution, or '}something else that "
-                "acts like it"
+                f"wrong, or {'' if name in ('omega', 'xi') else 'the law of restitution, or '}an effect "
+                "that resembles it"
             )
     drifting = max(found.drifts.items(), key=lambda item: abs(item[1].size), default=None)
     if drifting is not None and abs(drifting[1].size) > DRIFTING:
@@ -251,12 +251,12 @@ def doubts_of(
         texts.append(
             f"misfit of {found.misfits[i]:.3g}: the motion does not describe the record to its scatter: the "
             "pattern or a known value may be wrong, or the rig changed during the record; the errors are "
-            "multiplied by the root of the misfit"
+            "multiplied by the square root of the misfit"
         )
     if step.free is not None and step.free.misfit > DOUBTFUL:
         texts.append(
-            f"misfit of {step.free.misfit:.3g} of flights alone, whatever the impacts do: a second mode of the "
-            "rig, an unknown filter, or harmonics of the load that its channel does not show"
+            f"misfit of {step.free.misfit:.3g} of flights alone, independent of the impacts: possibly a second "
+            "mode of the rig, an unknown filter, or harmonics of the load that its channel does not show"
         )
     elif step.free is not None and data is not None and found.squares:
         more = (found.squares[i] - step.free.square) / found.spread
@@ -273,13 +273,13 @@ def doubts_of(
             late = (place_of - data.angles[0]) % (2 * math.pi * data.k) / data.Omega
             texts.append(
                 f"{late * 1e3:.3g} ms after impact 1 of the motion ({data.pattern.symbols[0]}) the record changes "
-                "as abruptly as at an impact, but the motion has none there: it may have more impacts"
+                "as abruptly as at an impact, but the motion has no impact there: it may have more impacts"
             )
     if data is not None and away.max() > FAR:
         place = int(away.argmax())
         texts.append(
             f"impact {place + 1} of the motion ({data.pattern.symbols[place]}) is {away[place]:.2g} standard "
-            "errors from where the flights alone have it; with a weak impact there, another motion may fit as "
+            "errors from its time in the flights alone; with a weak impact there, another motion may fit as "
             "well, and the stated errors may be too small"
         )
     return texts

@@ -531,7 +531,7 @@ def impact_restitution(osc: Oscillator, pattern: Pattern, restitution: Any) -> N
 
 def frequency_ratios(values: Any, m: int, xi: float) -> NDArray[np.float64]:
     """One frequency ratio for each of m points, given as one number or m."""
-    wanted = f"one number or {m}, one a column of phases"
+    wanted = f"one number or {m}, one per column of phases"
     ratios = checks.real_array(values, "r", wanted)
     if ratios.ndim > 1 or ratios.size not in (1, m):
         raise ParameterError(f"r of shape {ratios.shape}: must be {wanted}")

@@ -1201,7 +1201,7 @@ def without_impacts(trajectory: Trajectory, begin: float) -> ParameterError:
     if amplitude < half:
         reason = (
             f"Without impacts |X| settles to A = {amplitude:.6g}, below D/2 = {half:.6g}, and a free mass at rest "
-            "in the middle is never reached. Start from another state, as state=dict(t=0, x=0, x_dot=0, z=0, "
+            "in the middle is never reached. Start from another state, such as state=dict(t=0, x=0, x_dot=0, z=0, "
             "z_dot=v) with a velocity v"
         )
     else:

@@ -297,7 +297,7 @@ class Oscillator:
             raise ParameterError(f"clearance = {clearance!r}, d = {d!r}: exactly one must be given")
         elif self.M is None or self.K is None:
             raise ParameterError(
-                f"d = {d!r}: must be given to an oscillator that knows M and K only"
+                f"d = {d!r}: must be left out for an oscillator that does not know M and K"
             )
         else:
             own = own_number(d, "d", self.unit_names or SI)
@@ -732,7 +732,7 @@ def pattern_of(value: Any, name: str = "pattern") -> Pattern:
     """
     if isinstance(value, Pattern):
         return value
-    wanted = "a vibroimpact.Pattern or a text SIDES/CYCLES, as 'RL' or 'RRL/2'"
+    wanted = "a vibroimpact.Pattern or a text SIDES/CYCLES, such as 'RL' or 'RRL/2'"
     if not isinstance(value, str):
         raise ParameterTypeError(
             f"{name} = {value!r}: must be {wanted}, not {type(value).__name__}"

@@ -102,7 +102,7 @@ class Record(ByValue):
         if constant is None:
             constant = np.zeros(n)
         constant = _numbers(
-            constant, "constant", "one force a coordinate, as many as force has", (n,)
+            constant, "constant", "one force per coordinate, as many as force has", (n,)
         )
         object.__setattr__(self, "step", step)
         object.__setattr__(self, "samples", samples)
@@ -151,7 +151,7 @@ def _influence(structure: Structure, direction: Any) -> _Array:
         )
     if direction is None:
         return np.ones(n)
-    return _numbers(direction, "direction", f"{n} numbers, one a coordinate", (n,))
+    return _numbers(direction, "direction", f"{n} numbers, one per coordinate", (n,))
 
 
 def base_motion(

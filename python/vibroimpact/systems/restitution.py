@@ -147,7 +147,7 @@ class TabulatedRestitution(ByValue, Law):
     def __init__(self, speeds: ArrayLike, values: ArrayLike) -> None:
         for name, given, wanted in (
             ("speeds", speeds, "at least two ascending finite numbers >= 0"),
-            ("values", values, "numbers from 0 to 1, one a speed"),
+            ("values", values, "numbers from 0 to 1, one per speed"),
         ):
             array = np.array(checks.real_array(given, name, wanted), dtype=np.float64)
             good = array.ndim == 1 and np.isfinite(array).all() and (array >= 0).all()

@@ -49,7 +49,7 @@ def _numbers(values: Any, name: str, wanted: str, shape: tuple[int, ...]) -> _Ar
 
 def _checked_direction(direction: ArrayLike) -> _Array:
     """The direction of a gap, a stop or friction, checked."""
-    wanted = "numbers from -1e40 to 1e40, one a coordinate, not all 0"
+    wanted = "numbers from -1e40 to 1e40, one per coordinate, not all 0"
     array = _numbers(direction, "direction", wanted, (-1,))
     if not array.any() or (np.abs(array) > LARGEST_MODAL).any():
         raise ParameterError(f"direction = {array.tolist()!r}: must be {wanted}")
@@ -356,7 +356,7 @@ class Outputs(Mapping[str, _Array]):
             raise ParameterTypeError(
                 f"outputs = {given!r}: must map names to rows, such as {{'tip': [1, 0]}}"
             )
-        wanted = f"{coordinates} numbers from -1e40 to 1e40, one a coordinate"
+        wanted = f"{coordinates} numbers from -1e40 to 1e40, one per coordinate"
         self._rows: dict[str, _Array] = {}
         for name, values in given.items():
             good = isinstance(name, str) and re.fullmatch(r"(?a:[a-z]\w{0,22})", name, re.I)
@@ -503,7 +503,7 @@ class Structure(ByValue):
             object.__setattr__(self, name, parts)
         object.__setattr__(self, "outputs", Outputs({} if outputs is None else outputs, n))
         if base is not None:
-            base = _numbers(base, "base", f"{n} finite numbers, one a coordinate", (n,))
+            base = _numbers(base, "base", f"{n} finite numbers, one per coordinate", (n,))
         object.__setattr__(self, "_base", base)
 
     @classmethod
@@ -555,7 +555,7 @@ class Structure(ByValue):
         >>> rig.participation.tolist(), vi.base_motion(rig, 2.0, sine=0.1, relative=True).sine.tolist()
         ([2.0], [[0.8]])
         """
-        wanted = "numbers from 0 to 1e40, one a mode"
+        wanted = "numbers from 0 to 1e40, one per mode"
         omega = _numbers(frequencies, "frequencies", wanted, (-1,))
         n = len(omega)
         _check_size(omega, "frequencies")
@@ -593,7 +593,7 @@ class Structure(ByValue):
         closing = [part for part in modal if not isinstance(part, Friction)]
         factors = None
         if base is not None:
-            wanted = f"{len(points)} finite numbers, one a point"
+            wanted = f"{len(points)} finite numbers, one per point"
             factors = _numbers(base, "base", wanted, (len(points),)) @ points
         found = cls(
             np.eye(n), np.diag(2 * zeta * omega), np.diag(omega**2), closing, rubbing, outputs, factors,

@@ -396,7 +396,7 @@ def _power(name: str, power: int) -> str:
 def checked_names(value: Any, name: str = "units") -> str:
     """The names of a unit of length, one of force and one of time."""
     wanted = (
-        "units of length, force and time, as 'mm N s', of "
+        "units of length, force and time, such as 'mm N s', of "
         + "; ".join(", ".join(known) for known in KNOWN) + "; or 'SI'"
     )  # fmt: skip
     if not isinstance(value, str):
