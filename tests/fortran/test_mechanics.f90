@@ -8,6 +8,7 @@ program test_mechanics
    use mechanics_march, only: test_march
    use mechanics_moments, only: test_moments
    use mechanics_rest, only: test_rest
+   use mechanics_simultaneous, only: test_simultaneous
    use mechanics_structure, only: test_structure
    use random_numbers, only: draw, random_type
    use random_systems, only: pi, random_flight, random_frequency, random_oscillator
@@ -30,6 +31,7 @@ program test_mechanics
    call test_march()
    call test_bounds()
    call test_rest()
+   call test_simultaneous()
    call test_structure()
    call test_channels()
    call test_decoupling()
