@@ -243,8 +243,8 @@ def fit(
 def far_off_gain(gain: float, calibration: float) -> str:
     """The message about a sensor whose fitted gain is outside its calibration."""
     return (
-        f"the motion is {gain:.4g} times as large as the known values imply, for a calibration to {calibration:.3g}: "
-        f"a known value or the calibration may be wrong; {HINT}"
+        f"the motion is {gain:.4g} times as large as the known values imply, for a calibration to "
+        f"{calibration:.3g}: a known value or the calibration may be wrong; {HINT}"
     )
 
 

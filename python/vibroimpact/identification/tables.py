@@ -25,8 +25,8 @@ _Array = NDArray[np.float64]
 LEFT_OPEN = {
     "no impacts": ", so that mu, R1, R2 and d do not show in the record",
     "not periodic": "; only their times and walls, and the load, are identified",
-    "accumulation": " at intervals that shrink, of which the last ones may be missing; only times, walls and the load "
-    "are identified",
+    "accumulation": " at intervals that shrink, of which the last ones may be missing; only times, walls and the "
+    "load are identified",
     "rest": " at intervals that shrink, of which the last ones may be missing, before the free mass rests on a "
     "wall; only times, walls and the load are identified",
 }
