@@ -618,7 +618,9 @@ contains
       regime%kick_v = sparse_product(regime%vd, structure%mobility)
       with_tables = .true.
       if (present(searched)) with_tables = searched
-      call set_rates(regime, with_tables, load%step)
+      ! of motions with stops and friction the extremes are evaluated in their regimes
+      call set_rates(regime, with_tables .or. structure%has_stops .or. structure%has_friction, &
+         load%step)
       if (.not. regime%unit >= shortest_unit) status = stat%extreme_units
       associate (openings => structure%openings)
          if (is_extreme(maxval([0.0_wp, pack(abs(openings), abs(openings) < never)])) .or. &

@@ -369,21 +369,25 @@ contains
       logical, intent(out) :: good
       type(structure_type) :: structure
       type(load_type) :: load
+      ! tables are for the simulation of accumulations
+      logical :: simulates
       integer :: i, status
 
       good = .false.
       call changed(s%path, shares, structure, load)
       if (.not. load%frequency > 0) return
-      call new_run(structure, load, run, status)
+      simulates = any(s%kinds == first)
+      call new_run(structure, load, run, status, simulates)
       if (status /= stat%ok) return
       run%pair%known = .false.
       allocate (after(0:size(s%kinds)))
       allocate (stuck(size(s%kinds)), source=0)
       do i = 0, size(s%kinds)
-         call find_regime(run, s%closed(i)%set, after(i), status)
+         call find_regime(run, s%closed(i)%set, after(i), status, simulates)
          if (status /= stat%ok) return
          if (i == 0 .or. .not. allocated(s%stuck)) cycle
-         if (size(s%stuck(i)%set) > 0) call find_regime(run, s%stuck(i)%set, stuck(i), status)
+         if (size(s%stuck(i)%set) > 0) call find_regime(run, s%stuck(i)%set, stuck(i), &
+            status, simulates)
          if (status /= stat%ok) return
       end do
       do i = 1, size(run%regimes)

@@ -100,7 +100,7 @@ module vi_structure_run
 contains
 
    !> A structure under a load, ready to be simulated.
-   pure subroutine new_run(structure, load, run, status)
+   pure subroutine new_run(structure, load, run, status, searched)
       !> M, C, K, gaps.
       type(structure_type), intent(in) :: structure
       !> The load.
@@ -109,6 +109,8 @@ contains
       type(run_type), intent(out) :: run
       !> `stat%ok`, or as in `new_regime`.
       integer, intent(out) :: status
+      !> As in `new_regime`.
+      logical, intent(in), optional :: searched
 
       run%structure = structure
       run%load = load
@@ -117,7 +119,7 @@ contains
       call check_structure(run%structure, status)
       if (status /= stat%ok) return
       allocate (run%regimes(1))
-      call new_regime(run%structure, load, [integer :: ], run%regimes(1), status)
+      call new_regime(run%structure, load, [integer :: ], run%regimes(1), status, searched)
       if (status == stat%ok) call recognise(run%structure, load, run%pair)
    end subroutine new_run
 
@@ -1027,7 +1029,7 @@ contains
    end subroutine rub
 
    !> The number of the regime of a set of closed gaps and stops; the regime is made if it is new.
-   pure subroutine find_regime(run, set, number, status)
+   pure subroutine find_regime(run, set, number, status, searched)
       !> In and out: with its regimes.
       type(run_type), intent(inout) :: run
       !> The set, as in `regime_type`.
@@ -1036,6 +1038,8 @@ contains
       integer, intent(out) :: number
       !> `stat%ok`, or as in `new_regime`.
       integer, intent(out) :: status
+      !> As in `new_regime`.
+      logical, intent(in), optional :: searched
       type(regime_type), allocatable :: more(:)
       integer :: n
 
@@ -1049,7 +1053,7 @@ contains
       end do
       allocate (more(n + 1))
       more(:n) = run%regimes
-      call new_regime(run%structure, run%load, set, more(n + 1), status)
+      call new_regime(run%structure, run%load, set, more(n + 1), status, searched)
       ! one that failed is incomplete
       if (status /= stat%ok) return
       call move_alloc(more, run%regimes)
