@@ -48,12 +48,30 @@ def monomials(names, degree):
     return [tuple(one.count(place) for place in places) for one in chosen]
 
 
+class Kept(dict):
+    """Values of a function, each computed once."""
+
+    def __init__(self, function):
+        self.function = function
+
+    def __missing__(self, argument):
+        self[argument] = found = self.function(argument)
+        return found
+
+
+#: Exponents of products of two monomials, and the values of a monomial.
+SUMS = Kept(lambda powers: tuple(map(add, *powers)))
+SPANS = Kept(
+    lambda power: UNIT if any(k % 2 for k in power) else (UNIT + 1) / 2 if any(power) else arb(1)
+)
+
+
 class Series:
     """A polynomial of parameters in [-1, 1], what its degree leaves out in the constant, and its derivatives by
     unknowns, polynomials too: the keys are the exponents and the unknown from 1 on, 0 of the number itself."""
 
     def __init__(self, terms):
-        self.terms = terms
+        self.terms, self.parts = terms, None
         names = len(next(iter(terms))[0])
         self.zero, self.degree = ((0,) * names, 0), DEGREES[names]
 
@@ -66,7 +84,7 @@ class Series:
 
     def range(self):
         terms = [(power, one) for (power, u), one in self.terms.items() if not u]
-        return sum((one * UNIT if any(power) else one for power, one in terms), arb(0))
+        return sum((one * SPANS[power] for power, one in terms), arb(0))
 
     def __add__(self, other):
         terms = dict(self.terms)
@@ -74,20 +92,37 @@ class Series:
             terms[key] = terms[key] + one if key in terms else one
         return Series(terms)
 
+    def split(self):
+        """The terms of the number and of each derivative, with the sums of the moduli of each degree, and of those
+        from each degree on."""
+        if self.parts is None:
+            self.parts = {}
+            for (power, u), one in self.terms.items():
+                terms, sizes = self.parts.setdefault(u, ([], [arb(0)] * (self.degree + 1)))
+                terms.append((power, sum(power), one))
+                sizes[sum(power)] += abs(one)
+            for u, (terms, sizes) in self.parts.items():
+                self.parts[u] = terms, sizes, [*accumulate(sizes[::-1])][::-1]
+        return self.parts
+
     def __mul__(self, other):
         if not isinstance(other, Series):
             return Series({key: one * other for key, one in self.terms.items()})
-        terms = {self.zero: arb(0)}
-        for (power, u), one in self.terms.items():
-            for (second, v), two in other.terms.items():
+        found, degree = {self.zero: arb(0)}, self.degree
+        for u, (first, sizes, _) in self.split().items():
+            for v, (second, _, rest) in other.split().items():
                 if u and v:
                     continue
-                both, value = tuple(map(add, power, second)), one * two
-                if sum(both) > self.degree:
-                    both, value = self.zero[0], value * UNIT
-                key = (both, u or v)
-                terms[key] = terms[key] + value if key in terms else value
-        return Series(terms)
+                for power, k, one in first:
+                    for more, m, two in second:
+                        if k + m <= degree:
+                            key = (SUMS[power, more], u or v)
+                            found[key] = found[key] + one * two if key in found else one * two
+                # what is of a higher degree
+                left = (sizes[k] * rest[degree + 1 - k] for k in range(1, degree + 1))
+                key = (self.zero[0], u or v)
+                found[key] = found.get(key, arb(0)) + UNIT * sum(left, arb(0))
+        return Series(found)
 
     __radd__, __rmul__ = __add__, __mul__
 
