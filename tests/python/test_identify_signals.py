@@ -89,7 +89,7 @@ def test_faults_of_records_are_named(change, message):
     [
         (
             KNOWN | {"R1": 0.3},
-            "no exact motion RLL/1 near the picked impacts: .*what is known, .* may be wrong",
+            "no exact motion RLL/1 near the picked impacts: .*known values, .* may be wrong",
         ),
         (KNOWN | {"d": 0.012}, "no exact motion RLL/1 near the picked impacts: "),
     ],
