@@ -50,9 +50,53 @@ def test_walls_that_move():
         assert axes[0].get_ylim()[0] < min(faces) < max(faces) < axes[0].get_ylim()[1]
     _, ax = plt.subplots()
     draw_sketch(ax, vi.Structure([1], [0], [1], walls))
-    labels = " ".join(text.get_text() for text in ax.texts)
+    labels = " ".join(text.get_text() for text in ax.texts).replace("\n", " ")
     assert "0.28 to 0.32" in labels
     assert "0.3 to 0.5" in labels
+
+
+def test_a_wall_between_two_masses():
+    """It moves with the other mass: the free one is at its wall at each impact, and between both otherwise."""
+    slot = [vi.Gap([-1, 1], 0.5, 0.6, cosine=0.1), vi.Gap([1, -1], 0.5, 0.6, cosine=-0.1)]
+    pair = vi.Structure([1, 0.1], [0.1, 0], [1, 0], slot)
+    run = vi.simulate(pair, vi.Load(1.2, cosine=[1, 0]), cycles=3, discard=20)
+    scene = _Bodies(run, run.start, run.end, plt.subplots(2)[1])
+    hits = run.events[run.events["kind"] == "impact"][:6]
+    assert len(hits)
+    for time, gap in zip(hits["time"], hits["gap"], strict=True):
+        scene.show(time)
+        bars = scene.bars.get_segments()
+        free = scene.dots.get_offsets()[1, 1]
+        assert [bar[:, 0].mean() for bar in bars] == pytest.approx([1, 1])
+        assert bars[gap][0, 1] == pytest.approx(free, abs=1e-9)
+        assert bars[1][0, 1] - 1e-9 <= free <= bars[0][0, 1] + 1e-9
+
+
+def moving(kind, direction, opening, **words):
+    """A wall with a long label."""
+    return kind(direction, opening, cosine=[0.51 * opening], **words)
+
+
+@pytest.mark.parametrize("gaps", [
+    [moving(vi.Gap, [-1, 1, 0], 0.512)], [moving(vi.Stop, [1, -1, 0], 0.512, stiffness=12.5)],
+    [moving(vi.Gap, [0, side, 0], 0.512) for side in (1, -1)]
+    + [moving(vi.Gap, [0, 0, 1], 0.512), moving(vi.Gap, [1, 0, 0], 0.755)],
+    [moving(vi.Stop, [0, 0, 1], 0.512, stiffness=12.5), moving(vi.Stop, [0, 1, 0], 0.7, stiffness=3.25)],
+    [moving(vi.Gap, [1, 0, -1], 0.512)],
+])  # fmt: skip
+def test_labels_of_walls_that_move_stand_apart(gaps):
+    """Openings from least to greatest are long; no two labels cover each other."""
+    chain_of_three = [[2, -1, 0], [-1, 2, -1], [0, -1, 1]]
+    structure = vi.Structure([1] * 3, [0.1] * 3, chain_of_three, gaps)
+    ax, _ = sketch_of(structure, vi.Load(1.0, cosine=[1, 0, 0]))
+    ax.figure.canvas.draw()
+    labels = [text for text in ax.texts if text.get_text()]
+    boxes = [text.get_window_extent() for text in labels]
+    for i, box in enumerate(boxes):
+        for j in range(i):
+            width = min(box.x1, boxes[j].x1) - max(box.x0, boxes[j].x0)
+            height = min(box.y1, boxes[j].y1) - max(box.y0, boxes[j].y0)
+            assert min(width, height) < 0.5, (labels[i].get_text(), labels[j].get_text())
 
 
 def run_of(hosts):

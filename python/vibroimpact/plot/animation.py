@@ -286,7 +286,7 @@ def _mix(first: str, second: str, share: float) -> tuple[float, ...]:
 
 class _Bodies:
     """The artists of a frame of a structure: a dot at each coordinate, coloured by its last event, and a bar at
-    each fixed or moving wall that limits a single coordinate."""
+    each wall of one coordinate, or between two of them."""
 
     def __init__(self, run: Any, begin: float, end: float, axes: Any) -> None:
         from matplotlib.ticker import MaxNLocator
@@ -305,14 +305,21 @@ class _Bodies:
         # not empty, so that the layout leaves room for it
         self.text = ax.text(1.0, 1.0, "$t$", transform=ax.transAxes, ha="right", va="bottom")
         self.frequency = getattr(run.load, "frequency", 0.0)
-        self.faced = [
-            gap for gap, where in zip(run.structure.gaps, self.directions, strict=True)
-            if len(where) == 1
-        ]  # fmt: skip
+        self.faced, self.places, reached = [], [], []
+        for j, (gap, where) in enumerate(zip(run.structure.gaps, self.directions, strict=True)):
+            if len(where) > 2:
+                continue
+            self.faced.append(gap)
+            # between two masses, where a free one meets the other
+            held = np.diag(run.structure.stiffness)[where] != 0
+            self.places.append(int(where[int(held.argmin())]))
+            reached.append(moves(gap) or (len(where) == 2 and bool((run.events["gap"] == j).any())))
         self.bars = ax.hlines(np.zeros(len(self.faced)), -0.3, 0.3, color=IMPACT, lw=2.4, zorder=2)
+        when = np.linspace(begin, end, 400)
+        states = run.sample(when)[0].T
         walls = np.array([
-            self._faces(t) for t in np.linspace(begin, end, 400)
-        ])[:, [moves(gap) for gap in self.faced]]  # fmt: skip
+            self._faces(*pair) for pair in zip(when, states, strict=True)
+        ])[:, np.array(reached, bool)]  # fmt: skip
         low = min(0.0, float(q.min()), float(walls.min(initial=0.0)))
         high = max(0.0, float(q.max()), float(walls.max(initial=0.0)))
         margin = 0.08 * (high - low or 1.0)
@@ -325,21 +332,23 @@ class _Bodies:
         KINDS_OF_STRUCTURE["history"](below, run, begin, end)
         self.cursor = below.axvline(begin, color="0.2", lw=0.8)
 
-    def _faces(self, time: float) -> list[float]:
-        """The positions at a time of the walls of single coordinates."""
-        return [
-            float(opening_at(gap, time, self.frequency) / gap.direction[gap.direction != 0][0])
-            for gap in self.faced
-        ]
+    def _faces(self, time: float, q: NDArray[Any]) -> list[float]:
+        """Where the walls are at a time, as places of the coordinates at which they are drawn: those at which the
+        gaps are closed while the other coordinates are as they are."""
+        found = []
+        for gap, i in zip(self.faced, self.places, strict=True):
+            others = float(gap.direction @ q - gap.direction[i] * q[i])
+            opening = float(opening_at(gap, time, self.frequency))
+            found.append((opening - others) / float(gap.direction[i]))
+        return found
 
     def show(self, time: float) -> list[Any]:
         """Move all artists to their positions at a time."""
-        places = [int(np.flatnonzero(gap.direction)[0]) for gap in self.faced]
+        q = self.run.sample([time])[0][:, 0]
         self.bars.set_segments([
             [(i - 0.3, face), (i + 0.3, face)]
-            for i, face in zip(places, self._faces(time), strict=True)
+            for i, face in zip(self.places, self._faces(time, q), strict=True)
         ])  # fmt: skip
-        q = self.run.sample([time])[0][:, 0]
         x = np.arange(len(q))
         self.dots.set_offsets(np.column_stack([x, q]))
         self.stems.set_segments([[(i, 0), (i, value)] for i, value in zip(x, q, strict=True)])

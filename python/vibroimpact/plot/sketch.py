@@ -264,14 +264,20 @@ def _draw_row(
                         _over(ax, box, other, label)
                         lift = 0.6
     _draw_boxes(ax, structure, boxes)
-    far = []
+    far, posts, grounded = [], 0, below.copy()
     for pair, gap in zip(pairs, structure.gaps, strict=True):
         if any(int(k) in hosts for k in pair) or any(int(k) not in boxes for k in pair):
             continue
         if len(pair) == 1:
             own, side = boxes[int(pair[0])], int(np.sign(gap.direction[pair[0]]))
             beside = (own is last and side > 0) or (own is first and side < 0 and -1 not in walls)
-            _stop(ax, own, side, _label_of(gap), beside, isinstance(gap, Stop), moves(gap))
+            label, lines = _lines_of(gap), _lines_of(gap).count("\n")
+            # below what stands on the ground, in turns on two levels
+            level = -1.33 - 0.4 * (own.coordinate in grounded) - 0.75 * (posts % 2)
+            posts += not beside and lines > 0
+            _stop(ax, own, side, label, beside, isinstance(gap, Stop), moves(gap), level)
+            if lines:
+                depth = min(depth, -0.3 * (1 + lines) if beside else level - 0.25 * (1 + lines))
             reach[0] = min(reach[0], own.left - GAP * beside * (side < 0))
             reach[1] = max(reach[1], own.right + GAP * beside * (side > 0))
             if not beside:
@@ -286,7 +292,9 @@ def _draw_row(
             if shown.index(high.coordinate) == shown.index(low.coordinate) + 1:
                 crowded = bool(structure.damping[low.coordinate, high.coordinate])
                 _between(ax, low, high, facing, label, crowded, isinstance(gap, Stop), moves(gap))
-                reach[1] = max(reach[1], high.right + 0.8 * (not facing))
+                reach[1] = max(reach[1], high.right + (1.9 if moves(gap) else 0.8) * (not facing))
+                if facing and moves(gap) and isinstance(gap, Stop):
+                    depth = min(depth, -0.6)
                 lift = max(lift, 0.3 * (not facing))
             else:
                 far.append((low, high, label + ("" if facing else " (apart)")))
@@ -406,8 +414,12 @@ def _draw_boxes(ax: Any, structure: Structure, boxes: dict[int, Box]) -> None:
                     words = _opening_of(gap).replace(" to ", "\nto ")
                     _stroke(ax, faces[side], 1.7, moves(gap))
                     if isinstance(gap, Stop):
-                        words += f"\n$k$ = {gap.stiffness:.3g}"
-                    ax.text(at, 0.96, words, ha="center", va="center", fontsize=6)
+                        words = f"{words}\n$k$ = {gap.stiffness:.3g}"
+                        if moves(gap):
+                            words = words.replace("\nto ", "\nto\n").replace("= ", "=\n")
+                    # beside the spring of a stop there is less room
+                    small_one = 4.5 if isinstance(gap, Stop) and moves(gap) else 6
+                    ax.text(at, 0.96, words, ha="center", va="center", fontsize=small_one)
 
 
 def _spring(ax: Any, x0: float, x1: float, y: float, label: str) -> None:
@@ -489,6 +501,15 @@ def _label_of(gap: Gap | Stop) -> str:
     return label + rf", $k$ = {gap.stiffness:.3g}" if isinstance(gap, Stop) else label
 
 
+def _lines_of(gap: Gap | Stop) -> str:
+    """The same in short lines, where the two openings of a wall that moves make it long."""
+    return (
+        _label_of(gap).replace(" to ", "\nto ").replace(", ", "\n")
+        if moves(gap)
+        else _label_of(gap)
+    )
+
+
 def _hatched(ax: Any, x0: float, x1: float, y0: float, y1: float) -> None:
     """Two surfaces that rub on each other."""
     from matplotlib.patches import Rectangle
@@ -566,7 +587,7 @@ def _opening(ax: Any, x0: float, x1: float, y: float, label: str, below: bool = 
 
 
 def _stop(
-    ax: Any, box: Box, side: int, label: str, alone: bool, elastic: bool, moving: bool
+    ax: Any, box: Box, side: int, label: str, alone: bool, elastic: bool, moving: bool, level: float
 ) -> None:  # fmt: skip
     """A fixed stop: a wall beside the last body, or a post on the ground below a lug of the body; an elastic one
     is a plate on a spring."""
@@ -581,7 +602,8 @@ def _stop(
             _spring(ax, min(x, wall), max(x, wall), UPPER, "")
         _opening(ax, min(face, x), max(face, x), MIDDLE, "" if elastic else label)
         if elastic:
-            ax.text(0.5 * (face + wall), -0.05, label, ha="center", va="top", fontsize=6)
+            y = -0.25 if moving else -0.05
+            ax.text(0.5 * (face + wall), y, label, ha="center", va="top", fontsize=6)
         return
     lug = box.right - 0.2 if side > 0 else box.left + 0.2
     x = lug + side * 0.7
@@ -593,6 +615,10 @@ def _stop(
         ax.plot(turns, np.linspace(-0.5, -1, turns.size), color="k", lw=0.9)
     _floor(ax, min(box.left, x - 0.3), max(box.right, x + 0.3))
     _opening(ax, min(lug, x), max(lug, x), -0.35, "")
+    if moving:
+        # the stops of two neighbours have no room for such labels between them
+        ax.text(x, level, label, ha="center", va="top", fontsize=5.5)
+        return
     ax.text(
         x + side * 0.12, -0.6, label, ha="left" if side > 0 else "right", va="center", fontsize=6.5
     )
@@ -614,8 +640,10 @@ def _between(
                 ax.plot([face, end], [y, y], color="k", lw=1.6)
             ax.plot([end, end], [y - 0.18, y + 0.18], color=IMPACT, lw=2.6, solid_capstyle="butt")
         _stroke(ax, half + 0.3, y - 0.3 if crowded else y + 0.32, moving)
-        # above the gap where a dashpot is below it
+        # above the gap where a dashpot is below it, and a long one below both
         shift, va = (0.2, "bottom") if crowded else (-0.24, "top")
+        if elastic and moving:
+            shift, va = -y - 0.2, "top"
         ax.text(half, y + shift, label, ha="center", va=va, fontsize=6)
         return
     x = high.right + 0.6
@@ -623,7 +651,10 @@ def _between(
     ax.plot([low.middle, low.middle, x, x], [HEIGHT, top, top, y], color="k", lw=1.2)
     ax.plot([x, x], [y, HEIGHT], color=IMPACT, lw=2.6, solid_capstyle="butt")
     _stroke(ax, x, y - 0.15, moving)
-    _opening(ax, high.right, x, y + 0.3, label)
+    _opening(ax, high.right, x, y + 0.3, "" if moving else label)
+    if moving:
+        words = label.replace(" to ", "\nto ").replace(", ", "\n")
+        ax.text(x + 0.15, y + 0.5, words, ha="left", va="center", fontsize=6)
 
 
 def _far(ax: Any, low: Box, high: Box, y: float, label: str) -> None:
