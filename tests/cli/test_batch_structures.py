@@ -61,7 +61,8 @@ FAULTS = [
         ("direction = 1, 0, opening = 1, resitution = 1", "is not a key of &gap; must be one of direction"),
     )],
     *[(CASE.replace(LOAD, f"&load {v} /\n"), "load", wanted, 3) for v, wanted in (
-        ("frequency = 1, sine = 1", "it has 1 numbers for 2 coordinates"), ("sine = 1, 0", "goes with frequency"),
+        ("frequency = 1, base = 'motion', base_sine = 1e300", "one number from -1e40 to 1e40 for each harmonic"),
+        ("frequency = 1, sine = 1", "it has 1 number for 2 coordinates"), ("sine = 1, 0", "goes with frequency"),
         ("frequency = 0, sine = 1, 0", "0 < frequency"), ("frequency = 1", "or give cosine or sine"),
         ("constant = 1, 2, 3, 4", "it has 4 numbers for 2 coordinates"), ("", "constant: is missing"),
     )],

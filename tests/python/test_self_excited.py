@@ -347,8 +347,11 @@ def test_what_is_not_self_excited():
     motion = self_excited(bow())
     with pytest.raises(vi.ParameterError, match="only branches follow self-excited motions"):
         vi.zone(motion, ("slip", (0.5, 0.7)), ("speed", (0.1, 0.3)))
-    with pytest.raises(vi.ParameterError, match="a self-excited motion has no load"):
-        vi.branch(motion, "frequency", bounds=(0.5, 0.9))
+    for name in ("frequency", "load", "wall"):
+        with pytest.raises(vi.ParameterError, match="a self-excited motion has no load") as caught:
+            vi.branch(motion, name, bounds=(0.5, 0.9))
+        # what is refused is not among what is allowed
+        assert str(caught.value).count(f"'{name}'") == 1
     with pytest.raises(vi.ParameterError, match="a stick level is at least the slip level"):
         vi.branch(motion, "stick", bounds=(0.5, 1.2))
     with pytest.raises(vi.ParameterError, match="must be a Motion or a Trajectory"):

@@ -70,7 +70,7 @@ def test_a_frequency_beyond_all_units_is_named():
     ({"stiffness": [1e308, 1]}, "stiffness[0, 0] = 1e+308: must be a number from -1e100 to 1e100"),
     ({"damping": [[0, 1e308], [1e308, 0]]}, "damping[0, 1] = 1e+308: must be a number from -1e100"),
     ({"mass": np.ones(501)}, "mass of shape (501,): must be for 1 to 500 coordinates"),
-    ({"gaps": [vi.Gap([1], 1)]}, "gaps[0].direction has 1 numbers: must have 2"),
+    ({"gaps": [vi.Gap([1], 1)]}, "gaps[0].direction has 1 number: must have 2"),
     ({"gaps": [3]}, "gaps[0] = 3: must be a vibroimpact.Gap"),
 ])  # fmt: skip
 def test_bad_structures(words, message):
@@ -261,3 +261,64 @@ def test_damping_that_swallows_a_slow_motion_is_refused():
             vi.Structure([1, 1], [0.97, 1e100], [[2, -1], [-1, 1]], [vi.Gap([1, 0], 0.5, 0.8)]),
             duration=1, state=([0, 0], [5, 2]),
         )  # fmt: skip
+
+
+def test_long_lists_are_shortened():
+    """A message names the parameter and what is allowed, with the ends of a long list."""
+    wall = vi.Structure([1], [0.1], [1], [vi.Gap([1], 1)])
+    load = vi.Load(1.0, cosine=[1])
+    for ask in (
+        lambda: vi.Gap([1], 1, 0.8, cosine=[1] * 2000),
+        lambda: vi.Load(1.0, cosine=["a"] * 2000),
+        lambda: vi.periodic(wall, load, np.arange(2000.0)[::-1].tolist(), [0] * 1000),
+        lambda: vi.periodic(wall, load, [0.1], [7] * 1000),
+    ):
+        with pytest.raises((vi.ParameterError, vi.ParameterTypeError)) as caught:
+            ask()
+        text = str(caught.value)
+        assert len(text) < 500
+        assert " = [" in text
+        assert "must be" in text
+
+
+@pytest.mark.parametrize("openings", [(0.5, -0.7), (-0.5, 0.3)])
+def test_walls_that_overlap(openings, tmp_path):
+    """No position is between two opposite walls that overlap: the message names both and the sum."""
+    gaps = [vi.Gap([side], e, 0.8) for side, e in zip((1, -1), openings, strict=True)]
+    s, load = vi.Structure([1], [0.1], [1], gaps), vi.Load(1.0, cosine=[1.0])
+    named = r"face each other and overlap: the sum of their openings is -0\.2, must be >= 0"
+    with pytest.raises(vi.SingularError, match=r"gaps\[0\] and gaps\[1\] " + named):
+        vi.simulate(s, load, cycles=3)
+    case = tmp_path / "case.nml"
+    case.write_text(
+        "&structure mass = 1, damping = 0.1, stiffness = 1 /\n"
+        + "".join(
+            f"&gap direction = {side}, opening = {e} /\n"
+            for side, e in zip((1, -1), openings, strict=True)
+        )
+        + "&load frequency = 1, cosine = 1 /\n&simulate cycles = 3 /\n"
+    )
+    with pytest.raises(vi.SingularError, match="gaps 0 and 1 " + named):
+        vi.read_namelist(case)[0].run()
+
+
+def test_moving_walls_that_overlap():
+    """They do in a part of the cycle, which a shorter simulation does not reach."""
+    walls = [
+        vi.Gap([1], 0.5, 0.8, cosine=[0.4]),
+        vi.Gap([-1], 0.1, 0.8, cosine=[0.4]),
+    ]
+    s, load = vi.Structure([1], [0.1], [1], walls), vi.Load(1.0, cosine=[1.0])
+    message = r"falls to -0\.2, must be >= 0 at all times"
+    with pytest.raises(vi.SingularError, match=message) as caught:
+        vi.simulate(s, load, cycles=3)
+    assert caught.value.result.end > 1
+    assert vi.simulate(s, load, duration=1.0).complete
+
+
+def test_a_base_that_moves_too_far():
+    """An amplitude of which no motion can be computed is refused by name."""
+    s = vi.Structure([1], [0.1], [1], [vi.Gap([1], 1)])
+    for name in ("sine", "cosine"):
+        with pytest.raises(vi.ParameterError, match=rf"{name} = \[1e\+300\]: must be .* 1e40"):
+            vi.base_motion(s, 1.0, **{name: [1e300]})

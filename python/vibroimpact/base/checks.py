@@ -31,6 +31,8 @@ RANGES: dict[str, tuple[float, float, bool]] = {
 }
 MAX_IMPACTS = 1000
 MAX_CYCLES = 10_000
+#: Greatest length of the values that a message repeats.
+MOST_SHOWN = 300
 #: The argument `rng` of functions that draw random numbers (SPEC 7): a seed, a generator, or None.
 Rng: TypeAlias = int | np.random.Generator | None
 #: Largest number of values that a study may keep at once.
@@ -68,6 +70,12 @@ def to_float(value: Any, label: str, wanted: str) -> float:
     except (TypeError, ValueError, OverflowError) as error:
         kind = ParameterTypeError if isinstance(error, TypeError) else ParameterError
         raise kind(f"{label} = {value!r}: must be {wanted}") from None
+
+
+def shown(values: Any) -> str:
+    """The text of values for a message, without the middle of a long one."""
+    text = repr(values)
+    return text if len(text) <= MOST_SHOWN else f"{text[: MOST_SHOWN - 60]} ... {text[-40:]}"
 
 
 def finite(value: Any, label: str) -> float:
@@ -222,11 +230,11 @@ def real_array(values: ArrayLike, name: str, wanted: str) -> NDArray[np.float64]
     try:
         array = np.asarray(values)
     except ValueError:
-        raise ParameterError(f"{name} = {values!r}: must be {wanted}") from None
+        raise ParameterError(f"{name} = {shown(values)}: must be {wanted}") from None
     if np.ma.is_masked(values):
-        raise ParameterError(f"{name} = {values!r}: must be {wanted}, none of them masked")
+        raise ParameterError(f"{name} = {shown(values)}: must be {wanted}, none of them masked")
     if array.size and (array.dtype.kind not in "iuf" or has_truth(values)):
-        raise ParameterTypeError(f"{name} = {values!r}: must be {wanted}")
+        raise ParameterTypeError(f"{name} = {shown(values)}: must be {wanted}")
     return array.astype(np.float64, copy=False)
 
 
@@ -279,7 +287,9 @@ def phases(values: Any, n: int, cycles: int) -> NDArray[np.float64]:
     wanted = f"{n} increasing numbers within less than 2 pi k = {period:.6g}, one for each impact"
     array = real_array(values, "phases", wanted)
     if array.ndim != 1 or array.size != n:
-        raise ParameterError(f"phases = {values!r}: must be {wanted}; the shape is {array.shape}")
+        raise ParameterError(
+            f"phases = {shown(values)}: must be {wanted}; the shape is {array.shape}"
+        )
     items = array.tolist()
     if not math.isfinite(items[0]):
         raise ParameterError(f"phases[0] = {items[0]!r}: must be finite")
@@ -317,7 +327,7 @@ def restitution_list(values: Any, n: int) -> NDArray[np.float64]:
     array = real_array(values, "restitution", wanted)
     if array.ndim != 1 or array.size != n:
         raise ParameterError(
-            f"restitution = {values!r}: must be {wanted}; the shape is {array.shape}"
+            f"restitution = {shown(values)}: must be {wanted}; the shape is {array.shape}"
         )
     for i, item in enumerate(array.tolist()):
         number(item, "restitution", f"restitution[{i}]")

@@ -82,9 +82,9 @@ def motion_from_events(
     try:
         words = [str(kind) for kind in kinds]
     except TypeError:
-        raise ParameterError(f"kinds = {kinds!r}: must be {wanted}") from None
+        raise ParameterError(f"kinds = {checks.shown(kinds)}: must be {wanted}") from None
     if isinstance(kinds, str) or len(words) != len(numbers):
-        raise ParameterError(f"kinds = {kinds!r}: must be {wanted}")
+        raise ParameterError(f"kinds = {checks.shown(kinds)}: must be {wanted}")
     return motion_with_events(structure, load, numbers, phases, cycles, words)
 
 
@@ -113,10 +113,10 @@ def gap_pattern(
     array = np.array(checks.real_array(gaps, "gaps", wanted))
     many = len(structure._parts)
     if array.ndim != 1 or not 1 <= array.size <= 1000 or (array != np.round(array)).any():
-        raise ParameterError(f"gaps = {gaps!r}: must be {wanted}")
+        raise ParameterError(f"gaps = {checks.shown(gaps)}: must be {wanted}")
     if not ((array >= 0) & (array < many)).all():
         raise ParameterError(
-            f"gaps = {gaps!r}: must be {wanted}, each below {many} as the structure has {many} gaps"
+            f"gaps = {checks.shown(gaps)}: must be {wanted}, each below {many} as the structure has {many} gaps"
         )
     numbers = array.astype(np.int32)
     wanted = (
@@ -124,18 +124,20 @@ def gap_pattern(
     )
     phases = np.array(checks.real_array(phases, "phases", wanted), dtype=np.float64)
     if phases.shape != numbers.shape or not np.isfinite(phases).all():
-        raise ParameterError(f"phases = {phases.tolist()!r}: must be {wanted}")
+        raise ParameterError(f"phases = {checks.shown(phases.tolist())}: must be {wanted}")
     order = np.argsort(phases, kind="stable")
     if (order != np.arange(len(phases))).any() or phases[-1] - phases[0] >= 2 * np.pi * cycles:
-        raise ParameterError(f"phases = {phases.tolist()!r}: must be {wanted}")
+        raise ParameterError(f"phases = {checks.shown(phases.tolist())}: must be {wanted}")
     same = np.flatnonzero((np.diff(phases) == 0) & (np.diff(numbers) == 0))
     if same.size:
         raise ParameterError(
-            f"phases = {phases.tolist()!r}: must differ for impacts on the same gap, but {same[0]} and "
-            f"{same[0] + 1} are simultaneous on gap {numbers[same[0]]}"
+            f"phases = {checks.shown(phases.tolist())}: must differ for impacts on the same gap, but "
+            f"{same[0]} and {same[0] + 1} are simultaneous on gap {numbers[same[0]]}"
         )
     if np.abs(phases).max() > MOST_PHASE:
-        raise ParameterError(f"phases = {phases.tolist()!r}: must be at most 1e6 in magnitude")
+        raise ParameterError(
+            f"phases = {checks.shown(phases.tolist())}: must be at most 1e6 in magnitude"
+        )
     return numbers, phases, cycles
 
 

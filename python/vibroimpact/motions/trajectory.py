@@ -55,7 +55,7 @@ from ..results.systems import (
 from ..results.tables import Result, made
 from ..systems.oscillator import Oscillator, Pattern, Point, of_numbers
 from ..systems.record import Record
-from ..systems.structure import Gap, Load, Structure, check_load, opening_at, without_none
+from ..systems.structure import Gap, Load, Structure, check_load, moves, opening_at, without_none
 from ..systems.units import place_text
 from ..systems.verbs import every_system, physical_arguments
 from .quantities import Quantities, oscillator_quantities, structure_quantities
@@ -901,7 +901,9 @@ def simulate_structure(
                 for gap in structure.gaps
             ]
             i = int(np.argmin(apart))
-            raise SingularError(f"{sentence(status)}: gaps[{i}] is {apart[i]:.6g}, must be >= 0")
+            raise SingularError("; ".join(filter(None, [
+                f"{sentence(status)}: gaps[{i}] is {apart[i]:.6g}, must be >= 0", _overlap(structure, np.zeros(1)),
+            ])))  # fmt: skip
         structure._raise_status(status)
     events = np.zeros(count, EVENTS_OF_STRUCTURE)
     events["time"], events["speed"], events["impulse"] = table[:3, :count]
@@ -924,12 +926,32 @@ def simulate_structure(
         permanent=tuple(np.flatnonzero(resting[: len(structure.gaps)]).tolist()),
     )  # fmt: skip
     if failed:
+        # walls that squeeze what is between them
+        whole = np.linspace(0, 2 * np.pi, 361)
+        why = (structure._moves and _overlap(structure, whole)) or sentence(status)
         error = SingularError(
-            f"{sentence(status)}; the motion up to t = {end:g} is the attribute `result` of this error"
+            f"{why}; the motion up to t = {end:g} is the attribute `result` of this error"
         )
         error.result = run
         raise error
     return run
+
+
+def _overlap(structure: Structure, angles: _Array) -> str:
+    """Which two gaps face each other and leave no place between them at some load phases, in words."""
+    rigid = [(i, gap) for i, gap in enumerate(structure.gaps) if isinstance(gap, Gap)]
+    for i, gap in rigid:
+        for j, other in rigid[i + 1 :]:
+            both = opening_at(gap, angles, 1.0), opening_at(other, angles, 1.0)
+            least = float(np.min(both[0] + both[1]))
+            rounding = 1e-12 * float(np.abs(both).max())
+            if (other.direction == -gap.direction).all() and least < -rounding:
+                when = " at all times" if moves(gap) or moves(other) else ""
+                return (
+                    f"gaps[{i}] and gaps[{j}] face each other and overlap: the sum of their openings "
+                    f"{'falls to' if when else 'is'} {least:.6g}, must be >= 0{when}"
+                )
+    return ""
 
 
 def _refuse_opening(structure: Structure, arguments: tuple[Any, ...], q: _Array) -> NoReturn:

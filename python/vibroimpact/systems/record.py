@@ -207,9 +207,11 @@ def base_motion(
     checks.truth(relative, "relative")
     parts = {}
     for name, values in {"sine": sine, "cosine": cosine}.items():
-        wanted = "amplitudes of y, a number or (harmonics,)"
+        wanted = "amplitudes of y from -1e40 to 1e40, a number or (harmonics,)"
         given = np.atleast_1d(checks.real_array(0.0 if values is None else values, name, wanted))
         parts[name] = _numbers(given, name, wanted, (-1,))
+        if (np.abs(parts[name]) > 1e40).any():
+            raise ParameterError(f"{name} = {checks.shown(given.tolist())}: must be {wanted}")
     harmonics = max(map(len, parts.values()))
     s, c = (np.pad(part, (0, harmonics - len(part))) for part in (parts["sine"], parts["cosine"]))
     # checks the frequency

@@ -47,12 +47,17 @@ def _numbers(values: Any, name: str, wanted: str, shape: tuple[int, ...]) -> _Ar
     return array
 
 
+def counted(many: int, noun: str) -> str:
+    """A number of things, with the plural."""
+    return f"{many} {noun}{'s' * (many != 1)}"
+
+
 def _checked_direction(direction: ArrayLike) -> _Array:
     """The direction of a gap, a stop or friction, checked."""
     wanted = "numbers from -1e40 to 1e40, one per coordinate, not all 0"
     array = _numbers(direction, "direction", wanted, (-1,))
     if not array.any() or (np.abs(array) > LARGEST_MODAL).any():
-        raise ParameterError(f"direction = {array.tolist()!r}: must be {wanted}")
+        raise ParameterError(f"direction = {checks.shown(array.tolist())}: must be {wanted}")
     return array
 
 
@@ -64,7 +69,7 @@ def _wall(cosine: ArrayLike | None, sine: ArrayLike | None) -> tuple[_Array, _Ar
         given = np.zeros(0) if values is None else checks.real_array(values, name, wanted)
         array = _numbers(np.atleast_1d(given), name, wanted, (-1,))
         if len(array) > MOST_HARMONICS or (np.abs(array) > LARGEST).any():
-            raise ParameterError(f"{name} = {array.tolist()!r}: must be {wanted}")
+            raise ParameterError(f"{name} = {checks.shown(array.tolist())}: must be {wanted}")
         parts.append(array)
     most = max(map(len, parts))
     whole = [np.pad(array, (0, most - len(array))) for array in parts]
@@ -497,8 +502,8 @@ class Structure(ByValue):
             for i, part in enumerate(parts):
                 if len(part.direction) != n:
                     raise ParameterError(
-                        f"{name}[{i}].direction has {len(part.direction)} numbers: must have {n}, one per "
-                        "coordinate"
+                        f"{name}[{i}].direction has {counted(len(part.direction), 'number')}: "
+                        f"must have {n}, one per coordinate"
                     )
             object.__setattr__(self, name, parts)
         object.__setattr__(self, "outputs", Outputs({} if outputs is None else outputs, n))
@@ -577,7 +582,8 @@ class Structure(ByValue):
         for label, part in given.items():
             if len(part.direction) != len(points):
                 raise ParameterError(
-                    f"{label}.direction has {len(part.direction)} numbers: must have {len(points)}, one per point"
+                    f"{label}.direction has {counted(len(part.direction), 'number')}: "
+                    f"must have {len(points)}, one per point"
                 )
             # point by point, as the core does, so that the digits do not depend on a library
             direction = np.zeros(n)
@@ -915,8 +921,8 @@ class Load(ByValue):
             return self if self.coordinates else other
         if self.coordinates != other.coordinates:
             raise ParameterError(
-                f"load for {other.coordinates} coordinates: must be for {self.coordinates}, like the load to "
-                "which it is added"
+                f"load for {counted(other.coordinates, 'coordinate')}: must be for {self.coordinates}, "
+                "like the load to which it is added"
             )
         frequencies = {load.frequency for load in (self, other) if load.frequency}
         if len(frequencies) > 1:
@@ -985,8 +991,8 @@ def check_load(
         return
     if load.coordinates != structure.coordinates:
         raise ParameterError(
-            f"load for {load.coordinates} coordinates: must be for {structure.coordinates}, as many as the "
-            "structure has"
+            f"load for {counted(load.coordinates, 'coordinate')}: must be for {structure.coordinates}, "
+            "as many as the structure has"
         )
     if frequency and not load.frequency:
         raise ParameterError(f"load = {load!r}: must have a frequency, which gives the period")

@@ -624,6 +624,7 @@ contains
       type(load_type) :: load
       type(change_type) :: change
       type(values_type) :: group
+      character(:), allocatable :: word
       integer :: status
 
       call structure_of(case, structure, load)
@@ -631,8 +632,13 @@ contains
       call check_structure(structure, status)
       group = case%study
       if (.not. load%frequency > 0) then
-         if (group%is('parameter', 'frequency')) call group%refuse('parameter', 'a self-excited &
-            &motion has no load with a frequency')
+         call group%text('parameter', word)
+         if (len(group%fault) == 0 .and. (word == 'frequency' .or. word == 'load' .or. &
+            index(word, 'wall') == 1)) then
+            group%fault = '&branch parameter = '''//word//''': must be another one, as a &
+               &self-excited motion has no load with a frequency'
+            group%fault_line = group%line
+         end if
       end if
       call check_parameter(group, 'parameter', '', structure, load, change)
       case%study = group

@@ -245,7 +245,7 @@ contains
       !> The text.
       character(:), allocatable, intent(out) :: text
       real(wp) :: apart(size(structure%openings)), least
-      integer :: gap
+      integer :: gap, other
 
       text = status_text(status)
       if (status == stat%gap_closed .and. .not. structure%moves) then
@@ -255,6 +255,13 @@ contains
          gap = minloc(apart, dim=1)
          text = text//': gap '//whole(gap - 1)//' is '//trim(number_text(apart(gap), .false., 6)) &
             //', must be >= 0'
+         call find_opposite(structure, apart, gap, other)
+         if (other > 0) then
+            if (apart(gap) + apart(other) < 0) text = text//'; gaps '//whole(min(gap, other) - 1) &
+               //' and '//whole(max(gap, other) - 1)//' face each other and overlap: the sum of &
+               &their openings is '//trim(number_text(apart(gap) + apart(other), .false., 6)) &
+               //', must be >= 0'
+         end if
       else if (status == stat%narrow_gap) then
          call narrow_gap(structure, load, q, gap, least)
          ! what is shown may be rounded down
@@ -262,5 +269,22 @@ contains
             &gap, must be at least '//shown(1.06_wp*least, 'es9.1')
       end if
    end subroutine start_fault
+
+   !> The gap that faces another one, the least open one of several; 0 if there is none.
+   pure subroutine find_opposite(structure, apart, gap, other)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> (gaps) How far each is open.
+      real(wp), intent(in) :: apart(:)
+      !> The gap, and the one that faces it.
+      integer, intent(in) :: gap
+      integer, intent(out) :: other
+      integer :: j
+
+      associate (directions => structure%directions)
+         other = minloc(apart, dim=1, mask=[(all(abs(directions(:, j) + directions(:, gap)) <= 0), &
+            j=1, size(apart))])
+      end associate
+   end subroutine find_opposite
 
 end module vi_structure_gaps

@@ -52,12 +52,14 @@ module vi_structure_loads
       takes='''acceleration'' (one column) or ''motion'' (two columns)', &
       meaning='the columns or harmonics are the acceleration of the base, and coordinates relative &
       &to it, or its displacement (columns: and velocity), and coordinates absolute'), &
-      key_type('base_cosine', most=most_harmonics, may_miss=.true., only='base', &
-      never='record record_file', takes='one number for each harmonic', &
+      key_type('base_cosine', most=most_harmonics, may_miss=.true., low=-1.0e40_wp, &
+      high=1.0e40_wp, only='base', never='record record_file', &
+      takes='one number from -1e40 to 1e40 for each harmonic', &
       meaning='amplitudes of cos(Omega t), then of cos(2 Omega t), ... of the base; its forces &
       &are added to cosine, sine and constant'), &
-      key_type('base_sine', most=most_harmonics, may_miss=.true., only='base', &
-      never='record record_file', takes='one number for each harmonic', &
+      key_type('base_sine', most=most_harmonics, may_miss=.true., low=-1.0e40_wp, &
+      high=1.0e40_wp, only='base', never='record record_file', &
+      takes='one number from -1e40 to 1e40 for each harmonic', &
       meaning='amplitudes of sin(Omega t), then of sin(2 Omega t), ... of the base'), &
       key_type('base_direction', most=most_coordinates, may_miss=.true., only='base', &
       takes='one number for each coordinate', meaning='displacements of the coordinates when the &
@@ -81,8 +83,8 @@ contains
          length = size(load%numbers(trim(names(i))))
          good = modulo(length, coordinates) == 0
          if (i == 3) good = length == coordinates
-         if (.not. good) call load%refuse(trim(names(i)), 'it has '//whole(length)// &
-            ' numbers for '//whole(coordinates)//' coordinates')
+         if (.not. good) call load%refuse(trim(names(i)), 'it has '// &
+            counted(length, 'number')//' for '//counted(coordinates, 'coordinate'))
       end do
       if (load%has('record') .or. load%has('record_file')) return
       if (moves_base(load)) then

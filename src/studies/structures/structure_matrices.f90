@@ -6,7 +6,7 @@ module vi_structure_matrices
    use vi_matrix_file, only: beside, read_matrix
    use vi_namelist, only: group_type
    use vi_structure, only: is_extreme
-   use vi_text, only: brief, number_text, whole
+   use vi_text, only: brief, counted, number_text, whole
    use vi_values, only: read_values, values_type
    implicit none (type, external)
    private
@@ -143,11 +143,11 @@ contains
          end if
          if (all(allowed == 0)) then
             if (i == 1) then
-               call structure%refuse(trim(given_as(structure, i)), 'it has '//whole(size( &
-                  structure%numbers('mass')))//' numbers')
+               call structure%refuse(trim(given_as(structure, i)), 'it has '//counted(size( &
+                  structure%numbers('mass')), 'number'))
             else
-               call structure%refuse(trim(given_as(structure, i)), 'it has '//whole(size( &
-                  structure%numbers(trim(matrices(i)))))//' numbers, which does not fit the '// &
+               call structure%refuse(trim(given_as(structure, i)), 'it has '//counted(size( &
+                  structure%numbers(trim(matrices(i)))), 'number')//', which does not fit the '// &
                   whole(size(structure%numbers('mass')))//' of mass')
             end if
             return
