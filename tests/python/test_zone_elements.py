@@ -115,6 +115,32 @@ def test_zone_of_contacts(tmp_path):
     assert one == two
 
 
+def test_each_motion_counts_once():
+    """Where two conditions are zero along one curve, as where friction that reverses begins to stick, it is one
+    boundary: inside is the one motion on which simulations settle."""
+    stop = one_stop(0.8, stiffness=20, damping=0.1).gaps
+    s = vi.Structure([1.0], [0.1], [1.0], stop, [vi.Friction([1.0], 0.3)])
+    motion = settled(s, vi.Load(0.6, cosine=[1.0]), 300)
+    zone = vi.zone(motion, ("frequency", 0.5, 0.8), ("slip", 0.1, 0.5), lines=7)
+    assert zone.closed
+    assert len(zone.loops) == 1
+    x, y = [0.6, 0.65, 0.7], [0.28, 0.25, 0.2]
+    assert zone.count(x, y).tolist() == [1, 1, 1]
+    found = vi.find(*zone.at(x[1], y[1]))
+    assert [item.gaps.tolist() for item in found] == [zone.motion(x[1], y[1]).gaps.tolist()]
+    # on one side of the boundary friction reverses before it sticks, on the other it sticks at once
+    (piece,) = (p for p in zone.boundary if p.detail.startswith("friction 1 does not stick"))
+    middle = len(piece) // 2
+    kinds = [
+        vi.simulate(
+            *zone.at(piece.x[middle], piece.y[middle] + shift), cycles=1, discard=300
+        ).events["kind"]
+        for shift in (-1e-4, 1e-4)
+    ]
+    assert [(kind == "halt").sum() for kind in kinds] == [1, 1]
+    assert sorted(map(len, kinds)) == [6, 7]
+
+
 def backlash():
     """A motion that is its own mirror image, with stops on both sides, and a plane."""
     motion = vi.basins(BACKLASH, vi.Load(1.6, cosine=[1.0]), states=12).attractors[1].motion

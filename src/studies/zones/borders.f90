@@ -272,6 +272,10 @@ contains
    end subroutine find_loop
 
    !> Whether a place on the boundary lies on a loop, along the same condition.
+   !!
+   !! With rests, stops or friction two conditions can be zero along one curve, as where friction
+   !! that changes its direction begins to stick: there a stick of no duration would begin, too.
+   !! Then the curve through the place decides alone.
    pure logical function lies_on(surface, border, loop)
       !> The surface of motions over the window.
       type(curve_type), intent(in) :: surface
@@ -282,10 +286,13 @@ contains
       real(wp), dimension(size(border%point)) :: chord, offset
       real(wp) :: apart, share, length
       integer :: i, next
+      logical :: alike
 
       lies_on = .false.
       do i = 1, merge(loop%n, loop%n - 1, loop%closed)
-         if (border%condition%kind /= loop%conditions(i)%kind) cycle
+         alike = border%condition%kind == loop%conditions(i)%kind
+         if (.not. alike .and. (.not. surface%family%jumps .or. any([border%condition%kind, &
+            loop%conditions(i)%kind] == repetition))) cycle
          next = merge(1, i + 1, i == loop%n)
          offset = border%point - loop%points(:, i)
          call surface%family%wrap_phases(offset)
@@ -302,7 +309,7 @@ contains
          if (loop%conditions(i)%kind == repetition) return
          apart = distance_from(surface, [loop%conditions(i)], loop%points(:, i) + share*chord, &
             chord/length, border%point)
-         lies_on = apart < 1.0e-5_wp .or. apart >= huge(apart)
+         lies_on = apart < 1.0e-5_wp .or. (alike .and. apart >= huge(apart))
          if (lies_on) return
       end do
    end function lies_on
