@@ -14,8 +14,8 @@ module vi_rows
    implicit none (type, external)
    private
 
-   public :: add_harmonic, add_ripple, bound_of_group, bound_values, free_sums, free_values, &
-      group_values, new_rows, row_values
+   public :: add_harmonic, add_ripple, bound_of_group, bound_values, free_sums, free_value, &
+      free_values, group_values, new_rows, row_values
 
    !> Pairs (first_pair to last_pair) that occur in most rows from first_row to last_row.
    type, public :: block_type
@@ -316,6 +316,45 @@ contains
          end do
       end if
    end subroutine free_values
+
+   !> As `free_values`, of one row, with the same bits, where no row depends on v.
+   pure subroutine free_value(rows, i, x, v, y, rate)
+      !> The rows, and the number of the row.
+      type(rows_type), intent(in) :: rows
+      integer, intent(in) :: i
+      !> The pairs.
+      real(wp), intent(in) :: x(rows%pairs), v(rows%pairs)
+      !> Value and rate.
+      real(wp), intent(out) :: y, rate
+      integer :: at, j, k, l, m
+
+      y = rows%offset(i)
+      rate = rows%rate_offset(i)
+      do j = 1, size(rows%blocks)
+         associate (b => rows%blocks(j))
+            if (i < b%first_row .or. i > b%last_row) cycle
+            at = i - b%first_row + 1
+            m = b%last_pair - b%first_pair + 1
+            l = b%first_pair - 1
+            ! sums of four, as in `add_products`
+            do k = 1, m - 3, 4
+               y = y + ((b%position(at, k)*x(l + k) + b%position(at, k + 1)*x(l + k + 1)) &
+                  + (b%position(at, k + 2)*x(l + k + 2) + b%position(at, k + 3)*x(l + k + 3)))
+               rate = rate + ((b%position(at, k)*v(l + k) + b%position(at, k + 1)*v(l + k + 1)) &
+                  + (b%position(at, k + 2)*v(l + k + 2) + b%position(at, k + 3)*v(l + k + 3)))
+            end do
+            do k = m - mod(m, 4) + 1, m
+               y = y + b%position(at, k)*x(l + k)
+               rate = rate + b%position(at, k)*v(l + k)
+            end do
+         end associate
+      end do
+      do j = 1, size(rows%row)
+         if (rows%row(j) /= i) cycle
+         y = y + rows%position(j)*x(rows%pair(j))
+         rate = rate + rows%position(j)*v(rows%pair(j))
+      end do
+   end subroutine free_value
 
    !> As `row_values`, of a group of rows, with the same bits. The constants must not grow.
    pure subroutine group_values(rows, frequency, g, n, x, v, turn, y, rate)

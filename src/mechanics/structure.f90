@@ -19,13 +19,14 @@ module vi_structure
       steady_response, steps_type
    use vi_restitution, only: constant_law, friction_law, new_restitution, pushing_law, &
       restitution_at, restitution_type, stop_law
-   use vi_rows, only: add_harmonic, free_values, new_rows, rows_type
+   use vi_rows, only: add_harmonic, free_value, free_values, new_rows, rows_type
    use vi_status, only: stat
    implicit none (type, external)
    private
 
-   public :: check_structure, factor_along, find_narrow, inputs_of, is_absorbed, is_extreme, &
-      new_load, new_regime, new_structure, opening_at, project, restitution_of, state_of, to_pairs
+   public :: check_structure, coordinate_of, factor_along, find_narrow, inputs_of, is_absorbed, &
+      is_extreme, new_load, new_regime, new_structure, opening_at, project, restitution_of, &
+      state_of, to_pairs
 
    !> The shortest time scale, and the sizes of lengths and masses, for which the powers in bounds
    !! on derivatives up to the 21st are represented; an opening from which on a gap never closes.
@@ -141,6 +142,9 @@ module vi_structure
       !! time after an impulse of 1 on a gap of each row, filled in by vi_watch at the first impact
       !! there; below 0 before it.
       real(wp), allocatable :: reach(:, :)
+      !> (rows) Roots of the sums of squares of the second derivatives of the pairs after such an
+      !! impulse, filled in likewise.
+      real(wp), allocatable :: bend(:)
       !> The shortest time scale: 1 over the largest of omega, 2 sigma and Omega; if all are 0, the
       !! time between the samples of a record, or 1.
       real(wp) :: unit = 1
@@ -1392,5 +1396,27 @@ contains
             cmplx(cos(h*phase), sin(h*phase), wp), q, rate)
       end do
    end subroutine state_of
+
+   !> As `state_of`, of one coordinate, with the same bits, where no coordinate depends on v.
+   pure subroutine coordinate_of(regime, i, phase, x, v, q, rate)
+      !> The regime, and the number of the coordinate.
+      type(regime_type), intent(in) :: regime
+      integer, intent(in) :: i
+      !> As in `state_of`.
+      real(wp), intent(in) :: phase
+      real(wp), contiguous, intent(in) :: x(:), v(:)
+      !> The coordinate and its velocity.
+      real(wp), intent(out) :: q, rate
+      real(wp) :: values(2)
+      integer :: h
+
+      call free_value(regime%coordinates, i, x, v, values(1), values(2))
+      do h = 1, size(regime%steady, 2)
+         call add_harmonic(1, regime%coordinates%ripple(i, h), h*regime%frequency, &
+            cmplx(cos(h*phase), sin(h*phase), wp), values(1), values(2))
+      end do
+      q = values(1)
+      rate = values(2)
+   end subroutine coordinate_of
 
 end module vi_structure

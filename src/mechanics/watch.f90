@@ -18,8 +18,8 @@ module vi_watch
    implicit none (type, external)
    private
 
-   public :: begin_watch, keep_watch, leave_group, list_doubts, look_at_groups, rounding, &
-      set_at_limit
+   public :: begin_watch, keep_watch, leave_group, list_doubts, look_at_groups, most_second, &
+      rounding, set_at_limit
 
    !> How a flight begins: at a wall of a row (+1 upper, -1 lower) with a departure speed, or at no
    !! wall (row 0).
@@ -334,9 +334,16 @@ contains
 
       if (regime%rows%groups == 0) return
       watch%kept = .true.
-      if (.not. allocated(regime%reach)) allocate (regime%reach(regime%rows%groups, &
-         size(regime%upper)), source=-1.0_wp)
-      if (regime%reach(1, channel) < 0) call find_reach(regime, gap, regime%reach(:, channel))
+      if (.not. allocated(regime%reach)) then
+         allocate (regime%reach(regime%rows%groups, size(regime%upper)), source=-1.0_wp)
+         allocate (regime%bend(size(regime%upper)), source=0.0_wp)
+      end if
+      if (regime%reach(1, channel) < 0) then
+         call find_reach(regime, gap, regime%reach(:, channel))
+         regime%bend(channel) = sqrt(sum((regime%modes%stiffness*regime%kick_x(:, gap) &
+            + 2*regime%modes%damping*regime%kick_v(:, gap))**2))
+      end if
+      watch%second = watch%second + impulse*regime%bend(channel)
       do g = 1, size(watch%due)
          watch%due(g) = watch%due(g) - time
          ! the pairs are also rounded
@@ -345,6 +352,18 @@ contains
          watch%speed(g) = watch%speed(g) + impulse*regime%reach(g, channel)/3
       end do
    end subroutine keep_watch
+
+   !> A bound on the absolute second derivative of a row just after an impact that `keep_watch`
+   !! knows, and from then on.
+   pure real(wp) function most_second(watch, rows, row)
+      !> The certificates.
+      type(watch_type), intent(in) :: watch
+      !> The rows, and the number of the row.
+      type(rows_type), intent(in) :: rows
+      integer, intent(in) :: row
+
+      most_second = (rows%position_norm(row)*watch%second + watch%ripple_second)*(1 + 1.0e-9_wp)
+   end function most_second
 
    !> Bounds on the rates of the rows of each group after an impulse of 1 on a gap, for the time of
    !! the longest certificate: the Taylor series of each rate, term by term, and its remainder.

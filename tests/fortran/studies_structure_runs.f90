@@ -59,8 +59,8 @@ contains
       !! rest, and with walls on one side of some.
       integer, intent(in) :: cells, kind
       type(run_type) :: run, plain
-      type(run_state_type) :: state, other
-      type(run_event_type), allocatable :: events(:), again(:)
+      type(run_state_type) :: state, other, bare
+      type(run_event_type), allocatable :: events(:), again(:), third(:)
       type(load_type) :: load
       real(wp) :: matrices(2*cells, 2*cells, 3), directions(2*cells, 2*cells), gaps(2, 2*cells), &
          sines(2*cells, 2, 1), constant(2*cells), q(2*cells), rate(2*cells)
@@ -102,8 +102,10 @@ contains
       plain = run
       plain%regimes(1)%rows%groups = 0
       other = state
+      bare = state
+      bare%bare = .true.
       most = merge(12, 4, kind == 1)*cells
-      allocate (events(most), again(most))
+      allocate (events(most), again(most), third(most))
       call simulate_structure(run, state, 10000_int64, 0.0_wp, events, n, status)
       call simulate_structure(plain, other, 10000_int64, 0.0_wp, again, m, status)
       same = n == m .and. n > 2*cells
@@ -113,6 +115,15 @@ contains
             - again(i)%elapsed) > 0 .and. .not. any(abs(events(i)%rate - again(i)%rate) > 0)
       end do
       call check(same, 'lattices: the same events without certificates')
+      call simulate_structure(run, bare, 10000_int64, 0.0_wp, third, m, status)
+      same = n == m
+      do i = 1, min(n, m)
+         same = same .and. events(i)%kind == third(i)%kind .and. events(i)%gap == third(i)%gap &
+            .and. .not. abs(events(i)%elapsed - third(i)%elapsed) > 0 .and. .not. &
+            any(abs(events(i)%x - third(i)%x) + abs(events(i)%v - third(i)%v) > 0)
+      end do
+      call check(same, 'lattices: the same events without coordinates')
+      call check(.not. allocated(third(n)%q), 'lattices: which are then not computed')
       looks = real(state%space%watch%looks, wp)/n
    end function looks_of_lattice
 

@@ -162,8 +162,10 @@ contains
       last = motion%state%cycle + 1
       elapsed = motion%state%elapsed
       do
+         motion%state%bare = .true.
          call simulate_structure(motion%run, motion%state, last, elapsed, motion%events, n, ended, &
             .true.)
+         motion%state%bare = .false.
          status = merge(stat%ok, ended, ended == stat%more_events)
          motion%left = motion%left - n
          do i = 1, n

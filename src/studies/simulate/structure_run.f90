@@ -13,10 +13,10 @@ module vi_structure_run
    use vi_status, only: stat
    use vi_structure_pair, only: next_impact, pair_type, place_in, place_type, recognise
    use vi_structure_record, only: pass_intervals, set_forces
-   use vi_watch, only: keep_watch
-   use vi_structure, only: by_newton, check_structure, factor_along, is_absorbed, is_extreme, &
-      load_type, new_regime, opening_at, refused, regime_type, restitution_of, state_of, &
-      structure_type, to_pairs
+   use vi_watch, only: keep_watch, most_second
+   use vi_structure, only: by_newton, check_structure, coordinate_of, factor_along, is_absorbed, &
+      is_extreme, load_type, new_regime, opening_at, refused, regime_type, restitution_of, &
+      state_of, structure_type, to_pairs
    implicit none (type, external)
    private
 
@@ -78,9 +78,13 @@ module vi_structure_run
       !> (n) Room for coordinates and velocities, and for searches.
       real(wp), allocatable :: q(:), rate(:)
       type(space_type) :: space
+      !> Whether impacts may be recorded without coordinates and velocities, which need products of
+      !! all coordinates with all modes.
+      logical :: bare = .false.
    end type run_state_type
 
-   !> An event, and the pairs, coordinates and velocities just after it.
+   !> An event, and the pairs, coordinates and velocities just after it; without the last two, if
+   !! the state was simulated with `bare`.
    type, public :: run_event_type
       integer :: kind = 0, gap = 0, regime = 1
       integer(int64) :: cycle = 0
@@ -1294,8 +1298,11 @@ contains
       integer, allocatable :: rubbing(:)
       real(wp) :: impulse, restitution, slope
       integer :: j, gap
+      logical :: bare
 
       status = stat%ok
+      bare = state%bare .and. run%regimes(state%regime)%coordinates%by_position .and. &
+         run%structure%simultaneous == refused .and. .not. run%structure%has_friction
       associate (regime => run%regimes(state%regime), structure => run%structure, q => state%q, &
          rate => state%rate)
          gap = gap_of(regime, reached%row, reached%wall)
@@ -1322,7 +1329,11 @@ contains
             end do
          end if
          call move(run, state, reached%time)
-         call state_now(run, state, q, rate)
+         if (bare) then
+            call coupled_coordinates(run, gap, state)
+         else
+            call state_now(run, state, q, rate)
+         end if
          if (closes_another(run, run%load%frequency*state%elapsed, q, rate, gap)) status = &
             stat%coupled_impacts
          if (status /= stat%ok) return
@@ -1339,7 +1350,7 @@ contains
          ! the forces of a record change from one interval to the next
          if (.not. run%load%step > 0) call keep_watch(regime, gap, reached%row, impulse, &
             reached%time, state%space%watch)
-         call kick(regime%modes%wide, impulse, structure%mobility(:, gap), rate)
+         if (.not. bare) call kick(regime%modes%wide, impulse, structure%mobility(:, gap), rate)
          state%leaving = leaving_type(reached%row, reached%wall, restitution*reached%speed)
          state%released = 0
          if (.not. state%leaving%speed > 0) then
@@ -1348,7 +1359,7 @@ contains
          end if
          ! dashpots may change the forces of other contacts
          if (size(regime%resting) > 0 .or. allocated(state%touching)) state%unsettled = .true.
-         call note(state, impact_event, gap, reached%speed, impulse, q, rate, event)
+         call note(state, impact_event, gap, reached%speed, impulse, q, rate, event, bare)
       end associate
       if (.not. run%structure%has_friction) return
       rubbing = rubs_with(run%structure, gap)
@@ -1765,6 +1776,35 @@ contains
       end associate
    end function closes_another
 
+   !> The coordinates and velocities of which `closes_another` needs to know.
+   pure subroutine coupled_coordinates(run, gap, state)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> The gap that closes.
+      integer, intent(in) :: gap
+      !> In and out: the state; its other coordinates and velocities are not set.
+      type(run_state_type), intent(inout) :: state
+      integer :: before, i, j, k
+
+      before = 0
+      associate (structure => run%structure)
+         do i = structure%coupled_begins(gap), structure%coupled_begins(gap + 1) - 1
+            j = structure%coupled(i)
+            ! the other limit of the same row has the same coordinates
+            if (before > 0) then
+               if (structure%channel(j) == before) cycle
+            end if
+            before = structure%channel(j)
+            do k = structure%begins(j), structure%begins(j + 1) - 1
+               associate (at => structure%at(k))
+                  call coordinate_of(run%regimes(state%regime), at, run%load%frequency &
+                     *state%elapsed, state%x, state%v, state%q(at), state%rate(at))
+               end associate
+            end do
+         end do
+      end associate
+   end subroutine coupled_coordinates
+
    !> Completes an accumulation of impacts, if what remains of it is short enough.
    !!
    !! With departure speed u and a gap that closes with acceleration a > 0, the remaining impacts
@@ -1808,6 +1848,10 @@ contains
       end if
       associate (regime => run%regimes(state%regime), leaving => state%leaving)
          ! most departures are too fast, whatever the phase
+         if (state%space%watch%kept) then
+            if (2*leaving%speed > longest*regime%unit*most_second(state%space%watch, regime%rows, &
+               leaving%row)) return
+         end if
          if (2*leaving%speed > longest*regime%unit*bound_second(regime, state%x, state%v, &
             leaving%row)) return
          call row_derivatives(regime, state%x, state%v, phase, leaving%row, d)
@@ -1994,7 +2038,7 @@ contains
    end subroutine release
 
    !> Records an event.
-   pure subroutine note(state, kind, gap, speed, impulse, q, rate, event)
+   pure subroutine note(state, kind, gap, speed, impulse, q, rate, event, bare)
       !> The state just after it.
       type(run_state_type), intent(in) :: state
       !> Kind and gap.
@@ -2005,7 +2049,12 @@ contains
       real(wp), intent(in) :: q(:), rate(:)
       !> The record.
       type(run_event_type), intent(inout) :: event
+      !> Whether coordinates and velocities are left out; by default they are not.
+      logical, intent(in), optional :: bare
+      logical :: whole
 
+      whole = .true.
+      if (present(bare)) whole = .not. bare
       event%kind = kind
       event%together = .false.
       event%gap = gap
@@ -2016,6 +2065,7 @@ contains
       event%impulse = impulse
       event%x = state%x
       event%v = state%v
+      if (.not. whole) return
       event%q = q
       event%rate = rate
    end subroutine note

@@ -71,10 +71,11 @@ contains
       if (status /= stat%ok) return
       call begin(run, start, q, rate, state, status)
       if (status /= stat%ok) return
+      allocate (events(chunk))
       if (present(first)) then
          left = size(labels, 2)
          do while (first > start)
-            call pass_events(run, state, first, left, status)
+            call pass_events(run, state, first, left, events, status)
             if (status /= stat%more_events) exit
          end do
          end_time = real(state%cycle, wp)*run%period + state%elapsed
@@ -86,7 +87,6 @@ contains
       if (present(first_state)) first_state = end_state
       begun = run%regimes(state%regime)%resting
       call find_parts(run, last, last_cycle, last_elapsed)
-      allocate (events(chunk))
       do
          call simulate_structure(run, state, last_cycle, last_elapsed, &
             events(:min(chunk, size(labels, 2) - n)), i, status)
@@ -134,7 +134,7 @@ contains
    end subroutine find_parts
 
    !> Simulates to a time from which events are kept, or some events further.
-   pure subroutine pass_events(run, state, first, left, status)
+   pure subroutine pass_events(run, state, first, left, events, status)
       !> In and out: regimes are added.
       type(run_type), intent(inout) :: run
       !> In and out: the state.
@@ -143,17 +143,20 @@ contains
       real(wp), intent(in) :: first
       !> In and out: events after which the simulation is given up.
       integer, intent(inout) :: left
+      !> Room for events.
+      type(run_event_type), intent(inout) :: events(:)
       !> `stat%ok` at that time, `stat%more_events` before it, `stat%event_limit` if none is left,
       !! or as in `simulate_structure`.
       integer, intent(out) :: status
-      type(run_event_type), allocatable :: events(:)
       integer(int64) :: cycle
       real(wp) :: elapsed
       integer :: n
 
       call find_parts(run, first, cycle, elapsed)
-      allocate (events(min(chunk, left)))
-      call simulate_structure(run, state, cycle, elapsed, events, n, status, .true.)
+      state%bare = .true.
+      call simulate_structure(run, state, cycle, elapsed, events(:min(size(events), left)), n, &
+         status, .true.)
+      state%bare = .false.
       left = left - n
       if (status == stat%more_events .and. left == 0) status = stat%event_limit
    end subroutine pass_events
@@ -223,10 +226,11 @@ contains
       if (status /= stat%ok) return
       call begin(run, start, q, rate, state, status)
       if (status /= stat%ok) return
+      allocate (events(chunk))
       if (present(first)) then
          left = most
          do while (first > start)
-            call pass_events(run, state, first, left, status)
+            call pass_events(run, state, first, left, events, status)
             end_time = real(state%cycle, wp)*run%period + state%elapsed
             if (status /= stat%more_events) exit
             call report_share((end_time - start)/(last - start), simulation_work, reported, &
@@ -242,7 +246,6 @@ contains
       end if
       begun = run%regimes(state%regime)%resting
       call find_parts(run, last, last_cycle, last_elapsed)
-      allocate (events(chunk))
       do
          if (n == size(labels, 2)) then
             call lengthen(min(most, 2*n), table, labels, room)
