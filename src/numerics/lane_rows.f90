@@ -109,25 +109,34 @@ contains
       real(wp), intent(in) :: x(n), v(n)
       !> (n) After that time.
       real(wp), intent(out) :: x_new(n), v_new(n)
-      real(wp), dimension(lanes) :: angle, exponent, sine, cosine, shrink
+      real(wp), dimension(lanes) :: angle, exponent, sine, cosine, shrink, quotient
       real(wp) :: u, w
       integer :: j, k, m
+      logical :: damps
 
       angle = 0
       exponent = 0
+      shrink = 1
+      damps = any(damping(:turning) > 0)
       do k = 0, turning - 1, lanes
          m = min(lanes, turning - k)
          do j = 1, m
             angle(j) = turn(k + j)*t
-            exponent(j) = min(damping(k + j)*t, largest_exponent)
          end do
-         sine = 0
-         cosine = 1
-         shrink = 1
-         if (any(angle(:m) > 0)) call sine_cosine(angle, sine, cosine)
-         if (any(exponent(:m) > 0)) call shrinkage(exponent, shrink)
+         call sine_cosine(angle, sine, cosine)
+         if (damps) then
+            do j = 1, m
+               exponent(j) = min(damping(k + j)*t, largest_exponent)
+            end do
+            call shrinkage(exponent, shrink)
+         end if
+         ! apart from the choice below, or each pair would be divided alone; the smallest number
+         ! changes no quotient that is used
          do j = 1, m
-            w = merge(sine(j)/max(turn(k + j), tiny(w)), t, angle(j) > 1.0e-8_wp)
+            quotient(j) = sine(j)/(turn(k + j) + tiny(w))
+         end do
+         do j = 1, m
+            w = merge(quotient(j), t, angle(j) > 1.0e-8_wp)
             u = shrink(j)*(cosine(j) + damping(k + j)*w)
             w = shrink(j)*w
             x_new(k + j) = u*x(k + j) + w*v(k + j)

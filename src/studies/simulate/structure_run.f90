@@ -2063,12 +2063,28 @@ contains
       event%elapsed = state%elapsed
       event%speed = speed
       event%impulse = impulse
-      event%x = state%x
-      event%v = state%v
+      call keep(size(state%x), state%x, event%x)
+      call keep(size(state%v), state%v, event%v)
       if (.not. whole) return
-      event%q = q
-      event%rate = rate
+      call keep(size(q), q, event%q)
+      call keep(size(rate), rate, event%rate)
    end subroutine note
+
+   !> Copies numbers as one piece of memory.
+   pure subroutine keep(n, from, to)
+      !> How many.
+      integer, intent(in) :: n
+      !> The numbers.
+      real(wp), intent(in) :: from(n)
+      !> In and out: allocated anew only if their number changes.
+      real(wp), allocatable, intent(inout) :: to(:)
+
+      if (allocated(to)) then
+         if (size(to) /= n) deallocate (to)
+      end if
+      if (.not. allocated(to)) allocate (to(n))
+      to(:) = from
+   end subroutine keep
 
    !> Coordinates and velocities of a state.
    pure subroutine state_now(run, state, q, rate)
