@@ -10,6 +10,7 @@ from series import (
     UNIT,
     Series,
     ball,
+    determinant,
     exact,
     flat,
     monomials,
@@ -21,6 +22,8 @@ from series import (
 
 #: Halvings of a piece of time.
 MOST_HALVINGS = 40
+#: Degree of the polynomials whose determinants are expanded.
+MOST_FOR_MINORS = 6
 
 
 def series(values, names):
@@ -325,8 +328,11 @@ def routh(polynomial):
     first, second, found = turned[::2], turned[1::2], [ball(turned[0])]
     while second:
         found.append(ball(second[0]))
+        if found[-1] < 0:
+            return found
         if not found[-1] > 0:
-            return found if all(one > 0 for one in found[:-1]) else [arb(0)]
+            # a number may change its sign where a zero is outside before and after
+            return minors(turned) if m <= MOST_FOR_MINORS else [arb(0)]
         ratio = first[0] / second[0]
         rest = [*second[1:], arb(0)][: len(first) - 1]
         first, second = (
@@ -334,3 +340,13 @@ def routh(polynomial):
             [one - ratio * two for one, two in zip(first[1:], rest, strict=True)],
         )
     return found
+
+
+def minors(turned):
+    """Hurwitz's determinants: one is negative only where a zero lies outside the unit circle."""
+    m = len(turned) - 1
+    entry = lambda i, j: turned[2 * j - i + 1] if 0 <= 2 * j - i + 1 <= m else arb(0)  # noqa: E731
+    found = [
+        ball(determinant([[entry(i, j) for j in range(k)] for i in range(k)])) for k in range(2, m)
+    ]
+    return [arb(0), *found]

@@ -1222,16 +1222,20 @@ def test_branch_of_structure(motion, parameter, bounds, symmetric):
 
 
 def test_branches_of_symmetric_pairs():
-    """Certificates of random pairs as structures are accepted, also of motions with large multipliers."""
-    random = np.random.default_rng(10)
+    """Certificates of random pairs as structures are accepted, also of motions with large multipliers, and where
+    a number of Routh's array changes its sign."""
     largest = []
-    for mu, R, xi, frequency in ((0.1, 0.8, 0.025, 1.006), (0.05, 0.75, 0.01, 1.04)):
+    for mu, R, xi, r, clearance, parameter in (
+        (0.1, 0.8, 0.025, 1.006, 10.9, "frequency"),
+        (0.05, 0.75, 0.01, 1.04, 9.4, "frequency"),
+        (0.36, 0.53, 0.0355, 1.139, 10.0, "opening"),
+    ):
         osc = vi.Oscillator(xi=xi, mu=mu, restitution=R)
-        for motion in vi.equispaced(osc, frequency, random.uniform(9, 11)):
-            point = osc.at(frequency, motion.clearance)
+        for motion in vi.equispaced(osc, r, clearance):
+            point = osc.at(r, clearance)
             motion = vi.exact(point.structure, point.load, (motion.phases, motion.gaps.tolist(), 1))
-            bounds = (frequency, frequency * 1.006)
-            proof = vi.branch(motion, "frequency", bounds=bounds).prove(tolerance=0.3)
+            bounds = (r, r * 1.006) if parameter == "frequency" else (4.5, 5.5)
+            proof = vi.branch(motion, parameter, bounds=bounds).prove(tolerance=0.3)
             assert (proof.symmetric, proof.exists) == (True, True)
             largest.append(max(abs(motion.multipliers)))
             checker.check(json.loads(proof.to_json()))
