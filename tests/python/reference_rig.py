@@ -53,6 +53,11 @@ class Rig:
     exponent: float = 0.0
     #: -3 dB frequency of both sensors (Butterworth, order 4), through which impulses of no duration pass.
     known_lowpass: float | None = None
+    #: Shares by which, during the record, the load grows (as its channel shows), the coefficients of restitution
+    #: fall, and the gain of the sensor of the motion grows; the other numbers hold in the middle of the record.
+    load_growth: float = 0.0
+    fading: float = 0.0
+    gain_growth: float = 0.0
 
     @property
     def d(self):
@@ -76,13 +81,16 @@ def flights(rig, first, last, phase=0.0):
     for n in range(len(sizes)):
         A[1, 2 + 2 * n] = 1 / M
         A[2 + 2 * n, 3 + 2 * n], A[3 + 2 * n, 2 + 2 * n] = (n + 1) * w, -(n + 1) * w
+        A[2 + 2 * n, 2 + 2 * n] = A[3 + 2 * n, 3 + 2 * n] = rig.load_growth / rig.duration
     step = 2 * math.pi / w / STEPS
     powers = [expm(A * step * (i + 1)) for i in range(STEPS)]
     several = np.stack(powers)
     loads = [
         rig.F0 * size * of((n + 1) * phase) for n, size in enumerate(sizes) for of in (math.sin, math.cos)
     ]  # fmt: skip
+    middle = last - rig.duration / 2
     y = np.array([0, 0, *loads, 0, 0.3])
+    y[2:-2] *= math.exp(-rig.load_growth * middle / rig.duration)
     t, impacts, states = 0.0, [], [(0.0, y)]
 
     def gap(y):
@@ -113,6 +121,7 @@ def flights(rig, first, last, phase=0.0):
         R = rig.restitution[0 if side > 0 else 1]
         if rig.exponent:
             R = min(R * (abs(closing) / SPEED) ** -rig.exponent, 1.0)
+        R *= 1 - rig.fading * max((t - middle) / rig.duration, -0.5)
         jump = rig.mu * (1 + R) * closing / (1 + rig.mu)
         if abs(closing) < 1e-3:
             return None
@@ -150,7 +159,13 @@ def record(rig, seed=0, settle=400):
                 0
             ]
         load = load + rig.F0 * size * (passed * np.exp(1j * n * turn)).imag
-    a = a + rig.offset + rig.noise * a.std() * random.standard_normal(t.size)
+    since = t / rig.duration - 0.5
+    load = load * np.exp(rig.load_growth * since)
+    a = (
+        a * (1 + rig.gain_growth * since)
+        + rig.offset
+        + rig.noise * a.std() * random.standard_normal(t.size)
+    )
     load = load + 0.01 * load.std() * 2**0.5 * random.standard_normal(t.size)
     gains = 1 + rig.calibration * np.random.default_rng(
         [seed, round(1e9 * rig.xi)]

@@ -21,7 +21,7 @@ from .fit import DOUBTFUL, FAR_OFF, Fit, covariance_of, far_off_gain
 from .known import HINT
 from .laws import Law
 from .state_noise import noise_information, without_noise
-from .strains import held_strains, strains_of
+from .strains import held_strains, strains_of, trends_of
 from .windows import Flown, Windows
 
 _Array = NDArray[np.float64]
@@ -46,6 +46,10 @@ LARGEST_MASS, BEYOND = 10.0, 3.0
 OTHER = 0.01
 #: Share by which coefficients of restitution grow during the record, 0 in every fit: on both walls, and on each.
 DRIFTS = ("drift", "drift1", "drift2")
+
+
+class TooFewError(SingularError):
+    """Too few impacts for momentum and restitution to be compared with."""
 
 
 class Minimum(NamedTuple):
@@ -81,9 +85,9 @@ class Impacts:
         self.lawful = lawful = np.zeros(N, dtype=bool)
         lawful[1:-1] = resolved[:-2] & resolved[1:-1] & resolved[2:]
         if lawful.sum() < LEAST_IMPACTS:
-            raise SingularError(
+            raise TooFewError(
                 f"{int(lawful.sum())} of {N} impacts between two others that are resolved: must be at least "
-                f"{LEAST_IMPACTS}; a longer record would help"
+                f"{LEAST_IMPACTS}; {windows.hindered()}"
             )
         # entries of unresolved impacts are not used
         self.states, self.spread, self.turned = (
@@ -398,7 +402,7 @@ def by_laws(
         flown, [*(("omega", "xi")[i] for i in flown.held), *tested], by_held.reshape(-1, by_held.shape[-1]),
         best.multiplier, change, best.cov, best.B, covariance, variance, places,
     )  # fmt: skip
-    drifts = {name: of_held.pop(name) for name in DRIFTS if name in of_held}
+    drifts = {name: of_held.pop(name) for name in DRIFTS if name in of_held} | trends_of(flown)
     leans = {name: by for name, by in leans.items() if name not in DRIFTS}
     strains |= of_held
     covariance = variance * covariance + beyond(minima, variance)
@@ -415,7 +419,7 @@ def by_laws(
     found = Fit(
         {name: values[name] for name in law.shared}, [float(common[2])], [float(common[3])], [], order,
         part, [name for name in order if places.index(name) in vague],
-        [misfit * flown.colour], variance, strains=strains, leans=leans, drifts=drifts,
+        [misfit * flown.colour], variance, strains=strains, leans=leans, drifts=drifts, early=flown.early,
         most=min(DOUBTFUL, flown.colour * bearable(count - g.size)),
     )  # fmt: skip
     possible(found, int(best.ok.sum()))
@@ -491,7 +495,7 @@ def by_flights(windows: Windows, flown: Flown, shared: Mapping[str, float], law:
     both[: len(kept), : len(kept)] = covariance[np.ix_(kept, kept)]
     return Fit(
         values, [float(common[2])], [float(common[3])], [], [*(names[free[j]] for j in kept), *none], both, none,
-        [flown.colour], flown.colour, strains=strains,
+        [flown.colour], flown.colour, strains=strains, drifts=trends_of(flown), early=flown.early,
     )  # fmt: skip
 
 

@@ -54,7 +54,7 @@ class Fit:
     #: it were fitted.
     strains: dict[str, Strain] = field(default_factory=dict)
     #: Relative growth of the coefficients of restitution during the record if they could grow, of both walls
-    #: ("drift") and of each ("drift1", "drift2").
+    #: ("drift") and of each ("drift1", "drift2"); and that of "omega", "xi", "static" (F0/K) and "phase".
     drifts: dict[str, Strain] = field(default_factory=dict)
     #: For the names of `strains`, the derivatives of each fitted parameter with respect to the value that was not
     #: fitted.
@@ -63,6 +63,10 @@ class Fit:
     squares: list[float] = field(default_factory=list)
     #: Misfit above which the fit is doubtful.
     most: float = DOUBTFUL
+    #: Variance that flights leave just after impacts over that which they leave later.
+    early: float = 1.0
+    #: Why the impacts contradict momentum and restitution, where flights alone are fitted.
+    against: str = ""
 
 
 def fit(

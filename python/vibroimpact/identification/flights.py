@@ -41,8 +41,12 @@ FIRST_PULSE, LONGEST_PULSE, LEAST_FLIGHT = 4e-3, 12e-3, 0.3
 #: Residual, relative to its error, at which a pulse has ended. The excluded part is extended beyond that by a
 #: multiple of the time in which the pulse fades by a factor of ten, but at most by a share of its length.
 ENDED, MARGIN, FADES = 3.0, 0.6, 1.0
+#: Largest exponent of a factor of a wave.
+MOST_FADED = 200.0
 #: Misfit of periodic flights above which they do not describe the record.
 HOPELESS = 25.0
+#: Misfit of free flights above which others are tried.
+POOR = 2.0
 #: Largest number of ringing modes; misfit above which another mode or impact, and other starts, are tried;
 #: reduction of the sum of squares, absolute and relative, that another mode must achieve; initial rates of decay
 #: of a mode (1/s); and largest number of steps of a fit, after which another fit follows.
@@ -128,6 +132,28 @@ def since(places: _Array, angles: _Array, data: Measured) -> _Array:
     return passed
 
 
+def faded(pole: complex, places: _Array, angles: _Array, data: Measured) -> tuple[_Array, _Complex]:
+    """Times from the latest impacts at some angles to some places, and exp(pole t) of them (n, N).
+
+    The exponential of a sum is a product, so that few have to be computed, unless one of its factors would
+    overflow.
+    """
+    whole = 2 * math.pi * data.k
+    tau = places[:, None] - angles
+    turns = np.floor(tau / whole)
+    tau -= whole * turns
+    tau /= data.Omega
+    first = int(turns.min(initial=0.0))
+    number = int(turns.max(initial=0.0)) - first + 1
+    reach = max(abs(places).max(initial=0.0), abs(angles).max(initial=0.0), number * whole)
+    if abs(pole.real) * reach / data.Omega > MOST_FADED:
+        return tau, np.exp(pole * tau)
+    one = pole / data.Omega
+    wave = np.exp(one * places)[:, None] * np.exp(-one * angles)
+    wave *= np.exp(-one * whole * (first + np.arange(number)))[(turns - first).astype(np.int64)]
+    return tau, wave
+
+
 def predicted(
     data: Measured, places: _Array, order: int, omega: float, xi: float, static: float, phase: float, angles:
     _Array,
@@ -146,20 +172,20 @@ def predicted(
     # after unit impulses, one in each period
     rate = math.sqrt(1 - xi**2)
     pole = omega * complex(-xi, rate)
-    tau, whole = since(places, angles, data), 2 * math.pi * data.k / data.Omega
+    whole = 2 * math.pi * data.k / data.Omega
+    tau, wave = faded(pole, places, angles, data)
     q = np.exp(pole * whole)
-    wave = pole**order * np.exp(pole * tau) / (1 - q)
     size = 1 / (omega * rate)
-    by_pole = wave * (order / pole + tau + whole * q / (1 - q)) * size
+    wave *= pole**order / (1 - q)
     response = wave.imag * size
-    by_omega = by_omega.real + ((by_pole * pole / omega).imag - response / omega) @ jumps
-    by_xi = (
-        by_xi.real
-        + ((by_pole * omega * complex(-1, -xi / rate)).imag + response * xi / rate**2) @ jumps
-    )
     slope = (wave * pole).imag * size
+    # of the sum of all waves, by their pole
+    by_pole = size * ((order / pole + whole * q / (1 - q)) * (wave @ jumps) + (wave * tau) @ jumps)
+    moved = response @ jumps
+    by_omega = by_omega.real + (by_pole * pole / omega).imag - moved / omega
+    by_xi = by_xi.real + (by_pole * omega * complex(-1, -xi / rate)).imag + moved * xi / rate**2
     return Predicted(
-        static * load.real + response @ jumps, by_omega, by_xi, load.real, by_phase.real,
+        static * load.real + moved, by_omega, by_xi, load.real, by_phase.real,
         -slope * jumps / data.Omega, response,
     )  # fmt: skip
 
@@ -175,12 +201,14 @@ class Ringing:
 def rung(data: Measured, places: _Array, angles: _Array, mode: Ringing) -> tuple[_Array, _Array]:
     """The ringing at given angles, and its derivatives with respect to real and imaginary parts of the amplitudes
     and of the pole."""
-    tau, whole = since(places, angles, data), 2 * math.pi * data.k / data.Omega
+    whole = 2 * math.pi * data.k / data.Omega
+    tau, wave = faded(mode.pole, places, angles, data)
     q = np.exp(mode.pole * whole)
-    wave = np.exp(mode.pole * tau) / (1 - q)
-    by_pole = (wave * (tau + whole * q / (1 - q))) @ mode.size
+    wave /= 1 - q
+    value = wave @ mode.size
+    by_pole = (wave * tau) @ mode.size + whole * q / (1 - q) * value
     columns = [wave.real, -wave.imag, by_pole.real[:, None], -by_pole.imag[:, None]]
-    return (wave @ mode.size).real, np.hstack(columns)
+    return value.real, np.hstack(columns)
 
 
 class Folded(NamedTuple):
@@ -670,7 +698,7 @@ class Flights:
     ) -> FreeFit:
         """The flights between impacts that begin at given angles, including missing impacts; from several starts
         the first good result, or the best. `report` receives the share of the starts that were tried. If the first
-        one is hopeless, `other` says whether the record is known not to be periodic."""
+        one is poor, `other` says whether the record is known not to be periodic."""
         best: FreeFit | None = None
         for i, angles in enumerate(starts):
             report(i / len(starts), "flights of a period")
@@ -684,7 +712,7 @@ class Flights:
                 best, self.begin = found, angles
             if best.misfit < GOOD:
                 break
-            if i == 0 and best.misfit > HOPELESS and other():
+            if i == 0 and best.misfit > POOR and other():
                 raise SingularError(
                     f"repeating flights leave residuals of {best.misfit:.3g} times the scatter from period to "
                     "period"

@@ -229,24 +229,12 @@ def period_of(values: _Array, rate: float, omega: float) -> Repetition:
     If all are rejected, as by noise that is not white, it is the smallest k whose scatter is close to the smallest
     one.
     """
-    turns = omega / (2 * math.pi) * centred(values.size, rate)
+    turns, part, cycle = places_of(values.size, rate, omega)
     most = most_cycles(turns[-1] - turns[0])
-    part = np.minimum((turns % 1 * PARTS).astype(np.int64), PARTS - 1)
-    cycle = np.floor(turns).astype(np.int64)
     scatters: list[float] = []
     found = 0
     for k in range(1, most + 1):
-        off = unrepeated(values, turns % k, k)
-        # without the parts in which impacts are
-        squares = np.bincount(part, off**2, PARTS) / np.maximum(
-            np.bincount(part, minlength=PARTS), 1
-        )
-        quiet = (squares <= (1 + QUIET * math.sqrt(2 * PARTS / values.size)) * np.median(squares))[
-            part
-        ]
-        # and without the samples at the start of a filter
-        usual = float(np.median(abs(off[quiet]))) / 0.6745
-        quiet &= (abs(off) <= ODD * usual) & (cycle >= cycle[0] + SETTLED)
+        off, quiet = left_of(values, turns, part, cycle, k)
         scatters.append(float(np.mean(off[quiet] ** 2)))
         colour = colour_of(off[quiet], ((cycle - cycle[0]) * WIDE + part * WIDE // PARTS)[quiet])
         if not any(
@@ -263,6 +251,37 @@ def period_of(values: _Array, rate: float, omega: float) -> Repetition:
     drift = excess(off[quiet], part[quiet], block[quiet], BLOCKS, colour)
     periodic = noise**2 <= UNREPEATED * float(np.var(values))
     return Repetition(found if periodic else 0, noise, colour, drift)
+
+
+def left_of(
+    values: _Array, turns: _Array, part: NDArray[np.int64], cycle: NDArray[np.int64], k: int
+) -> tuple[_Array, NDArray[np.bool_]]:
+    """What the mean over periods of k load cycles leaves of a signal, and which samples tell its scatter."""
+    off = unrepeated(values, turns % k, k)
+    # without the parts in which impacts are
+    squares = np.bincount(part, off**2, PARTS) / np.maximum(np.bincount(part, minlength=PARTS), 1)
+    quiet: NDArray[np.bool_] = (
+        squares <= (1 + QUIET * math.sqrt(2 * PARTS / values.size)) * np.median(squares)
+    )[part]
+    # and without the samples at the start of a filter
+    usual = float(np.median(abs(off[quiet]))) / 0.6745
+    quiet &= (abs(off) <= ODD * usual) & (cycle >= cycle[0] + SETTLED)
+    return off, quiet
+
+
+def places_of(
+    n: int, rate: float, omega: float
+) -> tuple[_Array, NDArray[np.int64], NDArray[np.int64]]:
+    """Load cycles of samples, the part of its cycle that each is in, and the number of the cycle."""
+    turns = omega / (2 * math.pi) * centred(n, rate)
+    part = np.minimum((turns % 1 * PARTS).astype(np.int64), PARTS - 1)
+    return turns, part, np.floor(turns).astype(np.int64)
+
+
+def scatter_after(values: _Array, rate: float, omega: float, k: int) -> float:
+    """The scatter of a sample of a signal that repeats after k load cycles."""
+    off, quiet = left_of(values, *places_of(values.size, rate, omega), k)
+    return math.sqrt(float(np.mean(off[quiet] ** 2)))
 
 
 def white_noise(values: _Array) -> float:

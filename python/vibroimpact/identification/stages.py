@@ -13,16 +13,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.errors import ParameterError, SingularError
-from .aperiodic import LEAST_IMPACTS, by_flights, by_laws
+from .aperiodic import LEAST_IMPACTS, TooFewError, by_flights, by_laws
 from .attempts import Attempts, NotTriedError
 from .fit import DOUBTFUL, Fit, fit
 from .flights import HOPELESS, Measured
 from .known import HINT
 from .laws import KNOWN_OF_LAW, Law
 from .motions import Impacting
-from .signals import LEAST_PICKS, no_rhythm, repeated
+from .signals import LEAST_PICKS, no_rhythm, repeated, scatter_after
 from .start import start_of, start_of_phases, start_of_times
 from .steps import Step, cycles_of, flown, flown_apart, ordered, silent
+from .windows import unfound_ringing
 
 _Array = NDArray[np.float64]
 #: Distance between an impact of the fitted motion and that of the flights, in standard errors, above which a fit
@@ -35,6 +36,8 @@ STARTS = (0.003, 0.01, 0.02, 0.04)
 UNCLEAR, MOST_UNCLEAR = 4.0, 3
 #: Coefficients of restitution with which the linear equations are tried.
 TRIED = (0.7, 0.6, 0.85)
+#: Smallest number of periods in a record for which twice the period is tried.
+FEWEST_PERIODS = 6
 #: Largest ratio of two load amplitudes that should be equal.
 LARGEST_RATIO = 1.5
 #: Factors by which a wrong unit changes a record, for the message.
@@ -208,6 +211,40 @@ def halved(
     return (others, half) if max(half.misfits) < DOUBTFUL else None
 
 
+def twice_as_long(
+    steps: Sequence[Step], single: tuple[list[Step], Fit | None, Law], scale: Mapping[str, float],
+    shared: dict[str, float], guess: dict[str, float], law: Law, law_speed: float | None,
+) -> tuple[list[Step], Fit, Law] | None:  # fmt: skip
+    """The fit of motions of twice the period to a record whose impacts, by its single flights, repeat, although no
+    motion of the period that was found describes it; None if there is none.
+
+    Where the two halves of a period are nearly alike, a short record tells them apart only by its flights.
+    """
+    step = copy(steps[0])
+    if len(steps) > 1 or step.data is None or step.record is None or not again(single[0][0]):
+        return None
+    k = 2 * step.data.k
+    if cycles_of(step.record, step.Omega) < FEWEST_PERIODS * k:
+        return None
+    values: _Array = getattr(step.record, step.quantity)
+    # what the halves of a period differ by is no scatter
+    step.noise = max(
+        scatter_after(values, step.record.rate, step.Omega, k),
+        step.record.noise.get(step.quantity, 0.0),
+    )
+    step.data = replace(step.data, k=k)
+    try:
+        flown(step, scale, shared, guess)
+        if step.rhythm.status != "periodic":
+            return None
+        found, own = fitted([step], scale, shared, guess, law, law_speed)
+    except SingularError:
+        return None
+    if max(found.misfits) > DOUBTFUL or far_off([step], found):
+        return None
+    return [step], found, own
+
+
 def first_half(motion: Impacting, data: Measured) -> Impacting:
     """The impacts of the first half of a motion, with load phases near those of flights."""
     N = data.angles.size
@@ -286,7 +323,8 @@ def identified_by(
                     return because(single, "flights between no impacts describe it")
                 number = max((step.times.size for step in others if several(step)), default=0)
                 if number:
-                    return because(single, f"{number} impacts are picked that no flights show")
+                    why = f"{number} impacts are picked that no flights show"
+                    return explained(because(single, why), tried, shared)
                 return explained((others, None, law), tried, shared)
             if attempt == "other walls":
                 if len(steps) > 1 or law.kind != "constant":
@@ -297,7 +335,9 @@ def identified_by(
         except SingularError as error:
             failed = failed or error
             tried.refused(attempt, others, error)
-            if len(steps) == 1 and single is not None and aperiodic():
+            # what no motion describes, and has impacts that do not repeat, is not periodic
+            ask = single is not None or attempt == "as it is"
+            if len(measured) == len(steps) == 1 and ask and aperiodic() and single is not None:
                 return because(single, str(failed))
             continue
         # a fit that only another pattern makes possible must be good
@@ -310,7 +350,8 @@ def identified_by(
         if far_off(others, found) or max(found.misfits) > DOUBTFUL:
             single = single or apart(steps, *given)
             if clear(single[1]):
-                return because(single, "its exact motion does not describe it")
+                longer = twice_as_long(steps, single, *given)
+                return longer or because(single, "its exact motion does not describe it")
         return others, found, own
     if "twice" in attempts:
         with_other_loads(steps, scale, shared, guess)
@@ -444,9 +485,14 @@ def apart(
         found, law, lawful = by_laws(step.windows, flights, shared, guess, law, law_speed)
     except (SingularError, np.linalg.LinAlgError) as error:
         step.notes.append(f"impacts give no parameters: {error}")
+        step.notes += filter(None, [unfound_ringing(flights.early)])
         # next to rests, in which the masses move together, short flights may be missing
-        clean = flights.resolved.sum() >= max(LEAST_IMPACTS, 0.5 * flights.times.size)
-        return steps, by_flights(step.windows, flights, shared, law) if clean else None, law
+        if flights.resolved.sum() < max(LEAST_IMPACTS, 0.5 * flights.times.size):
+            return steps, None, law
+        alone = by_flights(step.windows, flights, shared, law)
+        if not isinstance(error, TooFewError):
+            alone.against = str(error).removesuffix(HINT).rstrip("; ")
+        return steps, alone, law
     step.notes.append(
         f"momentum and restitution at {int(lawful.sum())} of {lawful.size} impacts give the parameters; the "
         "others are beside a flight that is too short, or in which an impact is hidden"

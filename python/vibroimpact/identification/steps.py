@@ -17,6 +17,7 @@ from .flights import (
     HOPELESS,
     MOST_MODES,
     PLACES,
+    POOR,
     Flights,
     Folded,
     FreeFit,
@@ -62,8 +63,8 @@ RISE = 0.2
 UNKNOWN_DELAY, DELAY_OF_OTHERS = 2e-3, 0.5
 #: Variance of the parts of a record, relative to that of noise, above which the load frequency may be inaccurate.
 SLIPPED = 1.2
-#: Misfit of free flights above which others are looked for; largest share of this misfit that others may have.
-POOR, LESS = 2.0, 0.5
+#: Largest share of the misfit of poor flights that others may have.
+LESS = 0.5
 #: Scatter from period to period, relative to the noise of samples, or its variance at low frequencies, relative to
 #: that of white noise, above which a motion may not quite repeat, if it exceeds a share of the motion.
 RESTLESS, COLOURED, MUCH = 1.4, 3.0, 0.03
@@ -113,6 +114,8 @@ class Step:
         self.F0_error = math.nan
         #: Its error without that of the calibration.
         self.F0_scatter = math.nan
+        #: Relative growth of the load during the record, and its ratio to its standard error.
+        self.growth, self.growth_size = 0.0, 0.0
         #: Doubts about the record.
         self.notes: list[str] = []
         #: Receives the share of the flights that is fitted.
@@ -176,6 +179,7 @@ def of_record(
         step.load = tones(force, rate, Omega, LOAD_TONES)
         order_of_channels(force, values, step.load, Omega, rate, quantity, where)
         step.notes += filter(None, [steadiness(force, rate, step.load)])
+        step.growth, step.growth_size = growth_of(force, rate, step.load)
         passes = float(abs(record.response("load", Omega / (2 * math.pi))))
         # white noise leaves this error in an amplitude
         least = record.noise.get("load", 0.0) * math.sqrt(2 / len(record))
@@ -499,6 +503,26 @@ def steadiness(force: _Array, rate: float, load: Tones) -> str:
         f"load phase off a constant frequency by {worst:.2g} rad, {worst / load.omega * rate:.2g} samples: "
         "samples are missing or the frequency changes, which the errors do not include"
     )
+
+
+def growth_of(force: _Array, rate: float, load: Tones) -> tuple[float, float]:
+    """By which share the amplitude of the load grows from the start of a record to its end, and this share over
+    its standard error."""
+    edges = whole_periods(force.size, rate, load.omega, 16)
+    t = centred(force.size, rate)
+    turned = (force - force.mean()) * np.exp(-1j * load.omega * t)
+    numbers = np.diff(edges)
+    sizes = 2 * abs(np.add.reduceat(turned[: edges[-1]], edges[:-1])) / numbers
+    middles = 0.5 * (t[edges[:-1]] + t[edges[1:] - 1]) / (force.size / rate)
+    off = middles - middles.mean()
+    slope = float(off @ sizes) / float(off @ off)
+    left = sizes - sizes.mean() - slope * off
+    # by the noise beside the harmonics, or by what a straight line leaves
+    error = max(
+        float(np.median(load.errors[2:])) * math.sqrt(off.size),
+        math.sqrt(float(left @ left) / max(1, off.size - 2)),
+    ) / math.sqrt(float(off @ off))  # fmt: skip
+    return slope / float(sizes.mean()), slope / max(error, 1e-300)
 
 
 def order_of_channels(

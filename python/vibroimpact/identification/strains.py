@@ -15,6 +15,8 @@ from .windows import Flown, Windows
 _Array = NDArray[np.float64]
 #: Change of the residuals over a step of a typical size, in standard errors, along directions that are fitted.
 WEAK = 1 / 3
+#: The common parameters of flights that should not change during a record, in their order.
+TRENDS = ("omega", "xi", "static", "phase")
 
 
 class Strain(NamedTuple):
@@ -101,4 +103,20 @@ def strains_of(
             unit = (windows.data.F0 or math.nan) / value if name == "static" else 1.0
             size = float(change) * math.sqrt(own / spread) / error
             found[label] = Strain(size, float(change) * unit)
+    return found
+
+
+def trends_of(flown: Flown) -> dict[str, Strain]:
+    """By how much natural frequency, damping ratio, load and its phase would change from the start of a record to
+    its end if they could: score tests by what single flights leave."""
+    slope, own, cross = flown.trends
+    covariance = np.linalg.inv(flown.weights)
+    found = {}
+    for i, name in enumerate(TRENDS):
+        shared = cross[i, flown.free]
+        left = float(own[i] - shared @ covariance @ shared)
+        # what the fitted parameters imitate cannot be told
+        if left > 1e-9 * own[i]:
+            size = float(slope[i]) / math.sqrt(left * flown.colour)
+            found[name] = Strain(size, float(slope[i]) / left)
     return found

@@ -19,6 +19,7 @@ from .motions import oscillator_of, verified
 from .signals import centred
 from .stages import FAR, distances
 from .steps import LOAD_TONES, Step
+from .windows import unfound_ringing
 
 _Array = NDArray[np.float64]
 #: What can and cannot be determined from records that are not periodic.
@@ -40,7 +41,17 @@ ASSUMED = {
 #: is doubtful.
 STRAINED = 4.0
 #: Standard errors of a drift of coefficients of restitution from none, above which the fit is doubtful.
-DRIFTING = 3.5
+DRIFTING = 4.5
+#: Share by which a load may grow during a record without a doubt.
+STEADY = 2e-3
+#: What may change during a record, with the verb of its sentence.
+DRIFTS = {
+    "drift": "R1 and R2 seem", "drift1": "R1 seems", "drift2": "R2 seems", "omega": "omega seems",
+    "xi": "xi seems", "static": "the load, or the gain of the sensor of the motion, seems",
+    "phase": "the load, or the clock of its channel, seems",
+}  # fmt: skip
+#: Largest multiplier of a fitted motion above which no record shows it; noise may lead a little beyond 1.
+UNSTABLE = 1.05
 #: Half the width of a 95 % interval in standard errors.
 WIDTH = 1.959963984540054
 #: Samples and load cycles of each record that a result keeps for its picture.
@@ -138,9 +149,12 @@ def tables_of(
         if found is not None:
             notes += [
                 (False, f"{said_of}doubtful: {text}")
-                for text in doubts_of(i, step, found, away, scale)
+                for text in doubts_of(i, step, found, away, scale, multipliers)
             ]
         notes += [(False, f"{said_of}{text}") for text in step.notes]
+        if found is not None and growth_of_load(step) and borne(step):
+            text = f"{growth_of_load(step)}, within the error of the calibration"
+            notes.append((False, f"{said_of}{text}"))
         if pattern is not None:
             notes.append(
                 (False, f"{said_of}{pattern.sides}/{pattern.cycles} at r = {records['r'][i]:.6g}")
@@ -191,10 +205,11 @@ def tables_of(
 
 
 def doubts_of(
-    i: int, step: Step, found: Fit, away: _Array, scale: Mapping[str, float]
+    i: int, step: Step, found: Fit, away: _Array, scale: Mapping[str, float], multipliers: Any
 ) -> list[str]:
     """The doubts about the fit of a record, the likeliest causes first; `away` are the distances of its impacts
-    from those of the flights alone, in standard errors."""
+    from those of the flights alone, in standard errors, `multipliers` those of its
+    motion."""
     data, texts = step.data, []
     strained = {
         name: strain for name, strain in found.strains.items()
@@ -229,16 +244,19 @@ def doubts_of(
                 f"wrong, or {'' if name in ('omega', 'xi') else 'the law of restitution, or '}an effect "
                 "that resembles it"
             )
-    drifting = max(found.drifts.items(), key=lambda item: abs(item[1].size), default=None)
-    if drifting is not None and abs(drifting[1].size) > DRIFTING:
-        name, strain = drifting
-        walls, verb = {
-            "drift": ("R1 and R2", "seem"), "drift1": ("R1", "seems"), "drift2": ("R2", "seems"),
-        }[name]  # fmt: skip
+    texts += drifts_of(step, found)
+    texts += filter(None, [unfound_ringing(found.early)])
+    if found.against:
         texts.append(
-            f"{walls} {verb} to {'grow' if strain.change > 0 else 'fall'} by {100 * abs(strain.change):.2g} % "
-            f"during the record ({abs(strain.size):.2g} standard errors from none), which the errors "
-            "do not contain: identify parts of the record by themselves"
+            f"impacts give no parameters: {found.against}; the rig may have changed during the record, or impacts "
+            "are hidden in it, which damping and load by the flights alone may suffer from, too"
+        )
+    largest = float(np.nanmax(np.append(abs(np.asarray(multipliers)), 0.0)))
+    if largest > UNSTABLE:
+        texts.append(
+            f"the motion is unstable (its largest multiplier is {largest:.3g}), so that the rig would leave it: "
+            "the parameters are too uncertain for the stated errors, which hold for small deviations; a known m, "
+            "less noise or a longer record would help"
         )
     at_bounds = {"xi": (0.0,), "R1": (0.0, 1.0), "R2": (0.0, 1.0)}
     texts += [
@@ -283,6 +301,52 @@ def doubts_of(
             "well, and the stated errors may be too small"
         )
     return texts
+
+
+def growth_of_load(step: Step) -> str:
+    """By how much the load grows during a record; empty if it does not."""
+    size, share = abs(step.growth_size), abs(step.growth)
+    if size < DRIFTING or share < STEADY:
+        return ""
+    return (
+        f"the load {'grows' if step.growth > 0 else 'falls'} by {100 * share:.2g} % during the record "
+        f"({size:.2g} standard errors from none)"
+    )
+
+
+def borne(step: Step) -> bool:
+    """Whether a periodic motion stays the same while the load grows in its channel, by less than the calibration
+    of the sensors is uncertain."""
+    if step.data is None or step.rhythm.status != "periodic" or step.restless:
+        return False
+    return abs(step.growth) < math.sqrt(12) * step.data.calibration
+
+
+def drifts_of(step: Step, found: Fit) -> list[str]:
+    """What seems to change during a record, the clearest change first."""
+    texts: list[tuple[float, str]] = []
+    grown = growth_of_load(step)
+    if grown and not borne(step):
+        texts.append((abs(step.growth_size), f"{grown}, but is taken as constant"))
+    # what one wall does, both seem to do by half
+    walls = [name for name in found.drifts if name.startswith("drift")]
+    worst = [max(walls, key=lambda name: abs(found.drifts[name].size))] if walls else []
+    for name in [*worst, *(name for name in found.drifts if name not in walls)]:
+        size, change = found.drifts[name]
+        if abs(size) <= DRIFTING:
+            continue
+        if name == "phase":
+            way = "earlier" if change > 0 else "later"
+            by = f"become {way} by {abs(change) / step.Omega * 1e3:.2g} ms"
+        else:
+            level = {"static": found.lengths[0]}.get(name, found.values.get(name, 1.0))
+            by = f"{'grow' if change > 0 else 'fall'} by {100 * abs(change) / level:.2g} %"
+        texts.append((
+            abs(size),
+            f"{DRIFTS[name]} to {by} during the record ({abs(size):.2g} standard errors from none), which the "
+            "errors do not contain: identify parts of the record by themselves",
+        ))  # fmt: skip
+    return [text for _, text in sorted(texts, reverse=True)]
 
 
 def unstated(found: Fit, Omega: float) -> list[str]:

@@ -44,6 +44,10 @@ SPARE, ROUNDS, STEPS = 4, 12, 12
 #: Standard deviations by which the scatter of a flight is increased if an impact is missing; number of errors
 #: below which a jump does not count as an impact.
 MISSED, CLEAR = 8.0, 3.5
+#: Ratio of the residual variance of flights just after impacts to that later, above which something rings.
+RINGS = 1.5
+#: Deviation of a ratio of variances that is ascribed to chance, in standard deviations.
+CHANCE = 5.0
 #: Standard deviations by which a pulse differs from the others if another impact is hidden in it; smallest number
 #: of pulses for this comparison.
 UNLIKE, ALIKE = 10.0, 12
@@ -51,6 +55,8 @@ UNLIKE, ALIKE = 10.0, 12
 NEAR_ENDS = 1e-3
 #: Largest error of the time of a resolved impact, s.
 BLURRED = 2e-3
+#: Smallest number of time bins after impacts in which residuals can show a ringing mode.
+LEAST_BINS = 12
 #: Largest weight of a flight when one more mode is tried.
 CLIPPED = 50.0
 #: Step for derivatives along the imaginary axis.
@@ -85,6 +91,10 @@ class Flown(NamedTuple):
     every_turned: _Array
     every_weight: _Array
     slope: _Array
+    #: Variance of what is left in the first quarters of flights over that in their second halves.
+    early: float
+    #: By linear changes of the common parameters during the record: slope, weight, and what they share with these.
+    trends: tuple[_Array, _Array, _Array]
 
 
 class Windows:
@@ -104,6 +114,10 @@ class Windows:
         self.noise = math.nan
         #: Whether no further mode is to be added.
         self.rung = False
+        #: Numbers of impacts that are not resolved, by reason: next to a flight that was discarded or has too few
+        #: samples outside the pulses, with an unclear jump, at an unclear time, and with a pulse that may hide
+        #: another one.
+        self.lost: list[int] = []
         #: Flights that are discarded at the end.
         self.poor = np.zeros(0, dtype=bool)
 
@@ -164,7 +178,7 @@ class Windows:
         load = predicted(
             self.data, self.data.Omega * self.t[self.used], self.data.order, omega, xi, static, phase, none, none
         )  # fmt: skip
-        L, (pole, *waves) = self.waves(since, common)
+        L, (_, *waves) = self.waves(since, common)
         left = self.values[self.used] - load.value - offset
         q = L.shape[1]
         count = self.begins.size
@@ -180,8 +194,21 @@ class Windows:
         states = (inverse @ rest[..., None])[..., 0]
         each = states[flight]
         left = left - (L * each).sum(axis=1)
-        # derivatives by the common parameters
+        G = self.by_common(common, each, waves, load)
+        coupled = np.zeros((count, q, G.shape[1]))
+        for i, a, b in pieces:
+            coupled[i] = L[a:b].T @ G[a:b]
+        turned = inverse @ coupled
+        trusted = self.trusted[flight]
+        G = G[trusted]
+        weights = G.T @ G - np.einsum("iqk,iql->kl", coupled[self.trusted], turned[self.trusted])
+        return states, inverse, turned, left, weights, G.T @ left[trusted]
+
+    def by_common(self, common: _Array, each: _Array, waves: list[Any], load: Any) -> _Array:
+        """Derivatives of the samples that are used by the common parameters, at fixed states `each` of flights."""
+        since, (omega, xi) = self.since[self.used], common[:2].tolist()
         rate = math.sqrt(1 - xi**2)
+        pole = omega * complex(-xi, rate)
         C = each[:, 0] + 1j * each[:, 1]
         by_pole = C * waves[0] * (self.data.order / pole + since)
         columns = [
@@ -192,15 +219,36 @@ class Windows:
         for j, wave in enumerate(waves[1:]):
             by = (each[:, 2 * j + 2] + 1j * each[:, 2 * j + 3]) * wave * since
             columns += [by.real, -by.imag]
-        G = np.column_stack(columns)
-        coupled = np.zeros((count, q, G.shape[1]))
-        for i, a, b in pieces:
-            coupled[i] = L[a:b].T @ G[a:b]
-        turned = inverse @ coupled
-        trusted = self.trusted[flight]
-        G = G[trusted]
-        weights = G.T @ G - np.einsum("iqk,iql->kl", coupled[self.trusted], turned[self.trusted])
-        return states, inverse, turned, left, weights, G.T @ left[trusted]
+        return np.column_stack(columns)
+
+    def trends(
+        self, states: _Array, inverse: _Array, left: _Array
+    ) -> tuple[_Array, _Array, _Array]:
+        """What a linear change of each common parameter from the start of the record to its end, about its value
+        in the middle, would do: minus half the slope of the sum of squares by it, its weight, and that which it
+        shares with the common parameters."""
+        own, flight = self.used, self.flight[self.used]
+        none = np.empty(0)
+        omega, xi, static, phase = self.common[:4].tolist()
+        load = predicted(
+            self.data, self.data.Omega * self.t[own], self.data.order, omega, xi, static, phase, none, none
+        )  # fmt: skip
+        L, (_, *waves) = self.waves(self.since[own], self.common)
+        G = self.by_common(self.common, states[flight], waves, load)
+        moving = G * (self.t[own] / np.ptp(self.t))[:, None]
+        of_moving, of_common = np.zeros((2, self.begins.size, L.shape[1], G.shape[1]))
+        for i, a, b in zip(self.own.tolist(), *self.edges.tolist(), strict=True):
+            of_moving[i], of_common[i] = L[a:b].T @ moving[a:b], L[a:b].T @ G[a:b]
+        good = self.trusted[flight]
+        back, inner = of_moving[self.trusted], inverse[self.trusted]
+        H = moving[good]
+        weight = H.T @ H - np.einsum("iqk,iqr,irl->kl", back, inner, back)
+        shared = H.T @ G[good] - np.einsum("iqk,iqr,irl->kl", back, inner, of_common[self.trusted])
+        return (
+            H.T @ left[good] / self.noise**2,
+            np.diag(weight) / self.noise**2,
+            shared / self.noise**2,
+        )
 
     def refine(self, enough: float = 1.0) -> tuple[Any, ...]:
         """The common parameters by the damped Gauss–Newton method."""
@@ -314,7 +362,7 @@ class Windows:
         common, kept, before = self.common, self.noise, self.squares(now[3])
         tau, mean, weight = self.echo(now)
         good = (tau > self.after) & (weight > 0)
-        if good.sum() < 20:
+        if good.sum() < LEAST_BINS:
             return False
         tau, mean, weight = tau[good], mean[good], np.sqrt(weight[good])
         best: tuple[float, complex] = (math.inf, 0j)
@@ -525,7 +573,18 @@ class Windows:
             both = self.flies[:-1] & self.flies[1:]
             error, of_jump = np.sqrt(np.maximum(variance.T, 0))
             clear = abs(jumps) > CLEAR * of_jump
-            resolved = both & clear & (error < BLURRED) & (abs(here[0] - self.times) < 3e-3)
+            near = abs(here[0] - self.times) < 3e-3
+            resolved = both & clear & (error < BLURRED) & near
+        odd = (
+            np.zeros(self.begins.size, dtype=bool)
+            if self.poor.size != self.begins.size
+            else self.poor
+        )
+        bad = odd[:-1] | odd[1:]
+        self.lost = [
+            int(x.sum())
+            for x in (~both & bad, ~both & ~bad, both & ~clear, both & clear & ~resolved)
+        ]
         return (
             t,
             np.where(np.isfinite(jumps), jumps, 0.0),
@@ -570,7 +629,9 @@ class Windows:
         now = self.refine(1e-3)
         states, inverse, turned, left, weights, slope = now
         t, jumps, _, resolved = self.met(states, inverse)
-        resolved &= ~self.crowded(states)
+        crowded = resolved & self.crowded(states)
+        self.lost.append(int(crowded.sum()))
+        resolved &= ~crowded
         W, slope = self.with_priors(weights, slope, self.common)
         free = self.free()
         self.states = states
@@ -583,8 +644,43 @@ class Windows:
         return Flown(
             t, jumps, resolved, states[:, :2], inverse[:, :2, :2] * self.noise**2, turned[:, :2, free],
             self.common, free, W[np.ix_(free, free)], self.noise, colour,
-            np.setdiff1d([0, 1], free), turned[:, :2], W, slope,
+            np.setdiff1d([0, 1], free), turned[:, :2], W, slope, self.early_share(left),
+            self.trends(states, inverse, left),
         )  # fmt: skip
+
+    def hindered(self) -> str:
+        """Why impacts are not resolved, the commonest reason first, and what would help with it."""
+        pulse = 1e3 * (self.before + self.after)
+        reasons = (
+            "beside a flight that no state describes, in which an impact may be hidden",
+            f"beside a flight with too few samples outside of the pulses, which last {pulse:.2g} ms",
+            f"with a jump of the velocity below {CLEAR:g} standard errors",
+            "at a time that the flights do not determine",
+            "with a pulse unlike the others, which may hide another impact",
+        )
+        helps = (
+            "a higher sampling rate and bandwidth, or a larger d, with which fewer impacts are close together",
+            "a higher sampling rate and bandwidth, which shorten the pulses, or a larger d",
+            "less noise, or a stronger load",
+            "less noise, or a higher sampling rate",
+            "a higher sampling rate and bandwidth, or a larger d",
+        )
+        order = [i for i in np.argsort([-number for number in self.lost]) if self.lost[i]]
+        if not order:
+            return "a longer record would help"
+        each = ", ".join(f"{self.lost[i]} {reasons[i]}" for i in order)
+        return f"not resolved are {each}; what would help most: {helps[order[0]]}"
+
+    def early_share(self, left: _Array) -> float:
+        """Variance of what is left in the first quarters of flights over that in their second halves: 1 within
+        chance, more where something rings after impacts that no mode describes."""
+        soon, late = np.zeros(left.size, dtype=bool), np.zeros(left.size, dtype=bool)
+        for i, a, b in zip(self.own.tolist(), *self.edges.tolist(), strict=True):
+            soon[a : a + (b - a) // 4] = late[b - (b - a) // 2 : b] = i > 0
+        if min(soon.sum(), late.sum()) < SPARE:
+            return 1.0
+        share = float(np.mean(left[soon] ** 2) / np.mean(left[late] ** 2))
+        return share if share > 1 + CHANCE * math.sqrt(2 / soon.sum() + 2 / late.sum()) else 1.0
 
     def colour(self, left: _Array) -> float:
         """Variance of sums of neighbouring samples, relative to that of as many independent ones."""
@@ -653,6 +749,17 @@ class Windows:
         # if there are many, missing impacts are not the cause
         worst = sorted(found)[-max(1, self.own.size // 8) :]
         return [time for _, time in worst]
+
+
+def unfound_ringing(early: float) -> str:
+    """What it means that flights leave `early` times the variance just after impacts that they leave later; empty
+    if it is nothing."""
+    if early < RINGS:
+        return ""
+    return (
+        f"just after impacts the flights leave {early:.2g} times the variance that they leave later: something "
+        "rings that is not found as a mode; a higher sampling rate, or a known bandwidth, would help"
+    )
 
 
 def picked(values: _Array, rate: float, Omega: float, order: int) -> _Array:

@@ -1,0 +1,151 @@
+"""Identification of rigs that change during the record, and of records whose flights are not what they should be:
+nothing is wrong in silence."""
+
+import warnings
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+
+pytest.importorskip("scipy")
+from reference_rig import K, M, chaotic_rig, random_rig, record
+from vibroimpact.identification import tables, windows
+from vibroimpact.identification.signals import load_frequency, tones
+from vibroimpact.identification.steps import growth_of
+
+
+def identified(rig, seed, **known):
+    """The result for a rig of which M and K are known, without the warning of a poor fit."""
+    _, load, acceleration, _ = record(rig, seed)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", vi.PoorFitWarning)
+        return vi.identify(
+            rate=rig.rate, load=load, acceleration=acceleration, known={"M": M, "K": K, **known}
+        )
+
+
+@pytest.mark.parametrize(
+    ("change", "seed", "kind", "said"),
+    [
+        ({"load_growth": 0.01}, 5, "defg", "the load grows by 1 % during the record"),
+        ({"fading": 0.01}, 5, "defg", "R1 and R2 seem to fall by 1"),
+        (
+            {"gain_growth": 0.03},
+            4,
+            "abc",
+            "the gain of the sensor of the motion, seems to grow by 2.8",
+        ),
+    ],
+)
+def test_what_changes_during_a_chaotic_record_is_named(change, seed, kind, said):
+    """A load, restitution or gain that changes by some per cent is a doubt, with its size."""
+    found = identified(replace(chaotic_rig(seed, kind)[0], **change), seed)
+    assert found.status == "not periodic"
+    assert not found.good
+    assert any(said in doubt for doubt in found.doubts), found.doubts
+
+
+def test_a_steady_chaotic_record_raises_no_doubt():
+    """The same rig without a change."""
+    found = identified(chaotic_rig(5, "defg")[0], 5)
+    assert found.good
+    assert found.doubts == ()
+
+
+def test_a_growing_load_of_an_almost_periodic_motion_is_a_doubt():
+    """A slow chaos that a load which grows by 1 % makes look like a motion of two cycles, with R1 seven stated
+    errors off."""
+    rig, _ = chaotic_rig(6, "hi")
+    found = identified(replace(rig, load_growth=0.01), 6)
+    assert not found.good
+    assert "the load grows by 1 %" in found.doubts[0]
+
+
+def test_a_growth_of_the_load_is_measured():
+    """Its share, within five of its own errors, and none where there is none."""
+    rig, _, _, _ = random_rig(0, "abc")
+    for share in (0.0, 0.004):
+        _, load, _, _ = record(replace(rig, load_growth=share), 0)
+        found, size = growth_of(
+            load, rig.rate, tones(load, rig.rate, load_frequency(load, rig.rate), 12)
+        )
+        error = abs(found / size)
+        assert error < 5e-4
+        assert abs(found - share) < 5 * error
+
+
+def test_a_periodic_motion_bears_a_gain_within_its_calibration():
+    """A load cell whose gain grows by 2 % beside a steady motion: no doubt if gains are uncertain by 1 %, one if
+    they are exact."""
+    rig, (_, load, acceleration, _), _, _ = random_rig(0, "abc")
+    growing = load * (1 + 0.02 * np.linspace(-0.5, 0.5, load.size))
+    given = {"rate": rig.rate, "load": growing, "acceleration": acceleration}
+    known = {"M": M, "K": K, "m": M * rig.mu}
+    said = "the load grows by 2 % during the record"
+    found = vi.identify(**given, known=known)
+    assert found.good
+    assert any(said in note for _, note in found._result.notes)
+    with pytest.warns(vi.PoorFitWarning, match=said):
+        vi.identify(**given, known=known, calibration=0)
+
+
+def test_ringing_is_found_at_two_samples_a_millisecond(monkeypatch):
+    """At 2 kHz a mode of 250 Hz rings after contacts of 1.5 ms: it is found, and no parameter is four stated
+    errors off. Where it is not looked for, what it leaves just after impacts is a doubt."""
+    rig = replace(
+        chaotic_rig(4, "abc")[0], rate=2000.0, contact=1.5e-3, ringing=253.5, ring_decay=82.0, ring_share=0.3,
+        noise=0.02, calibration=0.0,
+    )  # fmt: skip
+    found = identified(rig, 4)
+    assert found.good
+    true = {
+        "xi": rig.xi,
+        "mu": rig.mu,
+        "R1": rig.restitution[0],
+        "R2": rig.restitution[1],
+        "d": rig.d,
+    }
+    for name, value in true.items():
+        assert abs(found.values[name] - value) < 4 * found.errors[name], name
+    monkeypatch.setattr(windows, "LEAST_BINS", 100)
+    found = identified(rig, 4)
+    assert not found.good
+    assert any("something rings that is not found" in note for _, note in found._result.notes)
+
+
+def test_an_unstable_motion_is_a_doubt(monkeypatch):
+    """No rig stays on it, however well it describes the record."""
+    rig, _, _, _ = random_rig(0, "abc")
+    assert identified(rig, 0, m=M * rig.mu).good
+    unstable = SimpleNamespace(multipliers=np.array([1.2, 0.5, 0.5, 0.1], dtype=complex))
+    monkeypatch.setattr(tables, "verified", lambda *given: unstable)
+    found = identified(rig, 0, m=M * rig.mu)
+    assert not found.good
+    assert "the motion is unstable (its largest multiplier is 1.2)" in found.doubts[0]
+
+
+@pytest.mark.slow
+def test_a_period_longer_than_a_short_record_shows_is_found():
+    """Nine periods of four load cycles, the halves of which are nearly alike: flights repeat, but no motion of two
+    cycles describes them."""
+    rig, (_, load, acceleration, _), k, sides = random_rig(1167, "other")
+    assert (k, sides) == (4, "LRLRLRLR")
+    found = vi.identify(
+        rate=rig.rate, load=load, acceleration=acceleration, known={"M": M, "K": K, "m": M * rig.mu}
+    )
+    assert found.good
+    assert found.pattern == vi.Pattern("RL" * 4, 4)
+
+
+def test_impacts_that_no_flights_resolve_are_explained():
+    """Contacts of which most flights have too few samples: how many, why, and what would help."""
+    rig, _ = chaotic_rig(1067, "other")
+    found = identified(rig, 1067)
+    assert found.oscillator is None
+    (why,) = (
+        note for _, note in found._result.notes if "between two others that are resolved" in note
+    )
+    assert "beside a flight with too few samples outside of the pulses" in why
+    assert "what would help most: a higher sampling rate and bandwidth" in why
