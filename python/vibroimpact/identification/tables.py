@@ -252,7 +252,8 @@ def doubts_of(
             "are hidden in it, which damping and load by the flights alone may suffer from, too"
         )
     largest = float(np.nanmax(np.append(abs(np.asarray(multipliers)), 0.0)))
-    if largest > UNSTABLE:
+    # parameters that are open may be those of an unstable motion as well
+    if largest > UNSTABLE and not found.undetermined:
         texts.append(
             f"the motion is unstable (its largest multiplier is {largest:.3g}), so that the rig would leave it: "
             "the parameters are too uncertain for the stated errors, which hold for small deviations; a known m, "
