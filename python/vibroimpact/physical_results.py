@@ -246,11 +246,11 @@ class Physical(Generic[From]):
         return found
 
     def plot(self, *args: Any, **options: Any) -> Any:
-        """The picture of the result with physical axes; arguments as of its own `plot`, with physical times."""
+        """The picture of the result with physical axes; arguments as of its `plot`, with physical times."""
         return type(self._of).plot(self, *args, **self._with_window(options))
 
     def animate(self, *args: Any, **options: Any) -> Any:
-        """The animation of the result in physical units; arguments as of its own `animate`, as in `plot`."""
+        """The animation of the result in physical units; arguments as of its `animate`, as in `plot`."""
         return type(self._of).animate(self, *args, **self._with_window(options))
 
     def _animate(self, *options: Any, units: Units | str | None = None) -> Any:

@@ -176,7 +176,7 @@ contains
       if (associated(result)) then
          status = failed
          if (result%empty) then
-            message = 'nothing was found that could be written to a file'
+            message = 'the result is empty: there is nothing to write'
          else if (.not. has_rows(result)) then
             message = 'a column of the file has no values'
          else

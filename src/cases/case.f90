@@ -68,19 +68,20 @@ module vi_case
       key_type('unit_names', a_word, may_miss=.true., only='mass', option='-', &
       takes='units of length, force and time, as ''mm N s'', of '//lengths//', '//forces// &
       ' and '//times, &
-      meaning='units of mass, stiffness, damping and force alone: other numbers are &
-      &dimensionless, as in a result')]
+      meaning='units of mass, stiffness, damping and force only; other numbers are dimensionless, &
+      &as in a result')]
 
    type(key_type), parameter, public :: output_keys(*) = [ &
       key_type('name', a_word, may_miss=.true., &
-      takes='at most 100 letters, digits, _, - or . (100 bytes in UTF-8), the first one no .', &
-      meaning='name of the result; else that of the file, numbered if it contains several cases'), &
+      takes='at most 100 letters, digits, _, - or . (100 bytes in UTF-8), not starting with .', &
+      meaning='name of the result; by default that of the file, numbered if the file contains &
+      &several cases'), &
       key_type('format', a_word, default='''csv''', words='csv table both', &
       meaning='a table for programs, a printout like Table 1 of the 1983 paper, or both'), &
       key_type('units', a_word, may_miss=.true., &
       takes='units of length, force and time, as ''mm N s'', ''SI'' or ''dimensionless''', &
-      meaning='units of the table; else those of the &system if it has mass, stiffness and &
-      &force, with mm for m')]
+      meaning='units of the table; by default those of &system, with mm for m, if it has mass, &
+      &stiffness and force')]
 
    !> The start of the first line of a result; the end of that line tells whether the file is an
    !! input. A structure has the units of its user.

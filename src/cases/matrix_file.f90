@@ -159,7 +159,7 @@ contains
             if (empty > 0 .and. rows > 0) line = empty
             message = 'line '//whole(line)//': must contain '
             if (width > 0) message = message//counted(width, 'finite number')// &
-               ', as the lines before'
+               ', like the lines before'
             if (width == 0) message = message//'finite numbers, at most '//whole(most_columns)
             return
          end if
@@ -291,7 +291,7 @@ contains
       end if
       call check_shape(values(1), values(2), limits, message)
       if (symmetric .and. abs(values(1) - values(2)) > 0) message = 'line '//whole(line)// &
-         ': must be square as it is symmetric'
+         ': must be square, since it is symmetric'
       if (len(message) > 0) return
       rows = nint(values(1))
       columns = nint(values(2))
@@ -325,7 +325,8 @@ contains
                good = .not. given(i, j)
             end if
             if (.not. good) then
-               message = 'line '//whole(line)//': must be another entry of the '// &
+               message = 'line '//whole(line)//': must give a row and a column, not given before, &
+                  &within '// &
                   whole(rows)//' rows and '//whole(columns)//' columns'
                return
             end if
@@ -341,7 +342,8 @@ contains
          if (symmetric) given(j, i) = .true.
       end do
       call next_numbers(text, at, line, 1, values, good, ended)
-      if (.not. ended) message = 'line '//whole(line)//': follows the last entry'
+      if (.not. ended) message = 'line '//whole(line)//': there must be nothing after the last &
+         &entry'
       numbers = [transpose(matrix)]
    end subroutine read_market
 
@@ -349,7 +351,7 @@ contains
    pure subroutine read_kind(head, coordinates, symmetric, message)
       !> The line in lower case.
       character(*), intent(in) :: head
-      !> Whether entries stand with their row and column, and whether only one triangle is given.
+      !> Whether entries are listed with row and column, and whether only one triangle is given.
       logical, intent(out) :: coordinates, symmetric
       !> Out: what is wrong with it; not changed if nothing is.
       character(:), allocatable, intent(inout) :: message
@@ -372,7 +374,8 @@ contains
          ' matrix array real symmetric', ' matrix coordinate integer general', &
          ' matrix coordinate integer symmetric', ' matrix array integer general', &
          ' matrix array integer symmetric'])) return
-      message = 'line 1: must be matrix, coordinate or array, real, general or symmetric'
+      message = 'line 1: must declare a matrix that is coordinate or array, real, and general or &
+         &symmetric'
    end subroutine read_kind
 
    !> The next line; tabs become blanks.

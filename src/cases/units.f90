@@ -363,7 +363,7 @@ contains
       value = 0
       powers = 0
       angular = .false.
-      why = 'as a text it must be a number with its unit, as ''4 mm'''
+      why = 'a text must be a number with its unit, such as ''4 mm'''
       first = verify(plain//'x', '+-.0123456789eEdD')
       call parse_numbers(plain(:first - 1), .false., 1, numbers, good)
       if (.not. good) return

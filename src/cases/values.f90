@@ -395,8 +395,7 @@ contains
 
       why = ''
       if (len_trim(key%only) > 0) then
-         if (.not. holds(values, trim(key%only))) why = trim(merge(': it is for   ', &
-            ': it goes with', index(key%only, '=') > 0))//' '//condition(key%only)
+         if (.not. holds(values, trim(key%only))) why = ': it requires '//condition(key%only)
       end if
       last = 0
       do while (last < len_trim(key%never) .and. len(why) == 0)
@@ -404,7 +403,7 @@ contains
          last = first + index(key%never(first:)//' ', ' ') - 2
          associate (other => key%never(first:last))
             if (holds(values, other)) then
-               why = ': it is not for '//condition(other)
+               why = ': it does not apply to '//condition(other)
                if (index(other, '=') == 0) why = ' if '//condition(other)//' is given'
             end if
          end associate

@@ -201,7 +201,8 @@ contains
       else if (folder == '-' .or. (index(name, '.', back=.true.) > 1 .and. &
          scan(suffix(:min(1, len(suffix))), letters) == 1 .and. len(suffix) <= 5 .and. &
          verify(suffix, letters//'0123456789') == 0)) then
-         call refuse('-o '//folder//': must be a folder; if it is a folder: -o '//folder//'/', &
+         call refuse('-o '//folder//': must be a folder; for a folder of this name, &
+            &write -o '//folder//'/', &
             status)
       end if
    end subroutine check_folder

@@ -86,7 +86,7 @@ module vi_files
 
    !> The requirement on the folder of results, as the end of a message.
    character(*), parameter, public :: writable = &
-      '; must be in a folder and on a disk that can be written to'
+      '; the folder and the disk must be writable'
 
 contains
 
@@ -116,7 +116,7 @@ contains
          end if
          return
       end if
-      message = 'cannot be made'//writable
+      message = 'cannot be created'//writable
       do i = 2, len(path) + 1
          if (i <= len(path)) then
             if (path(i:i) /= '/') cycle
@@ -233,7 +233,7 @@ contains
       else if (status /= 0) then
          message = last_part(reason)
       else if (written /= file%length) then
-         message = 'the disk is full, or the file could not be written whole'
+         message = 'the disk is full, or the file could not be written completely'
       else if (c_rename(file%temporary//c_null_char, file%path//c_null_char) /= 0) then
          message = 'the temporary file could not be renamed'
       else
@@ -259,7 +259,7 @@ contains
       integer :: status, i
       logical :: taken
 
-      reason = 'no random name can be made'
+      reason = 'no name for a temporary file was found'
       do i = 1, 1000
          if (c_getentropy(number, 8_c_size_t) /= 0) exit
          write (digits, '(z16.16)') number

@@ -49,8 +49,8 @@ module vi_door
       column_type('cases', 'name', words, meaning='name of the result'), &
       column_type('cases', 'study', words, meaning='name of the study'), &
       column_type('cases', 'line', wholes, &
-      meaning='line of its name, or else of the group that asks for the result'), &
-      column_type('cases', 'text', words, meaning='the complete case as a namelist of its own', &
+      meaning='line of its name, or otherwise of the group that asks for the result'), &
+      column_type('cases', 'text', words, meaning='the complete case as a separate namelist', &
       listed=.false.)]
 
 contains

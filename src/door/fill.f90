@@ -52,10 +52,10 @@ contains
       if (len(name) == 0 .or. len(name) > len(result%row)) then
          fault = 'must have a name of at most 16 letters'
       else if (any(result%tables%name == name)) then
-         fault = 'is open already'
+         fault = 'is already open'
       else if (n > 3 .or. n /= size(sizes)) then
          fault = 'has '//whole(n)//' names of dimensions and '//whole(size(sizes))// &
-            ' sizes; must have as many of both, at most 3'
+            ' sizes; must be the same number, at most 3'
       else if (rows < 0) then
          fault = 'has a size that is negative or too large'
       else if (len(parent) > 0 .and. place == 0) then
@@ -145,8 +145,8 @@ contains
       else if (good) then
          call fill_wholes(handle, table, name, values)
       else
-         call set_fault(handle, 'column '//name//' of '//table//': a value is no place of a &
-            &word, or it has words and is no column of words')
+         call set_fault(handle, 'column '//name//' of '//table//': a value is not the index of a &
+            &word, or words are given for a column of another kind')
       end if
    end subroutine put_wholes
 
@@ -175,13 +175,13 @@ contains
       else if (place == 0) then
          fault = 'its table is not open'
       else if (result%columns(i)%table > 0) then
-         fault = 'is filled already'
+         fault = 'is already filled'
       else
          associate (column => result%columns(i)%column)
             rows = rows_of(result%tables(place))
             each = merge(2, 1, column%kind == complexes)
             if (are_reals .neqv. (column%kind == reals .or. column%kind == complexes)) then
-               fault = 'is of another kind'
+               fault = 'is of a different kind'
             else if (modulo(n, each) > 0 .or. (rows == 0 .and. n > 0)) then
                fault = whole(n)//' values are not a whole number of rows'
             else if (rows > 0) then

@@ -341,11 +341,12 @@ contains
       integer :: i
 
       call join_groups(pack(studies%name, [(has_window(studies(i)), i=1, size(studies))]), names)
-      text = 'it is not for a '//names//', which has r_min and r_max, nor for parameter = ''r'''
+      text = 'it does not apply to a '//names//', which has r_min and r_max, nor to parameter &
+         &= ''r'''
       call join_groups(pack(studies%name, .not. studies%has_load), names)
-      if (len(names) > 0) text = text//', nor for a '//names//', which has no load'
+      if (len(names) > 0) text = text//', nor to a '//names//', which has no load'
       call join_groups(pack(studies%name, studies%finds_r), names)
-      if (len(names) > 0) text = text//', nor for a '//names//', which finds it'
+      if (len(names) > 0) text = text//', nor to a '//names//', which finds it'
    end subroutine explain_own_r
 
    !> Whether the frequency ratios of a study are those of a window.
@@ -411,8 +412,8 @@ contains
             call element_besides_gaps(case, element)
             if (has_moving_wall(case) .and. .not. study%takes_walls) then
                call join_groups(pack(studies%name, studies%takes_walls), names)
-               message = '&'//trim(study%name)//': does not take moving walls, cosine or sine of &
-                  &&gap or &stop; must be '//names
+               message = '&'//trim(study%name)//': does not take moving walls (cosine or sine of &
+                  &&gap or &stop); must be '//names
                return
             end if
             if (len(element) > 0 .and. .not. study%takes_elements) then
@@ -487,8 +488,8 @@ contains
             place = place_of(keys, trim(name(index(name, '.') + 1:)))
             if (place == 0 .or. system%units%bare == dimensionless) cycle
             if (has_two_readings(keys(place)%unit)) call case%sweep%refuse('keys', 'values of '// &
-               trim(name)//' in a &sweep are dimensionless, so that &system must have unit_names, &
-               &not units')
+               trim(name)//' in a &sweep are dimensionless, so &system must have unit_names, not &
+               &units')
          end do
       end if
       call pass_on(case%sweep, line, message)

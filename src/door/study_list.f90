@@ -108,7 +108,7 @@ contains
          shown_of(case))
       if (allocated(case%sweep%name)) then
          result%empty = .true.
-         call result%fail('with its &sweep this is a campaign, which the Python package runs: &
+         call result%fail('a case with &sweep is a campaign, which the Python package runs: &
             &vibroimpact campaign FILE.nml --store FOLDER')
          return
       end if
@@ -146,8 +146,8 @@ contains
       if (has_room(bytes)) return
       result%empty = .true.
       result%no_memory = .true.
-      call result%fail(status_text(stat%no_memory)//': the case takes up to '// &
-         whole(int(bytes/1.0e6_wp))//' MB, which cannot be allocated; ask for less at a time')
+      call result%fail(status_text(stat%no_memory)//': the case needs up to '// &
+         whole(int(bytes/1.0e6_wp))//' MB, which cannot be allocated; divide it into smaller cases')
    end subroutine check_room
 
    !> Whether there is memory for a case.

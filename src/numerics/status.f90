@@ -46,7 +46,7 @@ module vi_status
       integer :: defective = 17
       !> A mode without damping resonates with the load or the period.
       integer :: resonance = 18
-      !> Gaps that are coupled close at one instant.
+      !> Coupled gaps close at the same instant.
       integer :: coupled_impacts = 19
       !> A gap is negative in the initial state.
       integer :: gap_closed = 20
@@ -65,7 +65,7 @@ module vi_status
       integer :: graze = 26
       !> The equations of a motion do not hold.
       integer :: not_exact = 27
-      !> Multipliers coincide: they are no smooth functions of the parameters.
+      !> Multipliers coincide: they are not smooth functions of the parameters.
       integer :: coincident = 28
       !> A greatest value is reached twice, and the two change differently.
       integer :: not_smooth = 29
@@ -84,7 +84,7 @@ module vi_status
       integer :: permanent_rest = 36
       !> An opening is so small that rounding errors of the displacements decide when it closes.
       integer :: narrow_gap = 37
-      !> A stop with a preload holds what touches it without a speed.
+      !> A stop with a preload holds what touches it at zero speed.
       integer :: stop_holds = 38
       !> Friction moves with impacts that accumulate, but not along their gap.
       integer :: friction_rests = 39
@@ -92,9 +92,9 @@ module vi_status
       integer :: friction_undecided = 40
       !> Friction sticks through the whole period of the motion on which a simulation settles.
       integer :: permanent_stick = 41
-      !> Impacts at one instant on coupled gaps: what follows has no derivative.
+      !> Simultaneous impacts on coupled gaps: the motion that follows has no derivative.
       integer :: no_derivative = 42
-      !> Impacts one after the other at one instant do not end.
+      !> Successive impacts at the same instant do not end.
       integer :: endless_sequence = 43
       !> Newton's law at all coupled gaps at once would add energy.
       integer :: gains_energy = 44
@@ -127,14 +127,15 @@ contains
          text = 'the linear equations have no unique solution for these phases, or the position of &
             &a body without spring and damper is not determined'
       case (stat%free_amplitude)
-         text = 'two equally spaced impacts with equal restitution leave the load amplitude free: &
-            &ask for the equispaced motions of a clearance instead'
+         text = 'two equally spaced impacts with equal restitution do not determine the load &
+            &amplitude: compute the equispaced motions for a clearance instead'
       case (stat%no_load)
-         text = 'no clearance d > 0 and load F0 > 0 give these phases (the solution needs no load)'
+         text = 'no clearance d > 0 and load F0 > 0 give these phases (the load of the solution is &
+            &zero)'
       case (stat%zero_approach)
          text = 'an impact has no approach speed, so the motion has no multipliers'
       case (stat%lapack_failed)
-         text = 'LAPACK could not finish'
+         text = 'a LAPACK routine failed'
       case (stat%not_finite)
          text = 'the result is not a finite number: the parameters are extreme'
       case (stat%no_motion)
@@ -142,12 +143,12 @@ contains
       case (stat%more_events)
          text = 'the list of events is full before the end of the simulation'
       case (stat%budget)
-         text = 'the step budget ran out in a flight of millions of oscillations'
+         text = 'a flight lasts millions of oscillations and takes more steps than are allowed'
       case (stat%lost_digits)
          text = 'rounding leaves too few digits: large terms cancel near a resonance without &
-            &damping, far above it, and where phases nearly coincide; move r or add damping'
+            &damping, far above it, and where phases nearly coincide; change r or add damping'
       case (stat%not_computed)
-         text = 'it was stopped before this point was computed'
+         text = 'the computation was stopped before this point'
       case (stat%event_limit)
          text = 'the simulation reached max_events events before its end'
       case (stat%no_memory)
@@ -165,21 +166,20 @@ contains
          text = 'a mode without damping resonates with the load or the period, or so nearly that &
             &digits are lost'
       case (stat%coupled_impacts)
-         text = 'two coupled gaps close at one instant: give the structure simultaneous = &
-            &''newton'' or ''sequence'', or change one opening by 1e-12 of it'
+         text = 'two coupled gaps close at the same instant: set simultaneous = ''newton'' or &
+            &''sequence'' in the structure, or change one opening by a relative 1e-12'
       case (stat%gap_closed)
-         text = 'a gap is less than closed in the initial state'
+         text = 'a gap is negative in the initial state'
       case (stat%no_impacts)
          text = 'the simulation settles on a motion without impacts; start from another state'
       case (stat%extreme_units)
-         text = 'frequencies are above 1e12, or masses, openings, forced motions and states &
-            &beyond 1e-40 to 1e40: choose other units'
+         text = 'a frequency is above 1e12, or a mass, opening, forced motion or state is outside &
+            &1e-40 to 1e40: choose other units'
       case (stat%no_period)
          text = 'the simulation does not repeat within the longest period that is considered: it &
             &may be chaotic; otherwise simulate longer first, or allow more load cycles'
       case (stat%not_stable)
-         text = 'the simulation passes by a periodic motion that is not stable; simulate longer &
-            &first'
+         text = 'the simulation is still near an unstable periodic motion; simulate longer first'
       case (stat%fold)
          text = 'the motion is at a fold or a pitchfork, where it has no derivatives'
       case (stat%graze)
@@ -190,7 +190,8 @@ contains
       case (stat%coincident)
          text = 'multipliers coincide, so that they have no derivatives'
       case (stat%not_smooth)
-         text = 'the greatest value is reached twice, and the two change differently'
+         text = 'two maxima are equally large and change differently, so the greatest value has no &
+            &derivative'
       case (stat%no_extremum)
          text = 'the relative position is not stationary inside the flight'
       case (stat%shorter_period)
@@ -200,40 +201,40 @@ contains
          text = 'the iteration leads to a motion that is its own mirror image: the guess is too &
             &far away, or beyond the pitchfork where motions like it end'
       case (stat%dependent_rests)
-         text = 'gaps are closed together whose directions depend on each other, as on both sides &
-            &of a slot without play: their forces are not determined'
+         text = 'gaps with linearly dependent directions are closed together, as on both sides of &
+            &a slot without play: their forces are not determined'
       case (stat%unbalanced)
-         text = 'a constant force acts on a mode of frequency 0, and the impulses of no impacts on &
-            &these gaps balance it: there is no periodic motion'
+         text = 'a constant force acts on a mode of frequency 0, and impacts on these gaps cannot &
+            &balance it: there is no periodic motion'
       case (stat%too_stiff)
          text = 'masses or stiffnesses differ so much that slow modes keep fewer than 7 digits: &
             &make stiff springs rigid, or give the structure by its modes'
       case (stat%permanent_rest)
-         text = 'the simulation settles on a rest that never ends, without impacts; start from &
-            &another state'
+         text = 'the simulation settles on a permanent rest without impacts; start from another &
+            &state'
       case (stat%narrow_gap)
          text = 'an opening is below a million times the rounding error of the displacements'
       case (stat%stop_holds)
-         text = 'a stop is touched without a speed, by a force below its preload, which would hold &
-            &the structure there: give it a speed, or no preload'
+         text = 'a stop is touched at zero speed by a force below its preload, which would hold &
+            &the structure there: start with a speed, or without a preload'
       case (stat%friction_rests)
-         text = 'impacts accumulate on a gap and move friction that is not along it, or R is a law &
-            &there: what follows is not represented'
+         text = 'impacts accumulate on a gap, but friction that they move is not along it, or R &
+            &depends on the speed: the motion that follows cannot be computed'
       case (stat%friction_undecided)
-         text = 'elements of friction depend on each other at one instant, or a belt drags a &
-            &mass that no spring holds: what follows is not represented'
+         text = 'friction elements have no consistent state at this instant, or a belt drags a &
+            &mass that no spring holds: the motion that follows cannot be computed'
       case (stat%permanent_stick)
-         text = 'friction sticks for ever wherever it stops, so that there is a continuum of &
+         text = 'friction sticks permanently wherever it stops, so there is a continuum of &
             &motions: make what sticks rigid, or start from another state'
       case (stat%no_derivative)
-         text = 'coupled gaps close at one instant: what follows depends on the order of their &
-            &impacts, and has no derivatives'
+         text = 'coupled gaps close at the same instant: the motion that follows depends on the &
+            &order of their impacts and has no derivatives'
       case (stat%endless_sequence)
-         text = 'coupled gaps close at one instant, and 20000 impacts one after the other do not &
-            &part them: give the structure simultaneous = ''newton'''
+         text = 'coupled gaps close at the same instant, and 20000 successive impacts do not &
+            &separate them: set simultaneous = ''newton'' in the structure'
       case (stat%gains_energy)
-         text = 'coupled gaps with different coefficients of restitution close at one instant, &
-            &and Newton''s law would add energy: give the structure simultaneous = ''sequence'''
+         text = 'coupled gaps with different restitution close at the same instant, and Newton''s &
+            &law would add energy: set simultaneous = ''sequence'' in the structure'
       case default
          text = 'unknown status code'
       end select

@@ -70,7 +70,7 @@ KEYS = [
     ("impact_restitution = 0.7, 1.1", "0 <= R <= 1"),
     ("impact_restitution = 0.7, nan", "0 <= R <= 1"),
     ("impact_restitution = 0.7, 0.6, nan", "0 <= R <= 1"),
-    ("clearance = 37", "not for kind = 'periodic'"),
+    ("clearance = 37", "not apply to kind = 'periodic'"),
 ]
 
 #: Complete files: id, text, line, beginning of the message after the place, a part of the rest.
@@ -135,7 +135,7 @@ FORMS = [
     ("even cycles", SYSTEM + "&motion kind = 'equispaced', clearance = 1\ncycles = 2 /", 3,
      "&motion cycles = 2", "odd"),
     ("equispaced with sides", SYSTEM + "&motion kind = 'equispaced', clearance = 1\nsides = 'RL' /",
-     3, "&motion sides = 'RL'", "not for kind = 'equispaced'"),
+     3, "&motion sides = 'RL'", "not apply to kind = 'equispaced'"),
     ("equispaced with two R", SYSTEM.replace("0.75", "0.7, 0.6")
      + "&motion kind = 'equispaced', clearance = 1 /", 2, "&motion kind", "equal restitution"),
     ("wrong element of several", changed(10, "phases(1) = abc\nphases(2) = 4.3"), 10,

@@ -72,7 +72,8 @@ def test_two_values_have_any_spacing(batch):
       for v in ("'equal'", "''", "linear")],
     ("'clearance'\n  low = 20, high = 26", "'xi', clearance = 9\n  low = 0, high = 0.1",
      "above 0 with spacing = 'geometric'", 3),
-    ("low = 20, high = 26, values = 4", "low = 1, high = 1.0000000000000004, values = 9", "are not distinct", 3),
+    ("low = 20, high = 26, values = 4", "low = 1, high = 1.0000000000000004, values = 9",
+     "not that many distinct values", 3),
     ("values = 4", "spacing = 'linear'", "was given before, in line 3", 3),
 ])  # fmt: skip
 def test_bad_spacing(old, new, wanted, line, batch):
@@ -83,7 +84,7 @@ def test_bad_spacing(old, new, wanted, line, batch):
 def test_spacing_without_a_parameter(batch):
     text = EXPONENTS.replace("parameter = 'clearance'", "clearance = 9")
     text = text.replace("low = 9, high = 40, values = 3, ", "")
-    assert_refused(text, "lyapunov", "must be left out: it goes with parameter", 3, batch)
+    assert_refused(text, "lyapunov", "must be left out: it requires parameter", 3, batch)
     assert list(contents(batch.cwd)) == ["case.nml"]
 
 
@@ -170,7 +171,7 @@ BESIDE = "must be left out if states is given"
     *[("states = 150", f"states = {v}", "1 <= states <= 12500000", 3)
       for v in ("0", "-1", "1.5", "12500001", "x")],
     *[("seed = 4", f"seed = {v}", "0 <= seed <= 2147483647", 3) for v in ("-1", "2147483648", "1.5", "4, 5", "x")],
-    ("states = 150, ", "", "seed = 4: must be left out: it goes with states", 3),
+    ("states = 150, ", "", "seed = 4: must be left out: it requires states", 3),
     ("states = 150, seed = 4", "", "axes: is missing; must be two of 'x'", 2),
     *[("probes = 50", f"{key} = {v}", f"{key} = {v}: {BESIDE}", 4) for key, v in (
         ("axes", "'x', 'y'"), ("low", "0, 0"), ("high", "1, 1"), ("values", "9, 9"), ("t", "0"), ("x", "1"),
@@ -191,5 +192,5 @@ def test_a_name_is_no_number(name, batch):
 
 def test_a_plane_has_no_seed(batch):
     assert_refused(
-        PLANE.replace("probes", "seed = 1, probes"), "basins", "it goes with states", 5, batch
+        PLANE.replace("probes", "seed = 1, probes"), "basins", "it requires states", 5, batch
     )

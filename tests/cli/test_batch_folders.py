@@ -185,15 +185,13 @@ def test_concurrent_runs_into_one_folder(complete_run, binary, tmp_path):
     "file", "file/below", pytest.param("/proc/nowhere", marks=pytest.mark.skipif(
         not LINUX, reason="no /proc"))])  # fmt: skip
 def test_folder_that_cannot_be_made(folder, batch, command):
-    """A folder that cannot be made, as below a file, gives one line and status 2 in both programs."""
+    """A folder that cannot be created, as below a file, gives one line and status 2 in both programs."""
     write(batch.cwd / "file", "mine")
     done = batch.case(PAIR, "-o", folder)
     assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
     below = folder.startswith("file")
-    reason = "file is a file" if below else "cannot be made"
-    wanted = (
-        "must be a folder" if below else "must be in a folder and on a disk that can be written to"
-    )
+    reason = "file is a file" if below else "cannot be created"
+    wanted = "must be a folder" if below else "the folder and the disk must be writable"
     assert done.faults == [f"{folder}: {reason}; {wanted}"]
     again = command("case.nml", "-o", folder)
     assert (again.status, again.out, len(again.faults)) == (2, b"", 1)

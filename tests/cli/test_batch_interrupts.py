@@ -64,7 +64,7 @@ def test_an_interrupted_case_is_written_and_marked(number, binary, tmp_path):
     ("study", "fault", "kept"),
     [
         ("zone x = 'frequency', x_low = 0.3, x_high = 3.2, y = 'load', y_low = 0.1, y_high = 9, lines = 129",
-         "it was stopped before all boundaries were followed", 1),
+         "the computation was stopped before all boundaries were followed", 1),
         ("branch parameter = 'frequency', low = 0.3, high = 3.2, longest_step = 1e-5, max_points = 100000",
          r"frequency from [\d.]+ to [\d.]+ was reached", 2),
     ],

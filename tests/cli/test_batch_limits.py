@@ -31,7 +31,7 @@ def test_event_limit(binary, tmp_path):
     """States whose simulation has too many events are undecided, and the message gives the reason."""
     done = run(binary, tmp_path, f"{FAST}{BASINS}, max_events = 20000 /\n")
     assert done.returncode == 1
-    assert "3 of 3 states not decided, 3 of them as max_events was reached" in done.stderr
+    assert "3 of 3 states not decided, 3 of them because max_events was reached" in done.stderr
 
 
 @linux

@@ -102,7 +102,7 @@ BAD_LYAPUNOV = [
     ("discard = 300", "z = 2.6", "z - x must be within half the clearance", 4),
     ("discard = 300", "clearance = 3", "must be left out: it is the parameter", 4),
     ("discard = 300", "states = 3", "is not a key of &lyapunov; must be one of clearance", 4),
-    ("parameter = 'clearance'\n", "clearance = 9\n", "low = 5: must be left out: it goes with parameter", 3),
+    ("parameter = 'clearance'\n", "clearance = 9\n", "low = 5: must be left out: it requires parameter", 3),
 ]  # fmt: skip
 
 

@@ -27,7 +27,7 @@ FAULTS = [
     *[(CASE.replace("mass = 1, 0.1", f"mass = {v}"), "structure", wanted, 1) for v, wanted in (
         ("1, -1", "must be positive definite, and its least eigenvalue is -1"), ("1, 0", "least eigenvalue is 0"),
         ("1, 2, 2, 1", "least eigenvalue is -1"), ("", "must be n numbers"), ("1, nan", "must be n numbers"),
-        ("1, inf", "must be n numbers"), ("1, x", "must be n numbers"), ("3*1", "does not fit the 3 of mass"),
+        ("1, inf", "must be n numbers"), ("1, x", "must be n numbers"), ("3*1", "not fit the 3 numbers of mass"),
         ("501*1", "it has 501 numbers"), ("250001*1", "must be n numbers"), ("1, 1, mass = 2", "was given before"),
         ("1, 1, mass_file = 'm.npy'", "must be left out if mass_file is given"),
     )],
@@ -35,21 +35,21 @@ FAULTS = [
         ("stiffness = 1, 2, 3, 1", "row 1, column 2 holds 2, and row 2, column 1 3"),
         ("stiffness = 1, 2, 2, 1", "no negative eigenvalue, and the least one is -1"),
         ("damping = -1, 0", "no negative eigenvalue, and the least one is -1"),
-        ("stiffness = 1, 2, 3", "it has 3 numbers, which does not fit the 2 of mass"),
+        ("stiffness = 1, 2, 3", "it has 3 numbers, which does not fit the 2 numbers of mass"),
         ("stif = 1, 0", "is not a key of &structure; must be one of mass, damping"),
-        ("frequencies = 1", "must be left out if frequencies is given"), ("shapes = 1", "goes with frequencies"),
+        ("frequencies = 1", "must be left out if frequencies is given"), ("shapes = 1", "requires frequencies"),
     )],
     *[(CASE.replace("stiffness = 1, 0", f"stiffness_file = '{v}'"), "structure", wanted, 1) for v, wanted in (
         ("none.npy", "none.npy: No such file"), (".", "Is a directory"), ("", "must be a Matrix Market file"),
         ("text.mtx", "starts neither as a Matrix Market file"), ("empty.mtx", "starts neither as"),
         ("short.mtx", "line 5: must contain row, column and value of entry 3 of 3"),
-        ("complex.mtx", "line 1: must be matrix, coordinate or array"),
-        ("outside.mtx", "line 4: must be another entry of the 2 rows and 2 columns"),
-        ("twice.mtx", "line 4: must be another entry of the 2 rows and 2 columns"),
-        ("long.mtx", "line 7: follows the last entry"), ("large.mtx", "99999999 rows"),
+        ("complex.mtx", "line 1: must declare a matrix that is coordinate or array"),
+        ("outside.mtx", "line 4: must give a row and a column, not given before, within 2 rows and 2 columns"),
+        ("twice.mtx", "line 4: must give a row and a column, not given before, within 2 rows and 2 columns"),
+        ("long.mtx", "line 7: there must be nothing after the last entry"), ("large.mtx", "99999999 rows"),
         ("nan.mtx", "line 4: must contain one number of entry 2 of 4"),
         ("whole.npy", "it holds '<i8'; must be float64"), ("nan.npy", "not finite"),
-        ("three.npy", "which does not fit the 2 of mass"), ("wide.npy", "2 rows and 3 columns; must be square"),
+        ("three.npy", "does not fit the 2 numbers of mass"), ("wide.npy", "2 rows and 3 columns; must be square"),
         ("none_0.npy", "0 rows"), ("large.npy", "501 rows"), ("cube.npy", "the shape (2,2,2)"),
         ("cut.npy", "it has 29 bytes of numbers; must be 32"), ("head.npy", "its header is damaged"),
     )],
@@ -62,17 +62,17 @@ FAULTS = [
     )],
     *[(CASE.replace(LOAD, f"&load {v} /\n"), "load", wanted, 3) for v, wanted in (
         ("frequency = 1, base = 'motion', base_sine = 1e300", "one number from -1e40 to 1e40 for each harmonic"),
-        ("frequency = 1, sine = 1", "it has 1 number for 2 coordinates"), ("sine = 1, 0", "goes with frequency"),
+        ("frequency = 1, sine = 1", "it has 1 number for 2 coordinates"), ("sine = 1, 0", "requires frequency"),
         ("frequency = 0, sine = 1, 0", "0 < frequency"), ("frequency = 1", "or give cosine or sine"),
         ("constant = 1, 2, 3, 4", "it has 4 numbers for 2 coordinates"), ("", "constant: is missing"),
     )],
     *[(CASE.replace(LOAD, f"&load {v}, step = 0.1 /\n"), "load", wanted, 3) for v, wanted in (
         ("record_file = 'none.csv', acts_on = 1", "none.csv: No such file"),
         ("record_file = 'words.csv', acts_on = 1", "line 2: must contain finite numbers"),
-        ("record_file = 'nan.csv', acts_on = 1", "nan.csv: line 3: must contain 1 finite number, as the"),
+        ("record_file = 'nan.csv', acts_on = 1", "nan.csv: line 3: must contain 1 finite number, like the"),
         ("record_file = 'inf.csv', acts_on = 1", "inf.csv: line 2: must contain 1 finite number"),
         ("record_file = 'blank.csv', acts_on = 1", "blank.csv: line 2: must contain 1 finite number"),
-        ("record_file = 'ragged.csv'", "ragged.csv: line 2: must contain 2 finite numbers, as the lines before"),
+        ("record_file = 'ragged.csv'", "ragged.csv: line 2: must contain 2 finite numbers, like the lines before"),
         ("record_file = 'cell.csv'", "cell.csv: line 2: must contain 2 finite numbers"),
         ("record_file = 'one.csv', acts_on = 1", "it has one sample"),
         ("record_file = 'empty.mtx', acts_on = 1", "it contains no numbers"),
@@ -81,7 +81,7 @@ FAULTS = [
         ("record_file = 'jump.csv', acts_on = 1", "sample 3 is at time 0.3; must be 0.2"),
         ("record_file = 'nan.npy'", "that is not finite, in row 1, column 1"),
         ("record_file = 'cube.npy'", "must be a table, or a list"),
-        ("record_file = 'twice.mtx'", "line 4: must be another entry of the 2 rows and 2 columns"),
+        ("record_file = 'twice.mtx'", "line 4: must give a row and a column, not given before, within 2"),
         ("record_file = 'three.npy'", "it has 3 columns, not the 2 of all coordinates; or give acts_on"),
         ("record_file = 'three.npy', acts_on = 0", "it has 3 columns, not the 1 of acts_on"),
         ("record_file = 'three.npy', base = 'acceleration'", "it has 3 columns, not the 1 of base"),
@@ -96,27 +96,27 @@ FAULTS = [
         ("record = 3*1, weights = 1, 2, acts_on = 1", "acts_on = 1: must be left out if weights is given"),
         ("record = 3*1, weights = 1, 2, base = 'motion'", "weights = 1, 2: must be left out if base is given"),
         ("record = 3*1, base = 'yes'", "must be 'acceleration' (one column)"),
-        ("record = 3*1, base_direction = 1, 1", "it goes with base"),
+        ("record = 3*1, base_direction = 1, 1", "it requires base"),
         ("record = 3*1, base = 'acceleration', base_direction = 1", "it has 1 number for 2 coordinates"),
         ("record = 4*1, frequency = 1", "must be left out if frequency is given"),
         ("record = 4*1, record_file = 'm.csv'", "must be left out if record"),
-        ("constant = 1, 0", "step = 0.1: must be left out: it goes with record or record_file"),
+        ("constant = 1, 0", "step = 0.1: must be left out: it requires record or record_file"),
     )],
     (CASE.replace(LOAD, "&load record = 4*1 /\n"), "load", "step: is missing; must be a number with 0 < step", 3),
     (CASE.replace(LOAD, "&load record = 4*1, step = 0 /\n"), "load", "0 < step", 3),
     (CASE.replace(LOAD, "&load record = 4*1, step = 1 /\n").replace("duration", "cycles"), "simulate",
-     "a &load that has a frequency", 4),
+     "a &load with a frequency", 4),
     (CASE.replace(LOAD, "&load record = 4*1, step = 1 /\n").replace(RUN, "&lyapunov cycles = 100 /\n"), "lyapunov",
      "must be periodic or constant, not a record", 4),
     (CASE.replace(LOAD, "&load record = 4*1, step = 1 /\n").replace(RUN, "&motion kind = 'settled' /\n"), "motion",
-     "a &load that has a frequency", 4),
+     "a &load with a frequency", 4),
     *[(CASE.replace(RUN, f"&simulate {v} /\n"), "simulate", wanted, 4) for v, wanted in (
         ("", "duration: is missing"), ("duration = 1, cycles = 1", "must be left out if cycles is given"),
         ("duration = -1", "0 <= duration <= 1e12"), ("duration = 1, q = 1", "1 number for 2 coordinates"),
         ("duration = 1, q_dot = 1, 2, 3", "3 numbers for 2 coordinates"), ("cycles = 1e9, start = -1", "start"),
         ("duration = 1, max_events = 0", "max_events"), ("duration = 1, clearance = 1", "is not a key of"),
     )],
-    (CASE.replace(LOAD, "").replace("duration = 20", "cycles = 2"), "simulate", "a &load that has a frequency", 3),
+    (CASE.replace(LOAD, "").replace("duration = 20", "cycles = 2"), "simulate", "a &load with a frequency", 3),
     (CASE.replace("frequency = 0.9", "frequency = 1e-9").replace("duration = 20", "cycles = 1e9"), "simulate",
      "at most 1e12", 4),
     (MODES.replace("ratios = 0.1, 0", "ratios = 0.1") + RUN, "structure", "there are 2 frequencies", 1),
@@ -174,7 +174,9 @@ def test_file_faults_name_the_file(batch, broken):
     """A path is relative to the folder of the namelist."""
     (batch.cwd / "m.mtx").write_text(FILES["long.mtx"], encoding="utf-8")
     text = CASE.replace("stiffness = 1, 0", "stiffness_file = 'm.mtx'")
-    assert_refused_with_file(batch, text, "m.mtx: line 7: follows the last entry")
+    assert_refused_with_file(
+        batch, text, "m.mtx: line 7: there must be nothing after the last entry"
+    )
 
 
 def assert_refused_with_file(batch, text, wanted):
@@ -193,7 +195,7 @@ def test_closed_gap_fails_without_a_result(batch):
     """A state with a negative gap gives no result: the input is valid, since this depends on the whole case."""
     done = batch.case(CASE.replace("duration = 20", "duration = 20, q = 0, 3"))
     assert done.status == 1
-    fault = "case: a gap is less than closed in the initial state: gap 0 is -2.5, must be >= 0"
+    fault = "case: a gap is negative in the initial state: gap 0 is -2.5, must be >= 0"
     assert done.faults == [fault]
 
 

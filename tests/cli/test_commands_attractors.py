@@ -156,7 +156,7 @@ def test_random_states(tool):
      "--clearance -9.0: must be a number with 1e-12 <="),
     (["bifurcation", *SYSTEM, "--parameter", "r", "--values", "1", "2", "5"], "--clearance: must be given"),
     (["bifurcation", *SYSTEM, "--r", "1", "--parameter", "clearance", "--values", "1", "2", "5", "--states", "3"],
-     "--states 3: must be left out: it is for --sweep states"),
+     "--states 3: must be left out: it requires --sweep states"),
     (["lyapunov", *SYSTEM, "--r", "1", "2", "--clearance", "9"], "--r 1 2: must be a number, or LOW HIGH N"),
     (["lyapunov", *SYSTEM, "--r", "1", "--clearance", "9", "--state", "0", "1", "7", "0"],
      "--state 0 1 7 0: must be a number with -1e100 <= Z <= 1e100; z - x must be within half the clearance"),
@@ -341,7 +341,7 @@ def test_the_place_is_tested_first(name, tool):
     assert (done.status, done.out, done.faults) == (2, b"", [output])
     (tool.cwd / "closed").mkdir(mode=0o555)
     done = tool(name, *SYSTEM, *ENDLESS[name], "-o", "closed", preexec_fn=bound_by_permissions)
-    must = "must be in a folder and on a disk that can be written to"
+    must = "the folder and the disk must be writable"
     output = f"vibroimpact {name}: closed: Permission denied; {must}"
     assert (done.status, done.out, done.faults) == (2, b"", [output])
     assert contents(tool.cwd) == {"taken": b"mine"}

@@ -135,7 +135,7 @@ def test_misspelt_group(batch):
 def test_a_parameter_that_is_swept_has_no_value(name, value, tool):
     """A value for the swept parameter is refused, in the words of the options."""
     done = tool("bifurcation", *POINT, "--parameter", name, "--values", "1", "2", "3")
-    output = f"vibroimpact bifurcation: --{name} {value}: must be left out: it is "
+    output = f"vibroimpact bifurcation: --{name} {value}: must be left out: it "
     assert (done.status, len(done.faults)) == (2, 1)
     assert done.faults[0].startswith(output)
 
@@ -147,7 +147,7 @@ def test_what_is_no_folder_is_refused_by_both(folder, batch, tool):
         done = run.case(PAIR, "-o", folder) if not words else run(*words, "case.nml", "-o", folder)
         assert (done.status, len(done.faults)) == (2, 1)
         assert f"-o {folder}: must be a folder" in done.faults[0]
-        assert done.faults[0].endswith(f"; if it is a folder: -o {folder}/")
+        assert done.faults[0].endswith(f"; for a folder of this name, write -o {folder}/")
     assert list(contents(batch.cwd)) == ["case.nml"]
     assert batch("case.nml", "-o", f"{folder}/").status == 0
     assert batch("case.nml", "-o", folder).status == 0  # now the folder exists

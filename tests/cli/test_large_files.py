@@ -130,7 +130,7 @@ def test_file_size_limit(program, old, binary, tmp_path):
     assert done.returncode == 2
     (output,) = done.stderr.decode().splitlines()
     assert output.startswith("results/case.csv: ")
-    assert "File too large" in output or "could not be written whole" in output
-    assert output.endswith("; must be in a folder and on a disk that can be written to")
+    assert "File too large" in output or "could not be written completely" in output
+    assert output.endswith("; the folder and the disk must be writable")
     left = {path.name: path.read_bytes() for path in (tmp_path / "results").iterdir()}
     assert left == ({"case.csv": old} if old else {})

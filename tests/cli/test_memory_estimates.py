@@ -83,7 +83,7 @@ def need(binary, folder, text):
         check=False,
         preexec_fn=limit,
     )
-    found = re.search(r"out of memory: the case takes up to (\d+) MB", done.stderr)
+    found = re.search(r"out of memory: the case needs up to (\d+) MB", done.stderr)
     assert found, done.stderr[-300:]
     assert not list(folder.glob("results/*"))
     return int(found[1])

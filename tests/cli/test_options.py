@@ -68,7 +68,7 @@ def test_threads_of_an_atlas(threads):
 @pytest.mark.parametrize(("words", "output"), [
     ("basins --r 1.04 --clearance 9", "--plane: must be given, or a namelist file instead of the options"),
     ("basins --r 1.04 --clearance 9 --states 9 --plane x 0 1 2 y 0 1 2",
-     "--plane x 0 1 2 y 0 1 2: must be left out if --states is given: it is for a plane"),
+     "--plane x 0 1 2 y 0 1 2: must be left out if --states is given: it applies only to a plane"),
     ("basins --r 1.04 --clearance 9 --states 9 --plot", "--plot png: must be used with --plane"),
     ("lyapunov --r 1 1.05 3 --clearance 9 12 5", "--r, --clearance: one of them must be a number"),
     ("response --r 1.05 1 3 --clearance 9",
@@ -189,11 +189,9 @@ def test_result_on_a_full_disk(form, tool):
     assert done.returncode == 2
     suffix = {"netcdf": "nc", "matlab": "mat"}.get(form, form)
     # the core writes tables, and detects partial ones by their size
-    core = "the disk is full, or the file could not be written whole"
+    core = "the disk is full, or the file could not be written completely"
     reason = core if form == "csv" else "File too large"
-    output = (
-        f"vibroimpact basins: results/basins.{suffix}: {reason}; must be in a folder and on a disk"
-    )
+    output = f"vibroimpact basins: results/basins.{suffix}: {reason}; the folder and the disk must be writable"
     assert done.stderr.startswith(output)
     assert len(done.stderr.splitlines()) == 1
     assert list(tool.cwd.iterdir()) == []
@@ -225,7 +223,9 @@ def test_a_name_of_no_form_is_refused(words, name, tool):
     assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
     forms = ", or a file whose name ends with one of .csv, .nc, .json, .mat"
     allowed = "must be a folder" + (forms if words[0] not in ("plot", "reproduce") else "")
-    output = f"vibroimpact {words[0]}: -o {name}: {allowed}; if it is a folder: -o {name}/"
+    output = (
+        f"vibroimpact {words[0]}: -o {name}: {allowed}; for a folder of this name, write -o {name}/"
+    )
     assert done.faults == [output]
     assert list(contents(tool.cwd)) == ["case.nml"]
 

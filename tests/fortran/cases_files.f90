@@ -314,31 +314,34 @@ contains
          'line 4: must contain one number of entry 2 of 4')
       call refuse_matrix('array real general|2 2|1|2|3|', &
          'line 6: must contain one number of entry 4 of 4')
-      call refuse_matrix('array real general|1 1|1|%|2|', 'line 5: follows the last entry')
+      call refuse_matrix('array real general|1 1|1|%|2|', &
+         'line 5: there must be nothing after the last entry')
       call refuse_matrix('array real general|1.5 1|1|', &
          'line 2: must contain the numbers of rows and columns')
       call refuse_matrix('array real symmetric|1 2|1|2|', &
-         'line 2: must be square as it is symmetric')
+         'line 2: must be square, since it is symmetric')
       call refuse_matrix('array real general|1 2|1|2|', &
          'it has 1 rows and 2 columns; must be square')
       call refuse_matrix('array real general|6 6|1|', &
          'it has 6 rows and 6 columns; must be 1 to 5')
       call refuse_matrix('coordinate real general|2 2 2|1 1 3|1 1 4|2 2 5|', &
-         'line 4: must be another entry of the 2 rows and 2 columns')
+         'line 4: must give a row and a column, not given before, within 2 rows and 2 columns')
       call refuse_matrix('coordinate real symmetric|2 2 2|2 1 3|1 2 4|', &
-         'line 4: must be another entry of the 2 rows and 2 columns')
+         'line 4: must give a row and a column, not given before, within 2 rows and 2 columns')
       do i = 1, size(outside)
          call refuse_matrix('coordinate real general|2 2 1|'//outside(i)//' 3|', &
-            'line 3: must be another entry of the 2 rows and 2 columns')
+            'line 3: must give a row and a column, not given before, within 2 rows and 2 columns')
       end do
       call refuse_matrix('coordinate real general|2 2 5|1 1 3|', &
          'line 2: it has more than 4 entries')
       call refuse_matrix('coordinate real general|2 2|1 1 3|', &
          'line 2: must contain the numbers of rows, columns and entries')
       call refuse_matrix('array complex general|1 1|1|', &
-         'line 1: must be matrix, coordinate or array, real, general or symmetric')
+         'line 1: must declare a matrix that is coordinate or array, real, and general or &
+         &symmetric')
       call refuse_matrix('array complex general|x|', &
-         'line 1: must be matrix, coordinate or array, real, general or symmetric')
+         'line 1: must declare a matrix that is coordinate or array, real, and general or &
+         &symmetric')
       call refuse_matrix('array real general|2 2|1|2|3,|4|', &
          'line 5: must contain one number of entry 3 of 4')
       call refuse_matrix('array real general|2*2|1|2|3|4|', &
@@ -437,12 +440,12 @@ contains
    !> The first fault of a table of samples is named: at most 2 columns and 6 numbers.
    subroutine test_wrong_samples()
       call refuse_samples('1 2|3|4 5|', &
-         'line 2: must contain 2 finite numbers, as the lines before')
+         'line 2: must contain 2 finite numbers, like the lines before')
       call refuse_samples('#|1 2 3 4|1 2|', 'line 2: must contain finite numbers, at most 2')
-      call refuse_samples('1||2|', 'line 2: must contain 1 finite number, as the lines before')
+      call refuse_samples('1||2|', 'line 2: must contain 1 finite number, like the lines before')
       call refuse_samples('1 2|3 4|5 6|7 8|x|', 'it has more than 6 numbers')
       call refuse_samples('1 2|3 nan|', &
-         'line 2: must contain 2 finite numbers, as the lines before')
+         'line 2: must contain 2 finite numbers, like the lines before')
       call refuse_samples('2*1|', 'line 1: must contain finite numbers, at most 2')
       ! a first line of names is passed over, but these words are meant as numbers
       call refuse_samples('NaN 1|2 3|', 'line 1: must contain finite numbers, at most 2')
@@ -455,8 +458,9 @@ contains
       call refuse_samples('', 'it contains no numbers')
       call refuse_samples('1|2|3|4|5|6|7|', 'it has more than 6 numbers')
       call refuse_samples('1 2|# 3 4|% 5 6|3 4|5|', &
-         'line 5: must contain 2 finite numbers, as the lines before')
-      call refuse_samples('1 2 |3*4|', 'line 2: must contain 2 finite numbers, as the lines before')
+         'line 5: must contain 2 finite numbers, like the lines before')
+      call refuse_samples('1 2 |3*4|', &
+         'line 2: must contain 2 finite numbers, like the lines before')
       call refuse_samples(market//'array real general|4 2|1|2|3|4|5|6|7|8|', &
          'it has more than 6 numbers')
       call refuse_samples(market//'array real general|1 3|1|2|3|', &

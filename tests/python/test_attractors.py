@@ -142,7 +142,7 @@ def test_stopped_bifurcation(monkeypatch):
     whole = vi.bifurcation_diagram(FIGURE6, "clearance", values, r=1.04)
     done = part.status == 0
     assert 0 < done.sum() < done.size
-    assert vi.status_text(int(part.status.max())) == "it was stopped before this point was computed"
+    assert vi.status_text(int(part.status.max())) == "the computation was stopped before this point"
     # up from the left, down from the right
     assert (np.diff(done[0].astype(int)) <= 0).all()
     assert (np.diff(done[1].astype(int)) >= 0).all()

@@ -169,7 +169,7 @@ def test_exponents_beside_a_mass_that_sticks():
     assert found.per_cycle[:3].sum() == pytest.approx(wanted.sum(), abs=1e-9)
     basins = vi.basins(both, load, states=3, settling=100)
     assert (basins.labels == -1).all()  # each state is on a motion of its own of a continuum
-    with pytest.raises(vi.SingularError, match="friction sticks for ever wherever it stops"):
+    with pytest.raises(vi.SingularError, match="friction sticks permanently wherever it stops"):
         vi.exact(both, load, vi.simulate(both, load, cycles=300))
     repeats = vi.response(both, load, [0.95, 1.0])
     assert repeats.labels.tolist() == [["1/1"] * 2] * 2

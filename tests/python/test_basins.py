@@ -324,7 +324,7 @@ def test_a_file_gives_the_basins_again(start, form, tmp_path):
 @pytest.mark.parametrize(("states", "wanted"), [
     (np.zeros((4, 3)), "of shape"), (np.zeros((5, 0)), "of shape"),
     ([[0.0], [math.nan], [0.0], [0.0], [0.0]], "must be numbers from -1e100 to 1e100"),
-    ([[0.0, 0], [0, 0], [0, 0], [0, 6], [0, 0]], "within half the clearance, which it is not in state 2"),
+    ([[0.0, 0], [0, 0], [0, 0], [0, 6], [0, 0]], "within half the clearance, but is not in state 2"),
 ])  # fmt: skip
 def test_bad_lists(states, wanted):
     with pytest.raises(vi.errors.ParameterError, match=rf"^states.*{wanted}"):

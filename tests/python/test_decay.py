@@ -174,7 +174,7 @@ def test_an_oscillation_that_ends():
     assert 10 < found.x.size < 81
     assert found.status[0] == 0
     np.testing.assert_allclose(found.damping[:-2], 0.99, rtol=1e-9)
-    assert "with fewer than 81 peaks: the oscillation ends before" in found._result.notes[-1][1]
+    assert "with fewer than 81 peaks: the oscillation ends earlier" in found._result.notes[-1][1]
 
 
 @pytest.mark.parametrize("form", ["json", "nc", "mat"])
@@ -195,9 +195,9 @@ def test_files_and_namelist_give_it_again(form, tmp_path):
     ({}, "clearance: is missing; must be a number with 1e-12 <= clearance <= 1e12"),
     ({"clearance": 1.0, "inverse_clearance": 1.0}, "must be left out if"),
     ({"clearance": 1.0, "cycles": 0}, "cycles = 0: must be a whole number with 1 <= cycles"),
-    ({"clearance": 1.0, "amplitude": 0.0}, "; amplitude must not be 0 where both masses start at rest"),
+    ({"clearance": 1.0, "amplitude": 0.0}, "; it must not be 0 if both masses start at rest"),
     ({"clearance": [1.0, 0.4], "y": 0.3},
-     "y = 0.3: must be a finite number; y must be within half of each clearance"),
+     "y = 0.3: must be a finite number; y must be within half of the smallest clearance"),
     ({"clearance": [1.0] * 99, "cycles": 10**5}, "; clearances x (2 cycles + 1) must be at most 12500000"),
     ({"clearance": 1.0, "z_dot": math.nan}, "z_dot = nan: must be a number with -1e100 <= z_dot <= 1e100"),
 ])  # fmt: skip

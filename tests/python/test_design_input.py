@@ -69,7 +69,7 @@ FREE = {"load": 1.0, "settling": 400, "keep": 32}
             )
             for name, value in (("load", (0.5, 2.0)), ("settling", 300), ("keep", 5))
         ),
-        ({"cycles": 6}, "cycles = 6: must be left out: it goes with amplitude"),
+        ({"cycles": 6}, "cycles = 6: must be left out: it requires amplitude"),
         *(
             (
                 {"tolerance": {"clearance": values}},
@@ -117,7 +117,7 @@ def test_bad_arguments_are_refused(change, message):
         ({"amplitude": 1.0}, "amplitude = 1.0: must be left out for a function"),
         ({"cycles": 7}, "cycles = 7: must be left out for a function"),
         ({"tolerance": {"clearance": (1.5, 2.0)}}, "deviations with 0 among them"),
-        ({"tolerance": {"clearance": stats.norm(1, 0.2)}}, "if normal, of mean 0 or 1"),
+        ({"tolerance": {"clearance": stats.norm(1, 0.2)}}, "if normal, with mean 0 or 1"),
     ],
 )
 def test_bad_arguments_for_a_structure_are_refused(change, message):

@@ -203,7 +203,7 @@ def test_namelist_of_a_motion(tmp_path):
     for name in ("phase", "speed", "impulse"):
         assert table[name] == pytest.approx(getattr(motion, f"{name}s"), abs=1e-12)
     case.write_text(case.read_text().split("&motion")[0] + "&motion gaps = 0, phases = 0.3 /\n")
-    with pytest.raises(vi.ParameterError, match="it goes with a &stop or a &friction"):
+    with pytest.raises(vi.ParameterError, match="it is required with a &stop or a &friction"):
         vi.read_namelist(case)
 
 

@@ -376,7 +376,7 @@ def check_account(found):
     """Assert that every simulated state is counted once, and that the text names each outcome."""
     search = found.search
     reasons = {
-        "passed by a motion": search.not_stable, "Newton's method finds no motion": search.unconfirmed,
+        "near an unstable motion": search.not_stable, "Newton's method finds no motion": search.unconfirmed,
         "did not repeat": search.wandering, "no more impacts": search.without_impacts,
         "could not be simulated": search.unfinished,
     }  # fmt: skip

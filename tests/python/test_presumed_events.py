@@ -82,8 +82,8 @@ def test_namelist(tmp_path):
 @pytest.mark.parametrize(("change", "message"), [
     ({"kinds": None}, "kinds = None: must be one of impact"),
     ({"kinds": ["touch"]}, "kinds"),
-    ({"kinds": ["touch", "touch"]}, "number 1 cannot happen to element 0 after what precedes it"),
-    ({"kinds": ["halt", "slip_up"]}, "number 1 cannot happen to element 0"),
+    ({"kinds": ["touch", "touch"]}, "number 1 is impossible for element 0 after the events before it"),
+    ({"kinds": ["halt", "slip_up"]}, "number 1 is impossible for element 0"),
     ({"kinds": ["touch", "sit"]}, "kinds"),
     ({"phases": [0.1, 0.1]}, "must differ for impacts on the same gap"),
     ({"gaps": [0, 1]}, "each below 1"),
@@ -102,7 +102,7 @@ def test_friction_without_events():
     load = vi.Load(1.0, cosine=[1.0])
     still = vi.Structure([1.0], [0.1], [1.0], gaps=stop, friction=[vi.Friction([1.0], 0.1)])
     with pytest.raises(
-        vi.ParameterError, match="there is none of element 1, friction without a belt"
+        vi.ParameterError, match="element 1 is friction without a belt and must have an event"
     ):
         vi.periodic(still, load, [0.1, 0.5], [0, 0], kinds=["touch", "leave"])
     fast = vi.Structure([1.0], [0.1], [1.0], gaps=stop, friction=[vi.Friction([1.0], 0.1, speed=9)])

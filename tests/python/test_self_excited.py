@@ -340,7 +340,7 @@ def test_what_is_not_self_excited():
     """Sliding for ever, sticking for ever, no repetition, and other verbs, each by name."""
     with pytest.raises(vi.SingularError, match="a motion without impacts"):
         self_excited(bow(0.5))
-    with pytest.raises(vi.SingularError, match="a rest that never ends"):
+    with pytest.raises(vi.SingularError, match="a permanent rest"):
         self_excited(bow(speed=0.0), 10)
     with pytest.raises(vi.SingularError, match="does not repeat"):
         self_excited(bow(), 3 * 8.068887871591405 / 2)
@@ -352,7 +352,7 @@ def test_what_is_not_self_excited():
             vi.branch(motion, name, bounds=(0.5, 0.9))
         # what is refused is not among what is allowed
         assert str(caught.value).count(f"'{name}'") == 1
-    with pytest.raises(vi.ParameterError, match="a stick level is at least the slip level"):
+    with pytest.raises(vi.ParameterError, match="a stick level must be at least the slip level"):
         vi.branch(motion, "stick", bounds=(0.5, 1.2))
     with pytest.raises(vi.ParameterError, match="must be a Motion or a Trajectory"):
         vi.exact(bow(), vi.Load.none(), ([0.1], [0]))
@@ -367,7 +367,7 @@ def test_what_is_not_self_excited():
 @pytest.mark.parametrize(("load", "keys", "message"), [
     ("&load frequency = 1, cosine = 1 /", "duration = 50", "the &load has a frequency"),
     ("&load frequency = 1, cosine = 1 /", "period = 8", "the &load has a frequency"),
-    ("", "", "it goes with a &load that has a frequency"),
+    ("", "", "it requires a &load with a frequency"),
     ("", "duration = 0", "must be a number with 0 < duration"),
     ("", "duration = 50 / &zone x = 'slip', x_low = .5, x_high = .7, y = 'speed', y_low = .1, y_high = .3",
      "only branches follow self-excited motions"),

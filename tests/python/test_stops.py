@@ -279,7 +279,7 @@ def test_at_the_limit():
     assert started(-1.0).sample([1.0])[0][0, 0] == pytest.approx(-0.5, rel=1e-13)
     assert started(0.0).sample([1.0])[0][0, 0] == 0
     assert len(started(0.0).events) == 0
-    with pytest.raises(vi.SingularError, match="touched without a speed"):
+    with pytest.raises(vi.SingularError, match="touched at zero speed"):
         started(1.0, preload=2.0)
     deep = started(3.0, preload=2.0)
     assert deep.sample([1.0])[0][0, 0] == pytest.approx(0.25 * (1 - math.cos(2.0)), rel=1e-13)

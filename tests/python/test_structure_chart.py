@@ -147,7 +147,7 @@ def test_a_picture_shows_both_parameters(data):
     [
         ({"x": ("frequency", 1.2, 1.3)}, "the motion has frequency = 1.1"),
         ({"x": "frequency"}, "must be .parameter, .lo, hi.."),
-        ({"y": ("frequency", 1.0, 1.2)}, "it changes what x.0. changes"),
+        ({"y": ("frequency", 1.0, 1.2)}, "it changes the same parameter as x.0."),
         ({"points": 1}, "points"),
         ({"points": (5, 200)}, "points"),
     ],

@@ -282,7 +282,7 @@ def test_harmonics_of_the_base(tmp_path, direction):
 
 
 @pytest.mark.parametrize(("words", "wanted"), [
-    ("frequency = 1.5, sine = 1, 0, base_sine = 0.1", "base_sine = 0.1: .*it goes with base"),
+    ("frequency = 1.5, sine = 1, 0, base_sine = 0.1", "base_sine = 0.1: .*it requires base"),
     ("base = 'motion', base_sine = 0.1", "frequency: is missing"),
     ("frequency = 1.5, sine = 1, 0, base = 'motion'", "base = 'motion': .*base_cosine or base_sine"),
     ("record = 0, 1, step = 1, base = 'motion', base_sine = 0.1", "base_sine = 0.1: .*record is given"),

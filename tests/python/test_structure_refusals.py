@@ -119,7 +119,7 @@ def test_bad_simulations(words, message):
 
 def test_a_gap_that_is_less_than_closed():
     s = vi.Structure([1.0], [0.0], [1.0], [vi.Gap([1.0], 1.0)])
-    with pytest.raises(vi.SingularError, match=r"less than closed.*gaps\[0\] is -0.5"):
+    with pytest.raises(vi.SingularError, match=r"negative in the initial state.*gaps\[0\] is -0.5"):
         vi.simulate(s, duration=1, state=([1.5], [0.0]))
 
 

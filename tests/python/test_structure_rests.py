@@ -274,7 +274,7 @@ def test_a_rest_that_never_ends_is_named():
     assert vi.simulate(table, pulled, cycles=1).permanent == ()
     shaken = vi.Load(0.1, sine=[-0.5], constant=[1.0])
     resting = vi.simulate(table, shaken, cycles=2)
-    with pytest.raises(vi.SingularError, match="settles on a rest that never ends"):
+    with pytest.raises(vi.SingularError, match="settles on a permanent rest"):
         vi.exact(table, shaken, resting)
     found = vi.basins(table, shaken, states=4, settling=50)
     assert [item.name for item in found.attractors] == ["permanent rest"]

@@ -318,9 +318,11 @@ def test_units_of_other_weights_part_at_a_branch_point():
 def test_impacts_that_would_part_are_refused_by_name():
     motion = in_step()
     for name in ("opening_0", "mass_1_1"):
-        with pytest.raises(SingularError, match="close at one instant, but would not for other"):
+        with pytest.raises(
+            SingularError, match="close at the same instant, but would not for other"
+        ):
             vi.branch(motion, name, (0.5, 1.1))
-    with pytest.raises(SingularError, match="close at one instant, but would not for other"):
+    with pytest.raises(SingularError, match="close at the same instant, but would not for other"):
         vi.zone(motion, ("frequency", 1.0, 1.2), ("restitution_0", 0.5, 0.9))
     ring, load = cells(weights=(1, 1, 1))
     stiffness = ring.stiffness + np.pad(

@@ -278,7 +278,7 @@ def test_what_progress_raises_ends_the_search(monkeypatch):
         )  # fmt: skip
     assert ended.wait(60)
     result = from_core("zone", answers[0][0])
-    assert result.cut == "it was stopped before all boundaries were followed"
+    assert result.cut == "the computation was stopped before all boundaries were followed"
     assert result.tables == {}
 
 

@@ -209,8 +209,8 @@ def name_file(options: argparse.Namespace) -> None:
     elif folder == "-" or re.fullmatch(r"\.[A-Za-z][A-Za-z0-9]{0,4}", path.suffix):
         wanted = ", ".join(f".{suffix}" for suffix in forms) if takes_file else ""
         raise ParameterError(
-            f"-o {folder}: must be a folder{wanted and ', or a file whose name ends with one of '}{wanted}; if it "
-            f"is a folder: -o {folder}/"
+            f"-o {folder}: must be a folder{wanted and ', or a file whose name ends with one of '}{wanted}; for a "
+            f"folder of this name, write -o {folder}/"
         )
 
 

@@ -210,8 +210,8 @@ def outcome(name: str, options: argparse.Namespace) -> int:
         if error.filename is None:  # standard output
             raise
         options.record.fault(
-            f"vibroimpact {name}: {error.filename}: {error.strerror}; must be in a folder and on a disk that "
-            "can be written to"
+            f"vibroimpact {name}: {error.filename}: {error.strerror}; the folder and the disk must be "
+            "writable"
         )
     except KeyboardInterrupt:
         status = 1

@@ -166,5 +166,5 @@ def in_options(line: str, made: str, request: Request, options: argparse.Namespa
         word = (found[3] or "").replace("'", "")
         return f"{found[1]} --{other.name}{word}" if other else found[0]
 
-    text = re.sub(r"(left out if|goes with|is for|or give) (\w+)(?: =( \S+))?", flag, text)
+    text = re.sub(r"(left out if|requires|or give) (\w+)(?: =( \S+))?", flag, text)
     return f"--{owner.name}{f' {value}' if value else ''}: {text}"

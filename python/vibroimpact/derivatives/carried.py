@@ -313,7 +313,7 @@ def trajectory_gradient(run: Trajectory, parameters: Any) -> Gradient:
     if opening.any():
         parting = ", ".join(np.array([*initial, *names])[opening])
         status[parting] = (
-            "a gap that rests at the start would open or be less than closed, or friction that sticks would slip"
+            "a gap that rests at the start would open or close further, or friction that sticks would slip"
         )
         columns[..., opening] = final[:, opening] = np.nan
     slopes = by_name(columns, n, ("time", "speed", "impulse", "q", "q_dot"))

@@ -495,7 +495,7 @@ def apart(
         return steps, alone, law
     step.notes.append(
         f"momentum and restitution at {int(lawful.sum())} of {lawful.size} impacts give the parameters; the "
-        "others are beside a flight that is too short, or in which an impact is hidden"
+        "others are next to a flight that is too short or hides an impact"
     )
     return steps, found, law
 

@@ -22,14 +22,14 @@ from .steps import LOAD_TONES, Step
 from .windows import unfound_ringing
 
 _Array = NDArray[np.float64]
-#: What can and cannot be determined from records that are not periodic.
+#: What records that are not periodic determine and leave open.
 LEFT_OPEN = {
     "no impacts": ", so that mu, R1, R2 and d do not show in the record",
-    "not periodic": "; only their times and walls, and the load, are identified",
-    "accumulation": " at intervals that shrink, of which the last ones may be missing; only times, walls and the "
-    "load are identified",
+    "not periodic": "; the record determines only their times and walls, and the load",
+    "accumulation": " at intervals that shrink, of which the last ones may be missing; the record determines only "
+    "times, walls and the load",
     "rest": " at intervals that shrink, of which the last ones may be missing, before the free mass rests on a "
-    "wall; only times, walls and the load are identified",
+    "wall; the record determines only times, walls and the load",
 }
 #: The assumptions of the errors about a law.
 ASSUMED = {
@@ -179,7 +179,7 @@ def tables_of(
             (
                 False,
                 f"undetermined: {names_of}; to determine them, give one of them as known ({more}), or add a "
-                "record at another frequency, or one that is not periodic",
+                "record at another frequency or one that is not periodic",
             )
         )
     if found is not None and law.shape in ASSUMED:

@@ -906,8 +906,8 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         if self.trivial is not None and modulus < np.finfo(float).eps:
             modulus = 0.0  # friction that sticks removes a direction
         stability = {True: "stable", False: "unstable", None: "stable?"}[self.stable]
-        beside = "" if self.trivial is None else " beside 1"
-        known = f"max|lambda| = {modulus:.4g}{beside}, {self.leading_kind}"
+        apart = "" if self.trivial is None else " apart from 1"
+        known = f"max|lambda| = {modulus:.4g}{apart}, {self.leading_kind}"
         words.append(f"{stability} ({'no derivative' if np.isnan(modulus) else known})")
         return ", ".join(words)
 

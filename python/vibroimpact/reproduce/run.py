@@ -135,7 +135,7 @@ def _outcome(future: Future[Done]) -> Done | str:
         return str(error)
     except OSError as error:
         where = f"{error.filename}: {error.strerror}" if error.filename else str(error)
-        return f"{where}; must be in a folder and on a disk that can be written to"
+        return f"{where}; the folder and the disk must be writable"
 
 
 @contextlib.contextmanager

@@ -92,7 +92,7 @@ class Uncertain:
         if not (self.numbers[0] == zero if self.normal else self.low <= zero <= self.high):
             raise ParameterError(
                 f"{name} = {self.numbers}: must be deviations with 0 among them, or factors above 0 with 1 among "
-                "them; if normal, of mean 0 or 1"
+                "them; if normal, with mean 0 or 1"
             )
 
     def at(self, shares: NDArray[np.float64]) -> NDArray[np.float64]:

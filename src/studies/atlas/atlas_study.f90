@@ -75,7 +75,7 @@ module vi_atlas_study
 
    type(column_type), parameter :: structure_columns(*) = [ &
       column_type('families', 'order', words, &
-      meaning='gaps of the impacts in their order, from 0; with stops or friction of all events'), &
+      meaning='gaps of the impacts in order, from 0; with stops or friction those of all events'), &
       column_type('families', 'cycles', wholes, meaning='load cycles of the period'), &
       symmetric_column, piece_columns, structure_place_columns, corner_column, &
       structure_vertex_columns, family_columns, &

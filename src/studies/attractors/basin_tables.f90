@@ -76,7 +76,7 @@ contains
          return
       end if
       if (.not. study%has(trim(uneven_keys(2)))) then
-         call study%refuse(trim(uneven_keys(2)), 'both axes are listed, or none')
+         call study%refuse(trim(uneven_keys(2)), 'give the values of both axes or of neither')
          return
       end if
       do i = 1, 2
@@ -112,7 +112,7 @@ contains
    pure subroutine open_states(study, dimension, n, result)
       !> The group.
       type(values_type), intent(in) :: study
-      !> The name of the dimension of states that are no plane.
+      !> The name of the dimension of states that do not form a plane.
       character(*), intent(in) :: dimension
       !> Number of states.
       integer, intent(in) :: n

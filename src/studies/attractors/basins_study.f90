@@ -35,13 +35,14 @@ module vi_basins_study
    character(5), parameter :: axis_names(5) = [character(5) :: 't', 'x', 'x_dot', 'y', &
       'z_dot']
 
-   character(*), parameter :: beside = 'states list', random = ': it is for a plane', &
-      even_steps = ': it is for a plane with even steps', listed = beside//' first_values', &
+   character(*), parameter :: beside = 'states list', random = ': it applies only to a plane', &
+      even_steps = ': it applies only to a plane with even steps', listed = beside//' &
+      &first_values', &
       structure_listed = 'states first_values'
    character(*), parameter :: increasing = 'two or more increasing numbers from -1e100 to 1e100', &
       along_axis(2) = [character(70) :: &
       'values along the first axis, if they are not evenly spaced', &
-      'values along the second axis, if those along one are not evenly spaced']
+      'values along the second axis, if those along either are not even']
    type(key_type), parameter :: first_keys(*) = [ &
       key_type('states', a_whole, may_miss=.true., low=1.0_wp, high=real(most_numbers, wp), &
       meaning='number of random states, instead of a plane'), &
@@ -115,7 +116,7 @@ module vi_basins_study
       column_type('attractors', 'growth', listed=.false., &
       meaning='greatest modulus of the multipliers, or largest exponent per load cycle'), &
       column_type('attractors', 'radius', unit='mixed', listed=.false., &
-      meaning='radius, in a norm of its own, of the neighbourhood in which a state is &
+      meaning='radius, in the norm of this attractor, of the neighbourhood in which states are &
       &assigned to it; 0: none'), &
       column_type('attractors', 'contraction', listed=.false., &
       meaning='factor by which the derivative over a period contracts in that norm'), &
@@ -130,8 +131,8 @@ module vi_basins_study
       column_type('pairs', 'uncertain', listed=.false., &
       meaning='share of the pairs whose states end on different attractors'), &
       column_type('run', 'events', listed=.false., meaning='events simulated to decide'), &
-      column_type('run', 'uncertainty_exponent', listed=.false., meaning='a: a share ~ distance**a &
-      &of pairs has different ends; nan without a boundary')]
+      column_type('run', 'uncertainty_exponent', listed=.false., meaning='exponent a: the share of &
+      &pairs with different attractors is ~ distance**a; nan without a boundary')]
 
    type(column_type), parameter :: shared_columns(*) = [ &
       column_type('states', 'label', wholes, &
@@ -174,8 +175,8 @@ module vi_basins_study
       meaning=along_axis(2)), &
       start_keys, &
       key_type('settling', a_whole, default='1000', low=0.0_wp, high=1.0e6_wp, &
-      meaning='load cycles simulated before a motion is looked for, unless it repeats to rounding &
-      &before')]
+      meaning='load cycles simulated before the search for a motion, unless it repeats to rounding &
+      &earlier')]
 
    !> Labels of states without an attractor.
    integer, parameter :: undecided = 0, closed = -3
@@ -287,8 +288,8 @@ contains
       if (5*n /= size(list)) then
          call study%refuse('list', 'five of each')
       else if (i > 0) then
-         call study%refuse('list', 'z - x must be within half the clearance, which it is not in &
-            &state '//whole(i))
+         call study%refuse('list', 'z - x must be within half the clearance, but is not in state &
+            &'//whole(i))
       end if
    end subroutine check_list
 
@@ -414,7 +415,7 @@ contains
       if (.not. result%empty) call result%add_note(text)
       if (lost == 0) return
       text = ''
-      if (limited > 0) text = ', '//whole(limited)//' of them as max_events was reached'
+      if (limited > 0) text = ', '//whole(limited)//' of them because max_events was reached'
       call result%fail(whole(lost)//' of '//counted(reached, 'state')//' not decided'//text)
    end subroutine run_basins
 
@@ -641,8 +642,8 @@ contains
          end if
          if (first /= stat%ok) then
             result%empty = .true.
-            call result%fail('a gap is closed at q = 0, about which random states lie; give a &
-               &plane')
+            call result%fail('a gap is closed at q = 0, around which random states are drawn; give &
+               &a plane')
             return
          end if
          call settle_states(structure, load, s%number('start'), states, settling_type( &

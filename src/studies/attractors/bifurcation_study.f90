@@ -33,7 +33,7 @@ module vi_bifurcation_study
    !! motions.
    real(wp), parameter :: kick = 1.0e-9_wp
 
-   character(*), parameter :: own = '=: sweep = ''states'' has states of its own', states = &
+   character(*), parameter :: own = '=: sweep = ''states'' uses other initial states', states = &
       'sweep=states'
    type(key_type), parameter :: path_keys(*) = [ &
       key_type('clearance', most=1000000, low=clearance_key%low, high=clearance_key%high, &
@@ -41,7 +41,7 @@ module vi_bifurcation_study
       meaning='clearance d K/F0 (d is the whole travel of m), one number or one for each value'), &
       key_type('r', most=1000000, low=window_keys(1)%low, high=window_keys(1)%high, &
       may_miss=.true., never='parameter=r', why='=: it is the parameter', option='r-list', &
-      unit='omega', meaning='frequency ratio at each value, if it changes with it'), &
+      unit='omega', meaning='frequency ratio at each value, if it changes with the parameter'), &
       key_type('parameter', a_word, words=parameter_words, takes=parameter_takes, &
       meaning='parameter that changes'), &
       key_type('list', least=2, most=1000000, may_miss=.true., takes='two or more increasing &
@@ -63,7 +63,7 @@ module vi_bifurcation_study
 
    type(key_type), parameter :: impact_keys(*) = [ &
       key_type('points', a_whole, default='100', low=1.0_wp, high=4096.0_wp, &
-      meaning='impacts kept of each run and value'), &
+      meaning='impacts kept for each run and value'), &
       key_type('t', may_miss=.true., low=-most_state, high=most_state, never=states, &
       why=own, unit='1/omega', meaning=state_keys(1)%meaning), &
       key_type('x', may_miss=.true., low=-most_state, high=most_state, never=states, &
@@ -108,7 +108,7 @@ module vi_bifurcation_study
       column_type('cells', 'x_max', unit='F0/K', listed=.false., &
       meaning='greatest displacement of the primary mass'), &
       column_type('cells', 'status', wholes, listed=.false., &
-      meaning='code of what failed; 0: none'), &
+      meaning='code of the failure; 0: none'), &
       column_type('windows', 'run', words, listed=.false., &
       meaning='run in which one period persists'), &
       column_type('windows', 'low', unit='mixed', listed=.false., &

@@ -37,10 +37,10 @@ module vi_lyapunov_study
       meaning='frequency ratios of points that are not evenly &
       &spaced on a line, one number or one for each point'), &
       key_type('shape', a_whole, most=3, low=1.0_wp, high=1.0e6_wp, may_miss=.true., only='r', &
-      meaning='the points as an array of two or three dimensions, of which the last varies &
-      &first'), &
+      meaning='shape of the points as an array of two or three dimensions; the last index varies &
+      &fastest'), &
       key_type('parameter', a_word, may_miss=.true., words='r clearance', &
-      takes='''r'' or ''clearance''; low, high and values go with it', &
+      takes='''r'' or ''clearance'', with low, high and values', &
       option='-', meaning='parameter that varies along a line of points'), &
       key_type('low', only=with, option='-', unit=of_parameter, &
       meaning='first value of the parameter', &
@@ -51,7 +51,7 @@ module vi_lyapunov_study
       key_type('values', a_whole, low=2.0_wp, high=1.0e6_wp, only=with, option='-', &
       meaning='number of values'), &
       key_type('spacing', a_word, default=spacing_key%default, words=spacing_key%words, &
-      takes='''linear'' or ''geometric'' (of the values); it goes with parameter', only=with, &
+      takes='''linear'' or ''geometric'' (of the values), with parameter', only=with, &
       meaning='spacing of the values'), &
       key_type('cycles', a_whole, default='10000', low=4.0_wp, high=1.0e9_wp, &
       takes='a whole number, 2 batches <= cycles <= 1e9', &
@@ -86,8 +86,8 @@ module vi_lyapunov_study
       unit='1/load cycle', meaning='standard errors of per_cycle'), &
       column_type('points', 'dimension', meaning='Kaplan-Yorke dimension'), &
       column_type('points', 'identity_error', unit='omega', &
-      meaning='error of the sum of the exponents per unit of time, which is known from damping and &
-      &impacts'), &
+      meaning='error of the sum of the exponents per unit of time (the sum is known from damping &
+      &and impacts)'), &
       column_type('points', 'impacts', wholes, meaning='impacts in the cycles averaged over'), &
       column_type('points', 'rests', wholes, meaning='rests in the cycles averaged over'), &
       column_type('points', 'exponents', each='direction', unit='omega', listed=.false., &
@@ -95,7 +95,7 @@ module vi_lyapunov_study
       column_type('points', 'standard_error', each='direction', unit='omega', listed=.false., &
       meaning='standard errors of exponents'), &
       column_type('points', 'status', wholes, listed=.false., &
-      meaning='code of what failed; 0: none')]
+      meaning='code of the failure; 0: none')]
 
    type(column_type), parameter :: structure_columns(*) = [ &
       column_type('exponents', 'number', wholes, meaning='number of the exponent'), &
@@ -107,10 +107,10 @@ module vi_lyapunov_study
       column_type('exponents', 'exponent', meaning='Lyapunov exponent per unit of time'), &
       column_type('exponents', 'standard_error', meaning='standard error of exponent'), &
       column_type('run', 'dimension', listed=.false., &
-      meaning='Kaplan-Yorke dimension; nan unless there are all 2n exponents'), &
+      meaning='Kaplan-Yorke dimension; nan unless all 2n exponents are computed'), &
       column_type('run', 'identity_error', listed=.false., &
-      meaning='error of the sum of the exponents per unit of time, known from damping and impacts; &
-      &nan unless there are all of them, no rest and no stick'), &
+      meaning='error of the sum of all exponents per unit of time (known from damping and &
+      &impacts); nan if some are missing, or with rest or stick'), &
       column_type('run', 'impacts', wholes, listed=.false., &
       meaning='impacts in the cycles averaged over; with stops or friction all events'), &
       column_type('run', 'rests', wholes, listed=.false., &
@@ -199,12 +199,12 @@ contains
          end if
          if (.not. study%has('r')) return
          if (all(size(study%numbers('r')) /= [1, n])) call study%refuse('r', 'one number, or '// &
-            whole(n)//' as of clearance')
+            whole(n)//' as for clearance')
          if (any(at_resonance(case%osc%xi, study%numbers('r')))) call &
             study%refuse('r', resonance//'among the values')
          if (.not. study%has('shape')) return
          if (abs(product(study%numbers('shape')) - n) > 0) call study%refuse('shape', &
-            'together as many as there are points, '//whole(n))
+            'their product must be the number of points, '//whole(n))
       end associate
    end subroutine check_points
 
@@ -398,7 +398,7 @@ contains
       end if
    end subroutine open_points
 
-   !> Computes the exponents of a structure, of which one simulation gives all.
+   !> Computes all exponents of a structure by one simulation.
    subroutine run_structure(case, result, progress)
       !> The case, checked.
       type(case_type), intent(in) :: case

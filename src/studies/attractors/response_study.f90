@@ -65,7 +65,7 @@ module vi_response_study
       meaning='impacts of a period, each accumulation counted as one'), &
       column_type('runs', 'impacts', wholes, listed=.false., meaning='impacts of a period'), &
       column_type('runs', 'rests', wholes, listed=.false., meaning='rests of a period'), &
-      column_type('runs', 'status', wholes, listed=.false., meaning='code of what failed; 0: none')]
+      column_type('runs', 'status', wholes, listed=.false., meaning='code of the failure; 0: none')]
 
    type(key_type), parameter :: structure_keys(*) = [ &
       key_type('low', low=0.0_wp, above=.true., never='list', option='values', &
@@ -77,20 +77,20 @@ module vi_response_study
       column_type('cells', 'largest', each='coordinate', label='largest_#', &
       meaning='greatest magnitude of each coordinate'), &
       column_type('cells', 'rms', each='coordinate', label='rms_#', &
-      meaning='root of the mean square of each coordinate'), &
+      meaning='root mean square of each coordinate'), &
       column_type('cells', 'steady_largest', each='coordinate', label='steady_largest_#', &
       meaning='greatest magnitude of the steady motion without impacts, stops and friction; nan if &
       &there is none'), &
       column_type('cells', 'steady_rms', each='coordinate', label='steady_rms_#', &
-      meaning='root of the mean square of the steady motion without impacts'), &
+      meaning='root mean square of the steady motion without impacts'), &
       column_type('cells', 'output_largest', each='output', label='largest_#', &
       meaning='greatest magnitude of each output'), &
       column_type('cells', 'output_rms', each='output', label='rms_#', &
-      meaning='root of the mean square of each output'), &
+      meaning='root mean square of each output'), &
       column_type('cells', 'steady_output_largest', each='output', label='steady_largest_#', &
       meaning='greatest magnitude of each output in the steady motion without impacts'), &
       column_type('cells', 'steady_output_rms', each='output', label='steady_rms_#', &
-      meaning='root of the mean square of each output in the steady motion without impacts'), &
+      meaning='root mean square of each output in the steady motion without impacts'), &
       column_type('cells', 'output_min', each='output', listed=.false., &
       meaning='smallest value of each output'), &
       column_type('cells', 'output_max', each='output', listed=.false., &
@@ -128,7 +128,7 @@ contains
       end if
       if (.not. present(study)) return
       study%name = 'response'
-      study%meaning = 'follow the size of settled motions along the load frequency'
+      study%meaning = 'compute the amplitude of settled motions against the load frequency'
       study%row = [character(6) :: 'points', 'cells']
       study%takes_elements = .true.
       study%takes_walls = .true.

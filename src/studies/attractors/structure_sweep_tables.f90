@@ -41,7 +41,7 @@ module vi_structure_sweep_tables
       &friction all events'), &
       column_type('cells', 'rests', wholes, meaning='rests, counted in the same way'), &
       column_type('cells', 'status', wholes, listed=.false., &
-      meaning='code of what failed; 0: none')]
+      meaning='code of the failure; 0: none')]
 
    !> A sweep of a structure.
    type, extends(chains_type) :: structure_chain_type
@@ -98,8 +98,8 @@ contains
          end associate
       end if
       call check_product(study, trim(merge('list  ', 'values', study%has('list'))), &
-         [2*value_count(study), study%whole_number('keep'), 2*coordinates], 'together with keep &
-         &and the coordinates at most '//whole(most_numbers)//' numbers')
+         [2*value_count(study), study%whole_number('keep'), 2*coordinates], 'values x keep x &
+         &coordinates must be at most '//whole(most_numbers)//' numbers')
    end subroutine check_sweep
 
    !> Sweeps over the values of a case, and fills the table of the cells, with notes.

@@ -47,9 +47,9 @@ module vi_branch_study
       meaning='parameter that changes', model=of_oscillator), &
       key_type('parameter', a_word, takes=structure_takes, meaning='parameter that changes', &
       model=of_structure), &
-      key_type('low', takes='a number, at most the value that the motion has', &
+      key_type('low', takes='a number, at most the value of the starting motion', &
       option='bounds', unit=of_parameter, meaning='lower bound of the parameter'), &
-      key_type('high', takes='a number above low, at least the value that the motion has', &
+      key_type('high', takes='a number above low, at least the value of the starting motion', &
       option='bounds', unit=of_parameter, meaning='upper bound of the parameter'), &
       key_type('longest_step', default='0.05', low=1.0e-6_wp, high=1.0_wp, &
       meaning='longest step along the branch, with the parameter scaled to 0 at low and &
@@ -110,7 +110,7 @@ module vi_branch_study
       column_type('points', 'q_max', each='coordinate', label='q_max_#', &
       meaning='greatest value of each coordinate', model=of_structure), &
       column_type('points', 'phases', each='impact', label='phase_#', unit='rad', &
-      meaning='load phases of the impacts, of an oscillator from the first one'), &
+      meaning='load phases of the impacts; for an oscillator from the first impact'), &
       column_type('points', 'X', each='impact', label='X_#', unit='F0/K', &
       meaning='displacements of the primary mass at the impacts', model=of_oscillator), &
       column_type('points', 'Z', each='impact', unit='F0/K', listed=.false., &
@@ -214,7 +214,7 @@ contains
          call blame(case%start, 'has '//whole(size(wanted%phases))//' impacts; must have at most ' &
             //whole(most_impacts), line)
       else if (case%start%has('impact_restitution')) then
-         call blame(case%start, 'has impact_restitution; must be without', line)
+         call blame(case%start, 'has impact_restitution; must not have it', line)
       else if (wanted%single) then
          call blame(case%start, 'has precision = ''single''; must be ''double''', line)
       end if
@@ -251,7 +251,7 @@ contains
       place = findloc(parameters == case%study%word('parameter'), .true., 1)
       call parameter_place(trim(parameters(place)), core_place, tied)
       if (tied .and. abs(case%osc%restitution(1) - case%osc%restitution(2)) > 0) call &
-         case%study%refuse('parameter', '''restitution'' needs equal restitution on both walls')
+         case%study%refuse('parameter', '''restitution'' requires equal restitution on both walls')
       if (len(case%study%fault) > 0) return
       start = start_value(case, place)
       low = case%study%number('low')
@@ -669,7 +669,7 @@ contains
       call find_structure_motion(case, case%start, .true., structure, load, found, status, &
          progress)
       if (status == stat%not_computed) then
-         result%cut = 'it was stopped before a motion was reached'
+         result%cut = 'the computation was stopped before a motion was found'
          return
       end if
       if (status /= stat%ok) then

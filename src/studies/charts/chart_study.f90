@@ -65,18 +65,18 @@ module vi_chart_study
       meaning='spacing of the clearances'), &
       symmetric_key, &
       key_type('slots', a_whole, default='4', low=1.0_wp, high=32.0_wp, &
-      meaning='slots for motions that have no closed form'), &
+      meaning='number of slots for motions without closed form at each point'), &
       key_type('guesses', a_whole, default='32', low=1.0_wp, high=1.0e4_wp, &
-      meaning='guesses of a search'), &
+      meaning='guesses in each search'), &
       key_type('seeds', a_whole, default='12', low=1.0_wp, high=1.0e4_wp, &
-      meaning='searches along each axis'), &
+      meaning='number of searches along each axis'), &
       key_type('multipliers', a_word, words='yes no', may_miss=.true., &
-      meaning='''no'' leaves out those of equispaced motions, which take most of the time')]
+      meaning='''no'' skips the multipliers of equispaced motions, which take most of the time')]
 
    !> Largest number of points along an axis of a structure.
    integer, parameter :: most_lines = 129
-   character(*), parameter :: increasing = 'increasing numbers, the first and the last of which &
-      &are the ends of the range'
+   character(*), parameter :: increasing = 'increasing numbers from one end of the range to the &
+      &other'
    type(key_type), parameter :: structure_keys(*) = [ &
       key_type('x_values', least=2, most=most_lines, may_miss=.true., takes=increasing, &
       option='x-list', meaning='the values of x, if they are not evenly spaced'), &
@@ -114,13 +114,13 @@ module vi_chart_study
       column_type('motions', 'q_max', each='coordinate', label='q_max_#', &
       meaning='greatest value of each coordinate', model=of_structure), &
       column_type('motions', 'phases', each='impact', unit='rad', listed=.false., &
-      meaning='load phases of the impacts, of an oscillator from the first one'), &
+      meaning='load phases of the impacts; for an oscillator from the first impact'), &
       column_type('motions', 'X', each='impact', unit='F0/K', listed=.false., &
       meaning='displacements of the primary mass at the impacts', model=of_oscillator), &
       column_type('motions', 'speeds', each='impact', listed=.false., &
       meaning='approach speeds of the impacts', model=of_structure), &
       column_type('motions', 'status', wholes, absent=[stat%no_motion, stat%not_computed], &
-      meaning='code of what failed; 0: none'), &
+      meaning='code of the failure; 0: none'), &
       column_type('points', 'found', wholes, listed=.false., &
       meaning='number of motions at the point, including those without a slot')]
 
@@ -192,7 +192,7 @@ contains
       call check_axis(case%study, 'r', grid%r)
       call check_axis(case%study, 'clearance', grid%clearance)
       if (grid%symmetry > 0 .and. .not. can_be_symmetric(pattern, case%osc%restitution)) then
-         call case%study%refuse('symmetric', '''yes'' takes equal restitution, an odd number of &
+         call case%study%refuse('symmetric', '''yes'' requires equal restitution, an odd number of &
             &cycles and sides whose second half mirrors the first')
       else if (.not. (grid%symmetry > 0 .and. n == 2) .and. points*max(grid%slots, 4)*n > &
          most_numbers) then
@@ -216,7 +216,7 @@ contains
       values = study%numbers(name//'_values')
       do i = 2, size(values)
          if (values(i) > values(i - 1)) cycle
-         call study%refuse(name//'_values', 'number '//whole(i)//' is not above number '// &
+         call study%refuse(name//'_values', 'number '//whole(i)//' must be above number '// &
             whole(i - 1))
          return
       end do
@@ -273,10 +273,11 @@ contains
 
       do i = 2, size(axis)
          if (axis(i) > axis(i - 1)) cycle
-         if (study%has(name)) call study%refuse(name, 'number '//whole(i)//' is not above number ' &
+         if (study%has(name)) call study%refuse(name, 'number '//whole(i)//' must be above number &
+            &' &
             //whole(i - 1))
          if (.not. study%has(name)) call study%refuse(name//'_max', &
-            'so many values between them are not distinct')
+            'the range has not that many distinct values')
          return
       end do
    end subroutine check_axis
@@ -490,9 +491,9 @@ contains
          //' of '//whole(size(net%head))//' points so far'
       result%empty = net%n == 0
       if (result%empty .and. len(result%cut) > 0) return
-      if (net%full) call result%remark('there are more motions than could be kept')
+      if (net%full) call result%remark('there are more motions than can be stored')
       if (result%empty) then
-         call result%fail('no line of the grid passes a motion of this family')
+         call result%fail('no motion of this family was found on any line of the grid')
          return
       end if
       call put_motions(case%study, plane, net, motions, extremes, result)

@@ -48,7 +48,7 @@ module vi_common_keys
       meaning='load cycles simulated at each value before the motion is examined')
    type(key_type), parameter, public :: keep_key = key_type('keep', a_whole, default='33', &
       low=3.0_wp, high=1.0e4_wp, &
-      meaning='load cycles then examined; periods of up to half of them are detected')
+      meaning='load cycles examined afterwards; periods of up to half of them are detected')
    type(key_type), parameter, public :: cycles_key = key_type('cycles', a_whole, default='1', &
       low=1.0_wp, high=1.0e4_wp, meaning='load cycles in a period')
    type(key_type), parameter, public :: symmetric_key = key_type('symmetric', a_word, &
@@ -116,8 +116,9 @@ contains
          else if (geometric .and. low <= 0) then
             call case%study%refuse('low', 'above 0 with spacing = ''geometric''')
          else if (.not. rise(parameter_values(case))) then
-            call case%study%refuse('values', 'so many values between '//exact(low)// &
-               ' and '//exact(high)//' are not distinct')
+            call case%study%refuse('values', 'there are not that many distinct values between &
+               &'//exact(low)// &
+               ' and '//exact(high))
          else if (parameters(place) == 'r') then
             if (any(at_resonance(case%osc%xi, parameter_values(case)))) call &
                case%study%refuse('low', resonance//'among the values')

@@ -67,7 +67,7 @@ contains
       !> Why there is no such family; empty if there is one.
       character(:), allocatable, intent(out) :: message
       !> Whether half a period of a motion with stops or friction that is its own mirror image is
-      !! followed, so that its pitchforks are told from folds; not by default.
+      !! followed, which distinguishes its pitchforks from folds; not by default.
       logical, intent(in), optional :: halves
       type(structure_members_type) :: s
       type(structure_family_type) :: whole
@@ -374,15 +374,15 @@ contains
          m = size(order)
          if (m > most_symbols) message = 'the motion has '//counted(m, 'event')//'; at most '// &
             whole_text(most_symbols)//' can be followed'
-         if (any(start%limits(1, order) == 0)) message = 'a force that jumps changes what sticks; &
-            &such motions cannot be followed'
+         if (any(start%limits(1, order) == 0)) message = 'a jump of a force makes friction stick &
+            &or slip; such motions cannot be followed'
          if (len(message) > 0) return
          phases = [((real(events(order(i))%cycle - events(order(1))%cycle, wp)*2*pi + &
             events(order(i))%elapsed*s%path%load%frequency), i=1, m)]
          flights = [phases(2:), phases(1) + 2*pi*s%cycles] - phases
          if (any(flights < instant)) then
-            message = 'two events come at one instant; such motions with stops or friction cannot &
-               &be followed'
+            message = 'two events occur at the same instant; such motions with stops or friction &
+               &cannot be followed'
             return
          end if
          free = [(.not. any(sticks(start%closed(order(i))%set)), i=1, m)]
@@ -417,7 +417,7 @@ contains
          end do
       end associate
    contains
-      !> Whether an event tells of a change that was made at the one before it.
+      !> Whether an event reports a change that was made at the one before it.
       pure logical function is_repeated(i, before)
          !> Both events.
          integer, intent(in) :: i, before
@@ -574,7 +574,7 @@ contains
             ! one impact at least comes before
             if (j == k + 1 .and. j < i - 1) j = j + 1
             if (j < k + 1) then
-               message = 'an event of another gap comes within an accumulation; such motions &
+               message = 'an event of another gap occurs during an accumulation; such motions &
                   &cannot be followed'
                return
             end if
@@ -596,7 +596,8 @@ contains
          ! without restitution a rest begins at its impact
          if (kind(i) == single .and. kind(j) == 0 .and. gap(i) == gap(j)) cycle
          if (left(i) == 0 .and. left(j) == 0) cycle
-         message = 'two events come at one instant; such motions with rests cannot be followed'
+         message = 'two events occur at the same instant; such motions with rests cannot be &
+            &followed'
          return
       end do
       s%kinds = pack(s%kinds, left > 0)
@@ -675,9 +676,9 @@ contains
       call set_flights(family, member)
       call multipliers_beside(s, member, multipliers, good)
       if (.not. good) return
-      if (are_multiple(multipliers)) message = 'gaps close at one instant, and several multipliers &
-         &of disturbances that part these impacts are always equal, as for three equal units; such &
-         &motions cannot be followed'
+      if (are_multiple(multipliers)) message = 'gaps close at the same instant, and several &
+         &multipliers of disturbances that separate these impacts are always equal, as for three &
+         &equal units; such motions cannot be followed'
    end subroutine check_parting
 
    !> Moves a bound at which there are no motions of the family a little inwards.

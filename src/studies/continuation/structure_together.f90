@@ -86,14 +86,14 @@ contains
       do i = 1, n
          if (twin(found%gaps(i)) == twin(found%gaps(first(i)))) cycle
          message = 'gaps '//whole(found%gaps(first(i)) - 1)//' and '//whole(found%gaps(i) - 1)// &
-            ' close at one instant, but would not for other values of the parameters; change both &
-            &of them alike'
+            ' close at the same instant, but would not for other values of the parameters; change &
+            &both gaps in the same way'
          return
       end do
       if (any([(coupling_at_instants(samples(i)%structure, found%gaps, impact_of), i=1, 3)] /= &
          none)) then
-         message = 'gaps that close at one instant are coupled by damping, so that the derivative &
-            &of the period depends on their order'
+         message = 'gaps that close at the same instant are coupled by damping, so the derivative &
+            &of the map over a period depends on their order'
          return
       end if
       s%exchanged = all([(count(impact_of == impact_of(i)) <= 2 .and. abs(samples(1)%structure% &

@@ -100,19 +100,19 @@ module vi_find_study
       column_type('search', 'states', wholes, listed=.false., &
       meaning='initial states that were simulated'), &
       column_type('search', 'without_impacts', wholes, listed=.false., &
-      meaning='states after which no impacts are left: all gaps stay open, or some rest for &
-      &good'), &
+      meaning='states after which no impacts are left: all gaps stay open, or some rest &
+      &permanently'), &
       column_type('search', 'chaotic', wholes, listed=.false., &
-      meaning='states whose largest Lyapunov exponent is positive by more than its error'), &
+      meaning='states whose largest Lyapunov exponent is positive and exceeds its error'), &
       column_type('search', 'quasi_periodic', wholes, listed=.false., &
-      meaning='states whose largest Lyapunov exponent is zero by its error, where no stable &
-      &motion is near'), &
+      meaning='states whose largest Lyapunov exponent is zero within its error, with no stable &
+      &motion nearby'), &
       column_type('search', 'unsettled', wholes, listed=.false., &
-      meaning='states on which none of this is decided, or whose motion is not stable'), &
+      meaning='states for which none of this was decided, or whose motion is not stable'), &
       column_type('search', 'guesses', wholes, listed=.false., &
       meaning='sets of impact times from which Newton''s method started'), &
       column_type('failures', 'status', wholes, listed=.false., &
-      meaning='code of what failed in a simulation or an iteration'), &
+      meaning='code of the failure of a simulation or an iteration'), &
       column_type('failures', 'count', wholes, listed=.false., meaning='how often it occurred')]
 
 contains
@@ -291,7 +291,7 @@ contains
       character(:), allocatable, intent(out) :: text
       integer, parameter :: others(5) = [not_stable, unconfirmed, wandering, no_impacts, unfinished]
       character(*), parameter :: reasons(5) = [character(60) :: &
-         'passed by a motion that is not stable', &
+         'stayed near an unstable motion for a while', &
          'repeated themselves where Newton''s method finds no motion', &
          'did not repeat themselves within 16 load cycles', 'had no more impacts', &
          'reached max_events or could not be simulated to the end']
@@ -315,8 +315,8 @@ contains
          &lines of constant r and constant clearance, '//whole(findings%releases)// &
          ' releases from rest, and '//whole(sum(findings%outcomes))//' simulated states, of &
          &which '//whole(findings%outcomes(settled))//' settled on a stable periodic motion'// &
-         apart//'. A motion with a very small neighbourhood of convergence can have been missed, &
-         &one with rest most easily.'
+         apart//'. A motion with a very small neighbourhood of convergence may have been missed, &
+         &most easily one with rest.'
    end subroutine search_text
 
    !> Checks the rules that involve several keys.
@@ -334,7 +334,7 @@ contains
          if (orders*s%number('max_cycles')*s%number('guesses') <= most_tries) return
          call s%refuse('max_impacts', 'the orders of impacts on '//counted(gaps, 'gap')// &
             ' with max_cycles = '//whole(s%whole_number('max_cycles'))//' and guesses = '// &
-            whole(s%whole_number('guesses'))//' make more iterations')
+            whole(s%whole_number('guesses'))//' need more iterations')
       end associate
    end subroutine check_find
 

@@ -33,7 +33,7 @@ module vi_motion_study
 
    integer, parameter :: most_impacts = 1000
 
-   character(*), parameter :: known = ', which knows it', equispaced = 'kind=equispaced'
+   character(*), parameter :: known = ', which determines it', equispaced = 'kind=equispaced'
    type(key_type), parameter :: motion_keys(*) = [ &
       key_type('kind', a_word, default='''periodic''', words='periodic equispaced exact', &
       takes='''periodic'' (phases given), ''equispaced'' (clearance given) or ''exact'' &
@@ -47,15 +47,15 @@ module vi_motion_study
       meaning='walls of the impacts in order, for example RRL'), &
       key_type('phases', most=most_impacts, or='phases_over_pi', never=equispaced, why=known, &
       takes='one number for each impact, increasing from 0 to below 2 pi cycles', unit='rad', &
-      meaning='load phases of the impacts, from the first one'), &
+      meaning='load phases of the impacts, relative to the first one'), &
       key_type('phases_over_pi', most=most_impacts, or='phases', never=equispaced, why=known, &
       takes='one number for each impact, increasing from 0 to below 2 cycles', is='phases', &
       factor=pi, unit='pi rad', &
-      meaning='load phases of the impacts in units of pi, from the first one'), &
+      meaning='load phases of the impacts in units of pi, relative to the first one'), &
       key_type('positions', most=most_impacts, only='kind=exact', may_miss=.true., &
       unit='F0/K', takes='one number for each impact, each with |x| <= 1e12', &
-      meaning='guessed displacements of the primary mass at the impacts; else equations (26), &
-      &(30) give them'), &
+      meaning='guessed displacements of the primary mass at the impacts; by default from equations &
+      &(26), (30)'), &
       key_type('tau', low=-1.0e6_wp, high=1.0e6_wp, only='positions', may_miss=.true., &
       unit='rad', meaning='guessed phase of equation (4)'), &
       key_type('impact_restitution', most=most_impacts, low=0.0_wp, high=1.0_wp, &
@@ -63,7 +63,7 @@ module vi_motion_study
       takes='one number for each impact, each with 0 <= R <= 1', &
       meaning='a coefficient of restitution for each impact; by default that of the wall'), &
       key_type('precision', a_word, default='''double''', words='double single', &
-      meaning='arithmetic; single only with given phases or equispaced'), &
+      meaning='arithmetic; ''single'' only with given phases or kind = ''equispaced'''), &
       key_type('acceptance', default='0.03', low=0.0_wp, high=1.0_wp, never='kind=exact', &
       why=', which leaves no residual', &
       meaning='largest relative residual that counts as consistent')]
@@ -75,7 +75,8 @@ module vi_motion_study
       column_type('impacts', 'side', words, words='R,L,R*,L*', &
       meaning='wall; with a star where impacts accumulate there and end in rest'), &
       column_type('impacts', 'restitution', meaning='coefficient of restitution'), &
-      column_type('impacts', 'phase', unit='rad', meaning='load phase, from the first impact'), &
+      column_type('impacts', 'phase', unit='rad', meaning='load phase, relative to the first &
+      &impact'), &
       column_type('impacts', 'X', unit='F0/K', meaning='displacement of the primary mass'), &
       column_type('impacts', 'Z', unit='F0/K', meaning='displacement of the free mass'), &
       column_type('impacts', 'X_dot_before', unit='omega F0/K', &
@@ -108,7 +109,7 @@ module vi_motion_study
       column_type('motions', 'cycles', wholes, listed=.false., &
       meaning='load cycles of the period'), &
       column_type('motions', 'status', wholes, listed=.false., &
-      meaning='code of what failed; 0: none'), &
+      meaning='code of the failure; 0: none'), &
       column_type('motions', 'kind', words, words='periodic,equispaced,exact', listed=.false., &
       meaning='how it was found: from given phases, as equispaced, or exactly'), &
       column_type('motions', 'precision', words, words='double,single', listed=.false., &
@@ -128,8 +129,7 @@ module vi_motion_study
       column_type('motions', 'units', words, listed=.false., &
       meaning='units of length, force and time, if known'), &
       column_type('impacts', 'guess', unit='rad', listed=.false., &
-      meaning='load phase from which the exact motion was found, if the linear equations were &
-      &solved for it first')]
+      meaning='guessed load phase of an exact motion, if the linear equations were solved first')]
 
    !> Columns of the events of motions with rest.
    type(column_type), parameter :: event_columns(*) = [ &
@@ -172,22 +172,22 @@ module vi_motion_study
    end type motion_request_type
 
    real(wp), parameter :: largest_phase = 1.0e6_wp
-   character(*), parameter :: settled = 'kind=settled', simulated = ', which simulates'
+   character(*), parameter :: settled = 'kind=settled', simulated = ', which finds it by simulation'
 
    type(key_type), parameter :: structure_keys(*) = [ &
       key_type('kind', a_word, default='''exact''', words='periodic exact settled', &
       takes='''periodic'' (phases presumed, the linear equations), ''exact'' (phases guessed) or &
       &''settled'' (simulated until it repeats)', meaning='how the motion is given'), &
       key_type('cycles', a_whole, low=1.0_wp, high=10000.0_wp, may_miss=.true., &
-      meaning='load cycles in a period; 1 if it is left out, or with kind = ''settled'' those &
-      &that repeat best'), &
+      meaning='load cycles in a period; 1 if it is left out; with kind = ''settled'' the number &
+      &that repeats best'), &
       key_type('gaps', a_whole, most=most_impacts, low=0.0_wp, never=settled, why=simulated, &
       takes='the number of a gap, from 0, for each impact, 1 to 1000 of them', &
-      meaning='gaps of the impacts in order; of all events with stops or friction'), &
+      meaning='gaps of the impacts in order; with stops or friction those of all events'), &
       key_type('kinds', a_word, most=most_impacts, may_miss=.true., never=settled, why=simulated, &
       words='impact touch leave let_go press halt slip_up slip_down', &
       takes='the kind of each event in gaps: impact of a gap; touch, leave, let_go, press of a &
-      &stop; halt, slip_up, slip_down of friction, which has the numbers after gaps and stops', &
+      &stop; halt, slip_up, slip_down of friction, numbered after gaps and stops', &
       meaning='with stops or friction: what happens in each event'), &
       key_type('phases', most=most_impacts, or='phases_over_pi', never=settled, why=simulated, &
       takes='one number for each impact, increasing, within less than a period of each other', &
@@ -222,7 +222,7 @@ module vi_motion_study
       meaning='largest relative residual of the equations'), &
       column_type('motion', 'determinant', listed=.false., meaning='det[P]'), &
       column_type('motion', 'law', listed=.false., &
-      meaning='the value that the damping and the impacts give det[P]'), &
+      meaning='value of det[P] that follows from damping and impacts'), &
       column_type('motion', 'consistent', verdicts, listed=.false., &
       meaning='whether it solves all equations'), &
       column_type('motion', 'admissible', verdicts, listed=.false., &
@@ -291,9 +291,9 @@ contains
       if (len(values%fault) > 0) return
       if (values%is('kind', 'equispaced')) then
          if (modulo(values%whole_number('cycles'), 2) == 0) call values%refuse('cycles', &
-            'and must be odd for kind = ''equispaced''')
+            'it must be odd for kind = ''equispaced''')
          if (abs(osc%restitution(1) - osc%restitution(2)) > 0) call values%refuse('kind', &
-            '''equispaced'' needs equal restitution on both walls')
+            '''equispaced'' requires equal restitution on both walls')
          return
       end if
       call values%text('sides', symbols)
@@ -306,13 +306,13 @@ contains
       end if
       call values%set_word('sides', side_symbols(pattern%sides))
       if (values%is('kind', 'exact') .and. values%is('precision', 'single')) call values%refuse( &
-         'precision', 'and ''double'' for kind = ''exact''')
+         'precision', 'it must be ''double'' for kind = ''exact''')
       call check_phases(values, n)
       if (values%has('positions')) then
          given = size(values%numbers('positions'))
          if (given /= n) call values%refuse('positions', counted(n, 'impact')//' are in sides')
          if (any(abs(values%numbers('positions')) > 1.0e12_wp)) call values%refuse('positions')
-         if (.not. values%has('tau')) call values%refuse('positions', 'and needs tau')
+         if (.not. values%has('tau')) call values%refuse('positions', 'tau must be given too')
       end if
       if (.not. values%has('impact_restitution')) return
       given = size(values%numbers('impact_restitution'))
@@ -337,13 +337,13 @@ contains
          call values%refuse('phases', counted(size(phases), 'number')//' for '//counted(n, &
             'impact')//' in sides')
       else if (abs(phases(1)) > 0) then
-         call values%refuse('phases', 'the first must be 0, it sets the origin')
+         call values%refuse('phases', 'the first must be 0: it is the origin')
       else if (.not. phases(n) < period) then
          call values%refuse('phases', 'the last must be below '//shown(period/unit, 'g0.6'))
       else
          do i = 2, n
             if (phases(i) <= phases(i - 1)) call values%refuse('phases', 'number '//whole(i)// &
-               ' is not above number '//whole(i - 1))
+               ' must be above number '//whole(i - 1))
          end do
       end if
    end subroutine check_phases
@@ -625,9 +625,9 @@ contains
          if (len(group%fault) > 0) return
       else if (.not. is_free(case, group)) then
          if (group%is('kind', 'settled')) then
-            call group%refuse('kind', 'it goes with a &load that has a frequency')
+            call group%refuse('kind', 'it requires a &load with a frequency')
          else
-            call group%refuse('gaps', 'they go with a &load that has a frequency')
+            call group%refuse('gaps', 'they require a &load with a frequency')
          end if
          return
       end if
@@ -673,7 +673,7 @@ contains
       end if
       associate (phases => group%numbers('phases'), n => size(group%numbers('gaps')))
          if (.not. group%has('kinds')) then
-            call group%refuse('kinds', 'it goes with a &stop or a &friction')
+            call group%refuse('kinds', 'it is required with a &stop or a &friction')
          else if (group%count_words('kinds') /= n) then
             call group%refuse('kinds', counted(n, 'event')//' are in gaps')
          else
@@ -681,7 +681,7 @@ contains
                if (phases(i) > phases(i - 1)) cycle
                if (any(words_of_friction == group%word('kinds', i)) .and. any([words_of_friction, &
                   'impact   '] == group%word('kinds', i - 1))) cycle
-               call group%refuse('phases', 'of events at once, all after the first must be of &
+               call group%refuse('phases', 'of simultaneous events, all after the first must be of &
                   &friction')
             end do
          end if
@@ -754,7 +754,7 @@ contains
       else
          do i = 2, n
             if (phases(i) < phases(i - 1)) call study%refuse('phases', 'number '//whole(i)// &
-               ' is below number '//whole(i - 1))
+               ' must not be below number '//whole(i - 1))
          end do
       end if
    end subroutine check_structure_phases
@@ -791,7 +791,7 @@ contains
          progress)
       result%empty = status /= stat%ok
       if (status == stat%not_computed) then
-         result%cut = 'it was stopped before a motion was reached'
+         result%cut = 'the computation was stopped before a motion was found'
          return
       end if
       if (status /= stat%ok) then

@@ -79,7 +79,7 @@ contains
       do i = 1, size(structure%openings)
          if (.not. structure%rubs(i) .or. any(gaps == i)) cycle
          if (abs(structure%laws(i)%numbers(3)) > 0) cycle
-         text = 'there is none of element '//whole(i - 1)//', friction without a belt'
+         text = 'element '//whole(i - 1)//' is friction without a belt and must have an event'
          return
       end do
       do i = 1, size(gaps)
@@ -105,8 +105,8 @@ contains
             case default
                good = .false.
             end select
-            if (.not. good) text = 'number '//whole(i)//' cannot happen to element '// &
-               whole(j - 1)//' after what precedes it in the period'
+            if (.not. good) text = 'number '//whole(i)//' is impossible for element '// &
+               whole(j - 1)//' after the events before it in the period'
             if (.not. good) return
             call pass_label([kinds(i), j], closed)
          end associate

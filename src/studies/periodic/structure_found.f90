@@ -30,9 +30,9 @@ module vi_structure_found
       meaning='velocities just after the impact')], &
       derivative_columns(*) = [ &
       column_type('multipliers', 'multiplier', complexes, listed=.false., &
-      meaning='eigenvalues of [P], by decreasing modulus'), &
+      meaning='eigenvalues of [P], in order of decreasing modulus'), &
       column_type('derivative', 'P', each='state', listed=.false., &
-      meaning='[P], the derivative of the period of coordinates and velocities'), &
+      meaning='[P], the derivative of the map of coordinates and velocities over a period'), &
       column_type('rests', 'gap', wholes, listed=.false., meaning='gap that rests, from 0'), &
       column_type('rests', 'begin', unit='rad', listed=.false., &
       meaning='load phase at which it begins to rest'), &
@@ -49,7 +49,7 @@ module vi_structure_found
       meaning='largest relative residual of the equations'), &
       column_type('motions', 'determinant', listed=.false., meaning='det[P]'), &
       column_type('motions', 'law', listed=.false., &
-      meaning='the value that the damping and the impacts give det[P]'), &
+      meaning='value of det[P] that follows from damping and impacts'), &
       column_type('motions', 'consistent', verdicts, listed=.false., &
       meaning='whether it solves all equations'), &
       column_type('motions', 'admissible', verdicts, listed=.false., &

@@ -20,7 +20,7 @@ module vi_design_study
    character(*), parameter :: of_walls = 'two numbers from 0 to 1, the lower one first', &
       spread = 'two numbers (all values in between are equally likely) or more (quantiles at even &
       &steps, in order); with the name in `normal`, mean and standard deviation', &
-      of_free = 'uncertain values; of a free parameter deviations from the chosen one, 0 among &
+      of_free = 'uncertain values; for a free parameter deviations from its chosen value, 0 among &
       &them, or factors above 0, 1 among them'
    real(wp), parameter :: tiny_value = 1.0e-300_wp
 
@@ -40,7 +40,8 @@ module vi_design_study
       key_type('quantile', default='0.99', low=0.5_wp, high=1.0_wp, &
       meaning='share of the units that must reach it; the search uses the same share'), &
       key_type('over', a_word, default='''worst''', words='worst basins', &
-      meaning='whether the worst attractor of a unit counts, or each by its initial states'), &
+      meaning='''worst'': the worst attractor of a unit counts; ''basins'': each counts by its &
+      &share of the initial states'), &
       key_type('clearance', low=least_gap, high=most_gap, may_miss=.true., unit='F0/K', &
       never='free_clearance', meaning='clearance d K/F0 at load 1 (d is the whole travel of m),&
       & if it is not free'), &
@@ -77,7 +78,8 @@ module vi_design_study
       meaning=of_free), &
       key_type('normal', a_word, most=7, may_miss=.true., &
       words='clearance mu xi restitution R1 R2 load', takes='names of parameters or ''load''', &
-      meaning='those whose tolerance is mean and standard deviation of a normal distribution'), &
+      meaning='parameters whose tolerance gives mean and standard deviation of a normal &
+      &distribution'), &
       key_type('limit_displacement', low=tiny_value, may_miss=.true., never='amplitude', &
       unit='F0/K', &
       takes='a number > 0', meaning='greatest allowed |X|'), &
@@ -97,11 +99,11 @@ module vi_design_study
       takes='a number > 0', meaning='greatest allowed modulus of the multipliers; a motion &
       &without a period is above it'), &
       key_type('limit_least_speed', low=tiny_value, may_miss=.true., never='amplitude', &
-      unit='omega F0/K', takes='a number > 0', meaning='least allowed approach speed of an impact, &
-      &the distance from zero approach; 0 with rest'), &
+      unit='omega F0/K', takes='a number > 0', meaning='least allowed approach speed of an impact &
+      &(margin from zero approach); 0 with rest'), &
       key_type('limit_least_gap', low=tiny_value, may_miss=.true., never='amplitude', &
       unit='F0/K', takes='a number > 0', meaning='least allowed distance from a wall that the free &
-      &mass approaches without impact, that from a graze; 0 with rest'), &
+      &mass approaches without impact (margin from grazing); 0 with rest'), &
       key_type('cycles', a_whole, default='5', low=1.0_wp, high=1.0e4_wp, only='amplitude', &
       meaning='oscillations over which the damping of free vibration is averaged'), &
       key_type('states', a_whole, default='2', low=1.0_wp, high=64.0_wp, &
@@ -123,7 +125,7 @@ module vi_design_study
       key_type('keep', a_whole, default='32', low=1.0_wp, high=1.0e6_wp, never='amplitude', &
       meaning='load cycles then examined'), &
       key_type('seed', a_whole, default='0', low=0.0_wp, high=2.0e9_wp, &
-      meaning='number from which the samples of the confirmation follow')]
+      meaning='seed of the samples of the confirmation')]
 
    type(column_type), parameter :: design_columns(*) = [ &
       column_type('chosen', 'name', words, meaning='the free parameter'), &
@@ -140,7 +142,8 @@ module vi_design_study
       column_type('design', 'level', unit='mixed', listed=.false., &
       meaning='quantile of the target over the units of the search, at the worst frequency'), &
       column_type('design', 'excess', listed=.false., &
-      meaning='the same of the greatest figure over its limit; 0 without limits'), &
+      meaning='the same quantile of the largest ratio of a quantity to its limit; 0 without &
+      &limits'), &
       column_type('design', 'worst', unit='mixed', listed=.false., &
       meaning='worst target of all samples and of the units of the search'), &
       column_type('design', 'samples', wholes, listed=.false., &
@@ -150,7 +153,7 @@ module vi_design_study
       column_type('design', 'probability', listed=.false., &
       meaning='share of the samples within the limit and all limits'), &
       column_type('design', 'low', listed=.false., &
-      meaning='lower end of its 95 % interval, by Clopper and Pearson'), &
+      meaning='lower end of its 95 % interval (Clopper-Pearson)'), &
       column_type('design', 'high', listed=.false., meaning='upper end'), &
       column_type('design', 'feasible', verdicts, listed=.false., meaning='whether the limit &
       &holds for the quantile of the units in every part of the band'), &
@@ -165,13 +168,13 @@ module vi_design_study
       column_type('bands', 'samples', wholes, listed=.false., meaning='samples in it'), &
       column_type('bands', 'good', wholes, listed=.false., meaning='those within all limits'), &
       column_type('bands', 'probability', listed=.false., meaning='their share'), &
-      column_type('bands', 'low', listed=.false., meaning='lower end of its interval, which holds &
-      &for all parts at once with 95 %'), &
+      column_type('bands', 'low', listed=.false., meaning='lower end of its interval, with a joint &
+      &confidence of 95 % for all parts'), &
       column_type('bands', 'high', listed=.false., meaning='upper end'), &
       column_type('bands', 'worst', unit='mixed', listed=.false., meaning='worst target'), &
       column_type('sensitivities', 'name', words, listed=.false., meaning='a parameter'), &
       column_type('sensitivities', 'slope', unit='mixed', listed=.false., &
-      meaning='derivative of the target of the worst unit by it'), &
+      meaning='derivative of the target of the worst unit with respect to it'), &
       column_type('candidates', 'values', unit='mixed', each='choice', listed=.false., &
       meaning='the free parameters'), &
       column_type('candidates', 'nominal', unit='mixed', listed=.false., &
@@ -197,7 +200,7 @@ contains
       if (.not. present(study)) return
       study%name = 'design'
       study%models = of_oscillator
-      study%meaning = 'design an impact damper for a band, with tolerances'
+      study%meaning = 'design an impact damper for a frequency band, with tolerances'
       study%finds_r = .true.
       study%in_python = .true.
       study%row = 'chosen'
@@ -308,9 +311,8 @@ contains
                ends = ends + study%numbers('free_'//key)
             end if
             if (.not. centred) then
-               call study%refuse('tolerance_'//key, name//' is free, so that these are deviations &
-                  &with 0 among them, or factors above 0 with 1 among them; if normal, of mean &
-                  &0 or 1')
+               call study%refuse('tolerance_'//key, name//' is free, so these are deviations with &
+                  &0 among them, or factors above 0 with 1 among them; if normal, with mean 0 or 1')
                return
             end if
          end if
@@ -319,7 +321,8 @@ contains
          if (name == 'mu') most = 1.0e6_wp
          if (ends(1) < 0 .or. ends(2) > most .or. (name == 'clearance' .and. ends(1) < least_gap) &
             .or. (name == 'xi' .and. .not. ends(2) < 1)) call study%refuse('tolerance_'//key, &
-            'the values that result (6 standard deviations if normal) must be in the range of '// &
+            'the resulting values (up to 6 standard deviations if normal) must be in the range of &
+            &'// &
             name)
       end associate
    end subroutine check_spread

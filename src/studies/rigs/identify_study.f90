@@ -31,8 +31,8 @@ module vi_identify_study
       meaning='phase of the load at time 0, if it is known'), &
       key_type('channels', a_word, most=64, words=channel_words, never=with_times, &
       may_miss=.true., takes='''load'', ''acceleration'', ''velocity'', ''displacement'' or &
-      &''none'', one for each channel', meaning='what the channels of the record are; by default &
-      &their names say it'), &
+      &''none'', one for each channel', meaning='quantities of the channels of the record; by &
+      &default taken from their names'), &
       key_type('channel_units', a_word, most=64, never=with_times, may_miss=.true., &
       takes='units such as ''N'', ''m/s^2'', ''g'' or ''mm'', one for each channel', &
       meaning='units of the channels; by default those of the record'), &
@@ -69,28 +69,28 @@ module vi_identify_study
       meaning='F0, if it is known; by default that of the load'), &
       key_type('fixed', a_word, most=4, words='xi mu R1 R2', may_miss=.true., &
       takes='some of ''xi'', ''mu'', ''R1'' and ''R2''', &
-      meaning='parameters of &system that are known; the fit starts from the others'), &
+      meaning='parameters of &system that are known; the others are where the fit starts'), &
       key_type('law', a_word, default='''constant''', &
       words='constant power powers knee knees table tables', &
-      meaning='restitution by approach speed v: constant, R (v/v0)^-p, with a knee, or a table; &
-      &plurals: of each wall'), &
+      meaning='restitution at approach speed v: constant, R (v/v0)^-p, with a knee, or a table; &
+      &plural: one for each wall'), &
       key_type('law_speed', low=tiny_value, high=huge_value, never='law=constant', &
       may_miss=.true., unit='m/s', meaning='v0, at which R1 and R2 hold; by default the &
       &geometric mean of the speeds of all impacts'), &
       key_type('law_exponent', low=-10.0_wp, high=10.0_wp, least=1, most=2, never='law=constant', &
       may_miss=.true., takes='one number, or two if each wall has its own', &
-      meaning='p, if it is known; of the right and of the left wall'), &
+      meaning='exponent p, if it is known; one, or of the right and of the left wall'), &
       key_type('law_knee', low=tiny_value, high=huge_value, least=1, most=2, never='law=constant', &
       may_miss=.true., unit='m/s', takes='one speed, or two with law = ''knees''', &
-      meaning='speed at which the power law begins, if it is known; of the right and of the left &
-      &wall'), &
+      meaning='speed at which the power law begins, if it is known; one, or of the right and of &
+      &the left wall'), &
       key_type('law_knots', a_whole, low=2.0_wp, high=20.0_wp, may_miss=.true., &
       meaning='number of knots of a table, between the speeds of the impacts; by default 3')]
 
    type(column_type), parameter :: identify_columns(*) = [ &
       column_type('parameters', 'name', words, meaning='the parameter'), &
       column_type('parameters', 'value', &
-      meaning='its value; where it is undetermined, that from which the fit started'), &
+      meaning='its value; if it is undetermined, the starting value of the fit'), &
       column_type('parameters', 'error', meaning='its standard error; 0 if it is known'), &
       column_type('parameters', 'low', meaning='lower end of its 95 % interval'), &
       column_type('parameters', 'high', meaning='upper end of its 95 % interval'), &
@@ -98,7 +98,8 @@ module vi_identify_study
       column_type('parameters', 'state', words, words='fitted,known,undetermined', &
       meaning='whether it was fitted, is known, or cannot be determined from the records'), &
       column_type('records', 'status', words, listed=.false., &
-      words='periodic,not periodic,accumulation,rest,no impacts', meaning='what the impacts do'), &
+      words='periodic,not periodic,accumulation,rest,no impacts', meaning='how the impacts &
+      &repeat'), &
       column_type('records', 'quantity', words, listed=.false., &
       words='acceleration,velocity,displacement,impact times', meaning='what was measured'), &
       column_type('records', 'sides', words, listed=.false., &
@@ -128,7 +129,7 @@ module vi_identify_study
       column_type('impacts', 'picked', unit='rad', listed=.false., &
       meaning='load phase of the impact of a period, as detected, to a fraction of a sample'), &
       column_type('impacts', 'picked_error', unit='rad', listed=.false., &
-      meaning='standard error of it'), &
+      meaning='its standard error'), &
       column_type('impacts', 'fitted', unit='rad', listed=.false., &
       meaning='load phase in the fitted motion'), &
       column_type('impacts', 'speed', unit='m/s', listed=.false., &
@@ -145,7 +146,7 @@ module vi_identify_study
       column_type('samples', 'load_fit', unit='N', listed=.false., meaning='fitted load'), &
       column_type('samples', 'motion', listed=.false., meaning='motion, as recorded'), &
       column_type('samples', 'motion_fit', listed=.false., &
-      meaning='the fitted motion through the sensor')]
+      meaning='the fitted motion as the sensor shows it')]
 
 contains
 

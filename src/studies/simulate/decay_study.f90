@@ -49,7 +49,7 @@ module vi_decay_study
       column_type('peaks', 'impacts', wholes, meaning='impacts since the previous peak'), &
       column_type('peaks', 'rests', wholes, meaning='rests that began since the previous peak'), &
       column_type('runs', 'status', wholes, listed=.false., &
-      meaning='code of what failed; 0: none')]
+      meaning='code of the failure; 0: none')]
 
 contains
 
@@ -83,10 +83,10 @@ contains
       associate (study => case%study)
          if (len(study%fault) > 0) return
          if (abs(study%number('y')) > half_gap(minval(clearance_values(case)))) call &
-            study%refuse('y', 'y must be within half of each clearance')
+            study%refuse('y', 'y must be within half of the smallest clearance')
          if (.not. (abs(study%number('amplitude')) > 0 .or. abs(study%number('x_dot')) > 0 .or. &
             abs(study%number('z_dot')) > 0)) call study%refuse('amplitude', &
-            'amplitude must not be 0 where both masses start at rest')
+            'it must not be 0 if both masses start at rest')
          call check_product(study, 'cycles', [size(clearance_values(case)), &
             2*study%whole_number('cycles') + 1], 'clearances x (2 cycles + 1) must be at most '// &
             whole(most_numbers))
@@ -198,7 +198,7 @@ contains
          shown(minval(damping), 'f12.5')//' to '//shown(maxval(damping), 'f12.5')//' at '// &
          counted(size(counts), 'clearance'))
       if (all(counts == most)) return
-      reason = 'the oscillation ends before'
+      reason = 'the oscillation ends earlier'
       if (any(status /= stat%ok)) reason = status_text(maxval(status))
       call result%fail(whole(count(counts < most))//' of '//counted(size(counts), 'clearance')// &
          ' with fewer than '//whole(most)//' peaks: '//reason)

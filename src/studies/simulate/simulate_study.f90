@@ -34,7 +34,7 @@ module vi_simulate_study
       meaning='load cycles to simulate; fractions are allowed'), &
       key_type('discard', default='0', low=0.0_wp, high=1.0e9_wp, &
       takes='a number of load cycles with 0 <= discard <= 1e9', &
-      meaning='load cycles simulated before the ones that are kept'), &
+      meaning='load cycles simulated before those that are kept'), &
       load_key, state_keys, &
       key_type('max_events', a_whole, default='10000000', low=1.0_wp, high=most_kept, &
       meaning='events after which the simulation stops')]
@@ -77,20 +77,19 @@ module vi_simulate_study
       listed=.false., &
       meaning='the start and the end, and where the flight or rest of each began'), &
       column_type('moments', 'quantities', each='quantity', unit='mixed', listed=.false., &
-      meaning='load cycle, load phase above it (rad), x, x_dot, z, z_dot, departure speed'), &
+      meaning='number of the load cycle, phase in it (rad), x, x_dot, z, z_dot, departure speed'), &
       column_type('moments', 'contact', wholes, each='flag', listed=.false., &
       meaning='wall (1 right, -1 left, 0 none), whether the free mass rests on it, whether it was &
-      &released just then')]
+      &just released')]
 
    type(key_type), parameter :: structure_keys(*) = [ &
       key_type('duration', low=0.0_wp, high=longest, may_miss=.true., or='cycles', &
-      meaning='how long to simulate; if neither is given, to the last sample of a record'), &
+      meaning='time to simulate; without it and cycles, up to the last sample of a record'), &
       key_type('cycles', low=0.0_wp, high=1.0e9_wp, may_miss=.true., or='duration', &
       takes='a number of load cycles with 0 <= cycles <= 1e9', &
-      meaning='how long, as a number of cycles of the load; fractions are allowed'), &
+      meaning='load cycles to simulate; fractions are allowed'), &
       key_type('discard', default='0', low=0.0_wp, high=longest, &
-      meaning='how long to simulate before what is kept: load cycles if cycles is given, else &
-      &time'), &
+      meaning='load cycles (if cycles is given, else time) simulated before those that are kept'), &
       start_keys, &
       key_type('max_events', a_whole, default='1000000', low=1.0_wp, high=1.0e8_wp, &
       meaning='events after which the simulation stops')]
@@ -98,11 +97,12 @@ module vi_simulate_study
    type(column_type), parameter :: own_structure_columns(*) = [ &
       column_type('events', 'time', meaning='time'), &
       column_type('events', 'kind', words, words=event_kinds, &
-      meaning='kind; from touch on those of stops, from halt on those of friction'), &
+      meaning='kind; touch to press belong to stops, halt to slip_down to friction'), &
       column_type('events', 'gap', wholes, &
-      meaning='number of the gap or stop, or after all of them of friction, from 0'), &
+      meaning='number of the gap, stop or friction, from 0; friction is numbered after gaps and &
+      &stops'), &
       column_type('events', 'speed', &
-      meaning='approach speed; of a stop the speed of its opening'), &
+      meaning='approach speed; for a stop the rate of its opening'), &
       column_type('events', 'impulse', meaning='impulse'), &
       column_type('events', 'q', each='coordinate', label='q_#', &
       meaning='coordinates'), &
@@ -123,9 +123,10 @@ module vi_simulate_study
       column_type('run', 'step', listed=.false., &
       meaning='time between the samples of a record; 0 without a record'), &
       column_type('record', 'value', each='channel', listed=.false., &
-      meaning='samples of a record, linear between them'), &
+      meaning='samples of a record, which is linear between them'), &
       column_type('channels', 'weight', each='coordinate', listed=.false., &
-      meaning='forces on the coordinates for 1 in a column of the record'), structure_columns]
+      meaning='forces on the coordinates for a value of 1 in a column of the record'), &
+      structure_columns]
 
 contains
 
@@ -225,7 +226,7 @@ contains
          result%empty = .true.
          result%no_memory = .true.
          call result%fail(status_text(status)//': the events so far, '//whole(size(events))// &
-            ', leave no room for more; simulate fewer load cycles at a time, or give a smaller &
+            ', leave no memory for more; simulate fewer load cycles at a time, or give a smaller &
             &max_events')
          return
       else if (status == stat%not_computed) then
@@ -300,7 +301,7 @@ contains
                call study%set('duration', [max(0.0_wp, end_of_record)])
             end if
          else if (.not. load_frequency(case) > 0) then
-            call study%refuse('cycles', 'it goes with a &load that has a frequency; or give &
+            call study%refuse('cycles', 'it requires a &load with a frequency; otherwise give &
                &duration')
          else if (.not. span(case, 'cycles') <= longest) then
             call study%refuse('cycles', 'they must take at most '//trim(number_text(longest, &
@@ -379,7 +380,7 @@ contains
          result%empty = .true.
          result%no_memory = .true.
          call result%fail(status_text(status)//': the events so far, '//whole(n)// &
-            ', leave no room for more; simulate less time, or give a smaller max_events')
+            ', leave no memory for more; simulate a shorter time, or give a smaller max_events')
          return
       else if (status == stat%not_computed) then
          result%cut = 'the simulation was stopped after '//counted(count(labels(1, :n) == &

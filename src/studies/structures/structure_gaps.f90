@@ -65,7 +65,8 @@ module vi_structure_gaps
       key_type('preload', low=0.0_wp, high=most_stop, default='0', &
       meaning='preload: the force that acts as soon as contact is made'), &
       key_type('release', a_word, default='''gap''', words='gap force', &
-      meaning='contact ends where the gap opens, or where the force vanishes: it cannot pull')]
+      meaning='contact ends when the gap opens, or when the force vanishes, so that the stop &
+      &cannot pull')]
 
    type(key_type), parameter, public :: friction_keys(*) = [ &
       key_type('direction', most=most_coordinates, low=-most_direction, high=most_direction, &
@@ -98,7 +99,7 @@ contains
       end if
       if (gap%name == 'stop') then
          if (gap%number('stiffness') + gap%number('damping') + gap%number('preload') > 0) return
-         call gap%refuse('stiffness', 'it, damping or preload must be above 0')
+         call gap%refuse('stiffness', 'stiffness, damping or preload must be above 0')
          return
       end if
       if (.not. gap%has('law_speeds')) return

@@ -66,7 +66,7 @@ contains
             call check_gap(parts(i), points)
             if (harmonics_of(parts(i)) > 0 .and. .not. has_frequency(parts)) call parts(i)%refuse( &
                trim(merge('cosine', 'sine  ', parts(i)%has('cosine'))), &
-               'it goes with a &load that has a frequency')
+               'it requires a &load with a frequency')
          else
             call check_load(parts(i), coordinates)
             call complete_record(path, structure, coordinates, parts(i))

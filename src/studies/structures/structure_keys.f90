@@ -42,7 +42,7 @@ contains
       character(*), intent(in) :: key
 
       if (.not. load_frequency(case) > 0) call case%study%refuse(key, &
-         'it goes with a &load that has a frequency')
+         'it requires a &load with a frequency')
    end subroutine needs_frequency
 
    !> The place in a state (q, q') of a coordinate or velocity by its name: q_0, q_1, .. or q_dot_0,

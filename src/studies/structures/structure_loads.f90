@@ -33,8 +33,8 @@ module vi_structure_loads
       takes='one number for each coordinate', meaning='constant forces, such as gravity'), &
       key_type('record', most=most_samples, may_miss=.true., or='record_file', &
       never='frequency', takes='one number for each column, sample by sample, with at least two &
-      &samples', meaning='samples of forces, or with base of its motion: linear between them, from &
-      &time 0 on, and 0 after the last one'), &
+      &samples', meaning='samples of forces, or with base of its motion; linear between them, from &
+      &time 0, and 0 after the last one'), &
       key_type('record_file', a_word, may_miss=.true., or='record', never='frequency', &
       takes='a CSV file, a Matrix Market file (real, general) or a NumPy file (.npy, float64), &
       &with a row for each sample, at least two, and at most 1e7 numbers', &
@@ -47,11 +47,11 @@ module vi_structure_loads
       meaning='coordinates on which the columns act; all of them if it is left out'), &
       key_type('weights', most=most_numbers, may_miss=.true., never='base', &
       takes='one number for each coordinate, column by column', &
-      meaning='forces on the coordinates for 1 in each column'), &
+      meaning='forces on the coordinates for a value of 1 in each column'), &
       key_type('base', a_word, may_miss=.true., words='acceleration motion', &
       takes='''acceleration'' (one column) or ''motion'' (two columns)', &
-      meaning='the columns or harmonics are the acceleration of the base, and coordinates relative &
-      &to it, or its displacement (columns: and velocity), and coordinates absolute'), &
+      meaning='columns or harmonics are the acceleration of the base, with relative coordinates, &
+      &or its displacement (columns: and velocity), with absolute ones'), &
       key_type('base_cosine', most=most_harmonics, may_miss=.true., low=-1.0e40_wp, &
       high=1.0e40_wp, only='base', never='record record_file', &
       takes='one number from -1e40 to 1e40 for each harmonic', &
@@ -90,12 +90,12 @@ contains
       if (moves_base(load)) then
          if (.not. load%has('frequency')) call load%refuse('frequency')
       else if (load%has('base')) then
-         call load%forbid('base', ': it goes with record, record_file, base_cosine or base_sine')
+         call load%forbid('base', ': it requires record, record_file, base_cosine or base_sine')
       else if (.not. any([(load%has(trim(names(i))), i=1, 3)])) then
          call load%refuse('constant', 'or give cosine or sine')
       end if
       do i = 1, size(of_record)
-         call load%forbid(trim(of_record(i)), ': it goes with record or record_file')
+         call load%forbid(trim(of_record(i)), ': it requires record or record_file')
       end do
    end subroutine check_load
 
@@ -156,7 +156,7 @@ contains
       integer, intent(in) :: n
       !> Number of columns.
       integer, intent(out) :: columns
-      !> What tells it, as the end of a message.
+      !> Where the number comes from, as the end of a message.
       character(:), allocatable, intent(out) :: why
       integer, allocatable :: numbers(:)
       integer :: i
@@ -209,7 +209,7 @@ contains
          i = findloc([(abs(times(i + 1) - i*step) <= share*step, i=0, last)], .false., 1)
          if (len(message) == 0 .and. i > 0) message = 'sample '//whole(i)//' is at time '// &
             trim(number_text(times(i), .false.))//'; must be '//trim(number_text((i - 1)*step, &
-            .false.))//', as samples start at 0 and follow each other by the step '// &
+            .false.))//', as the samples start at 0 with the step '// &
             trim(number_text(step, .false.))
          if (.not. load%has('step')) call load%set('step', [step])
       end if
@@ -304,7 +304,7 @@ contains
 
       if (.not. load%has('base_direction')) then
          if (structure%has('frequencies')) call load%refuse('base_direction', &
-            'coordinates that are amplitudes of modes need it')
+            'it is required if the coordinates are modal amplitudes')
          call load%set('base_direction', spread(1.0_wp, 1, n))
       end if
       allocate (d, source=load%numbers('base_direction'))

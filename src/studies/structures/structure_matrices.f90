@@ -24,8 +24,8 @@ module vi_structure_matrices
 
    !> Most outputs.
    integer, parameter :: most_outputs = 100
-   character(*), parameter :: output_takes = 'different names of at most 23 letters, digits and _, &
-      &of which the first is a letter, and not phase, speed or one that begins with q_'
+   character(*), parameter :: output_takes = 'different names of at most 23 letters, digits and _ &
+      &that start with a letter, except phase, speed and names that start with q_'
 
    character(*), parameter :: matrix_takes = 'n numbers (the diagonal) or n*n numbers (a symmetric &
       &matrix, row by row) from -1e100 to 1e100, with n at most 500'
@@ -65,9 +65,10 @@ module vi_structure_matrices
       key_type('output_rows', most=most_outputs*most_coordinates, low=-largest_modal, &
       high=largest_modal, only='outputs', &
       takes='one number from -1e40 to 1e40 for each coordinate, output by output', &
-      meaning='each output as a sum of the coordinates; with modes the shapes at its point'), &
+      meaning='weight of each coordinate in each output; with modes the shapes at its point'), &
       key_type('simultaneous', a_word, may_miss=.true., words='newton sequence', &
-      meaning='law of impacts where coupled gaps close at one instant: Newton''s law at all of &
+      meaning='law of impacts where coupled gaps close at the same instant: Newton''s law at all &
+      &of &
       &them at once, or impacts one after the other; an error if it is left out')]
 
    character(9), parameter :: matrices(3) = [character(9) :: 'mass', 'damping', 'stiffness']
@@ -148,7 +149,7 @@ contains
             else
                call structure%refuse(trim(given_as(structure, i)), 'it has '//counted(size( &
                   structure%numbers(trim(matrices(i)))), 'number')//', which does not fit the '// &
-                  whole(size(structure%numbers('mass')))//' of mass')
+                  whole(size(structure%numbers('mass')))//' numbers of mass')
             end if
             return
          end if

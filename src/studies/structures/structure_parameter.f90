@@ -14,10 +14,10 @@ module vi_structure_parameter
    character(*), parameter :: &
       entry_takes = 'three whole numbers for each entry: kind (1 mass, 2 damping, 3 stiffness, 4 &
       &direction, 5 opening, 6 restitution, 7 frequency, 8 cosine, 9 sine, 10 constant, &
-      &11 number of a stop or of friction, 12 cosine and 13 sine of the motion of a wall), and row &
-      &and column or the like from 1, or 0', &
-      entry_meaning = 'entries that depend on the parameter, with coordinate and gap of a &
-      &direction, coordinate or gap and harmonic, element and number of its law', &
+      &11 number of a stop or of friction, 12 cosine and 13 sine of the motion of a wall), and two &
+      &indices from 1, or 0', &
+      entry_meaning = 'entries that depend on the parameter; indices: row and column, coordinate &
+      &and gap, coordinate and harmonic, or element and number of its law', &
       series_takes = 'the same number of coefficients for each entry', &
       series_meaning = 'Chebyshev coefficients of each entry over the bounds of the parameter', &
       at_meaning = 'value of the parameter at the motion'

@@ -412,7 +412,7 @@ contains
       end if
       select case (kind)
       case (of_opening, of_restitution, of_slip, of_contact, of_wall, of_stick, of_speed)
-         if (places(2) >= 0) message = 'it has one number, that of a gap'
+         if (places(2) >= 0) message = 'it takes one number, that of a gap'
          if (places(1) >= gaps) message = 'the structure has '//counted(gaps, 'gap')
          if (len(message) > 0) return
          allocate (entries(3, 0))
@@ -431,7 +431,7 @@ contains
          if (any(places >= n)) message = 'the structure has '//counted(n, 'coordinate')
          factor = all(places < 0)
          if (any(places < 0) .and. (.not. factor .or. kind == of_mass)) message = &
-            'it has two numbers, row and column'
+            'it takes two numbers, row and column'
          if (factor) then
             entries = reshape([((kind, i, j, j=1, i), i=1, n)], [3, n*(n + 1)/2])
          else
@@ -449,7 +449,7 @@ contains
          end associate
       end select
       if (len(message) == 0 .and. any(kind == [of_frequency, of_constant, of_cosine]) .and. &
-         any(places >= 0)) message = 'it has no numbers'
+         any(places >= 0)) message = 'it takes no numbers'
       if (len(message) > 0) return
       ! a factor changes only what is not 0
       if (factor) entries = nonzero(structure, load, entries)
@@ -481,7 +481,7 @@ contains
       if (kind /= of_stick .or. len(message) > 0) return
       if (any([(structure%laws(change%entries(2, i))%numbers(1) > change%low, i=1, &
          size(change%entries, 2))])) then
-         message = 'a stick level is at least the slip level'
+         message = 'a stick level must be at least the slip level'
          if (present(bound)) bound = 1
       end if
    end subroutine new_change
@@ -546,13 +546,13 @@ contains
       integer, intent(inout), optional :: bound
 
       if (kind == of_restitution .and. .not. (change%low >= 0 .and. change%high <= 1)) then
-         message = 'a coefficient of restitution lies between 0 and 1'
+         message = 'a coefficient of restitution must be from 0 to 1'
          if (present(bound)) bound = merge(2, 1, change%low >= 0)
          return
       else if (kind == of_frequency .and. .not. change%low > 0) then
          message = 'a frequency must be above 0'
       else if (kind == of_slip .and. .not. change%low >= 0) then
-         message = 'friction is at least 0'
+         message = 'friction must be at least 0'
       else if (kind == of_contact .and. .not. change%low > 0) then
          message = 'a stiffness of a stop must be above 0'
       else if (kind == of_wall .and. .not. change%low > 0) then

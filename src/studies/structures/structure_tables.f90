@@ -16,8 +16,8 @@ module vi_structure_tables
       column_type('gaps', 'restitution', listed=.false., &
       meaning='coefficient of restitution; with a law, its value at approach speed 0'), &
       column_type('gaps', 'law', words, words='constant,power,table,stop,pushing,friction', &
-      listed=.false., meaning='how it depends on the approach speed; or a stop, one that cannot &
-      &pull, or friction'), &
+      listed=.false., meaning='law of restitution, or kind of another element: a stop, a stop that &
+      &cannot pull, or friction'), &
       column_type('gaps', 'law_numbers', each='law_number', listed=.false., &
       meaning='speed, exponent and sharpness of a power law; stiffness, damping and preload of a &
       &stop; slip, stick and speed of friction; else 0'), &
@@ -45,7 +45,7 @@ module vi_structure_tables
       meaning='kind of the entry (1 mass, 2 damping, 3 stiffness, 4 direction, 5 opening, 6 &
       &restitution, 7 frequency, 8 cosine, 9 sine, 10 constant) and its place, from 1'), &
       column_type('path', 'chebyshev', truths, listed=.false., &
-      meaning='whether the series is one of Chebyshev polynomials over the bounds, else of &
+      meaning='whether the series consists of Chebyshev polynomials over the bounds; else of &
       &powers'), &
       column_type('path', 'series', each='degree', listed=.false., &
       meaning='coefficients of the entry as a function of the parameter')]

@@ -47,8 +47,8 @@ module vi_zone_study
       meaning='walls of the impacts in order, for example RRL, or RL* with rest on L'), &
       cycles_key, symmetric_key, window_keys]
    type(key_type), parameter :: guesses_key = key_type('guesses', a_whole, default='12', &
-      low=0.0_wp, high=1.0e5_wp, meaning='guesses for motions at every second node each way, a &
-      &quarter of them at others; 0: seeds alone')
+      low=0.0_wp, high=1.0e5_wp, meaning='guesses at every second node in each direction, a &
+      &quarter as many at others; 0: only seeds')
    type(key_type), parameter :: seeds_key = key_type('seeds', most=100000, may_miss=.true., &
       takes='for each motion r, clearance, then x/D and load phase of all its impacts; with rest &
       &load phase and velocity over D of the last release, then zeros', &
@@ -65,14 +65,14 @@ module vi_zone_study
    !> The plane of two parameters of a structure.
    type(key_type), parameter, public :: plane_keys(*) = [ &
       key_type('x', a_word, takes=parameter_takes, meaning='parameter of the abscissa'), &
-      key_type('x_low', takes='a number, at most the value that the motion has', option='x', &
+      key_type('x_low', takes='a number, at most the value of the starting motion', option='x', &
       meaning='lower bound of x'), &
-      key_type('x_high', takes='a number above x_low, at least the value that the motion has', &
+      key_type('x_high', takes='a number above x_low, at least the value of the starting motion', &
       option='x', meaning='upper bound of x'), &
       key_type('y', a_word, takes=parameter_takes, meaning='parameter of the ordinate'), &
-      key_type('y_low', takes='a number, at most the value that the motion has', option='y', &
+      key_type('y_low', takes='a number, at most the value of the starting motion', option='y', &
       meaning='lower bound of y'), &
-      key_type('y_high', takes='a number above y_low, at least the value that the motion has', &
+      key_type('y_high', takes='a number above y_low, at least the value of the starting motion', &
       option='y', meaning='upper bound of y')]
 
    type(column_type), parameter, public :: structure_place_columns(*) = [ &
@@ -110,7 +110,7 @@ module vi_zone_study
       type(settled_type) :: motion
       type(change_type) :: changes(2)
       !> Whether the motion has stops or friction, and is its own mirror image half a period later:
-      !! the pitchforks of such motions are not told from folds.
+      !! the pitchforks of such motions are not distinguished from folds.
       logical :: is_mirrored = .false.
    end type plane_type
 
@@ -179,13 +179,13 @@ contains
          call case%study%refuse('sides')
       else if (case%study%is('symmetric', 'yes') .and. .not. can_be_symmetric(pattern, &
          case%osc%restitution)) then
-         call case%study%refuse('symmetric', '''yes'' needs equal restitution, an odd number of &
+         call case%study%refuse('symmetric', '''yes'' requires equal restitution, an odd number of &
             &cycles and sides whose second half mirrors the first')
       else if (any(abs(pattern%sides) == 2) .and. .not. case%study%is('symmetric', 'both')) then
-         call case%study%refuse('symmetric', 'and ''both'' for a pattern with rest, whose motions &
-            &are not distinguished')
+         call case%study%refuse('symmetric', 'it must be ''both'' for a pattern with rest, whose &
+            &motions are not distinguished by symmetry')
       else if (modulo(seed_numbers(case%study), 2 + 2*n) > 0) then
-         call case%study%refuse('seeds', whole(2 + 2*n)//' numbers each')
+         call case%study%refuse('seeds', whole(2 + 2*n)//' numbers for each motion')
       else
          call case%study%set_word('sides', starred_symbols(pattern%sides))
          call check_window(case)
@@ -256,7 +256,7 @@ contains
          'no'), &
          case%study%is('symmetric', 'yes')], found, progress)
       if (is_stopped(progress)) then
-         result%cut = 'it was stopped before all boundaries were followed'
+         result%cut = 'the computation was stopped before all boundaries were followed'
          result%empty = .true.
          return
       end if
@@ -335,15 +335,15 @@ contains
       do i = 1, size(is_used)
          if (is_used(i)) cycle
          call result%remark('the seed at r = '//exact(seeds(1, i))//', clearance = '// &
-            exact(seeds(2, i))//' was not used: it is no motion of this pattern inside the window, &
-            &or one that repeats a shorter one')
+            exact(seeds(2, i))//' was not used: it is not a motion of this pattern inside the &
+            &window, or it repeats a shorter motion')
       end do
       if (.not. all(is_used)) call result%add_note(whole(count(.not. is_used))//' of '//counted( &
-         size(is_used), 'seed')//' not used: no motion of this pattern inside the window, or one &
-         &that repeats a shorter one')
+         size(is_used), 'seed')//' not used: not a motion of this pattern inside the window, or &
+         &one that repeats a shorter motion')
    end subroutine remark_unused_seeds
 
-   !> Tells how many pieces were found, and of which types, each once.
+   !> Notes how many pieces were found, and their types, each once.
    pure subroutine tell_pieces(found, what, none, result)
       !> The pieces.
       type(pieces_type), intent(in) :: found
@@ -392,7 +392,7 @@ contains
          do i = 1, size(changes(1)%entries, 2)
             do j = 1, size(changes(2)%entries, 2)
                if (all(changes(1)%entries(:, i) == changes(2)%entries(:, j))) call group%refuse( &
-                  'y', 'it changes what x changes')
+                  'y', 'it changes the same parameter as x')
             end do
          end do
       end if
@@ -425,7 +425,7 @@ contains
 call find_structure_motion(case, case%start, .true., structure, load, motion, status, &
             progress)
          if (status == stat%not_computed) then
-            result%cut = 'it was stopped before a motion was reached'
+            result%cut = 'the computation was stopped before a motion was found'
             return
          end if
          if (status /= stat%ok) then
@@ -533,7 +533,7 @@ call find_structure_motion(case, case%start, .true., structure, load, motion, st
          points=case%study%whole_number('max_points'))
       call zone_around(request, surface, start, zone, progress)
       if (is_stopped(progress)) then
-         result%cut = 'it was stopped before all boundaries were followed'
+         result%cut = 'the computation was stopped before all boundaries were followed'
          return
       end if
       call add_pieces(zone, request, mirrored, found)
