@@ -126,7 +126,7 @@ def test_sequence_that_hardly_ends():
     """Two walls at an angle of 1e-5, between which a body would collide 3e5 times."""
     gaps = [vi.Gap([1, 0], 0.0), vi.Gap([-1, 1e-5], 0.0)]
     wedge = vi.Structure([1, 1], [0, 0], [0, 0], gaps, simultaneous="sequence")
-    with pytest.raises(vi.SingularError, match="20000 impacts"):
+    with pytest.raises(vi.SingularError, match="20000 successive impacts"):
         thrown(wedge, [1.0, 1.0])
 
 

@@ -271,8 +271,8 @@ def test_restitution_that_depends_on_the_speed():
         ({"parameter": "mass_0"}, ["mass_0", "row and column"]),
         ({"parameter": "frequency_1"}, ["frequency_1", "no numbers"]),
         ({"parameter": "constant"}, ["constant", "no effect"]),
-        ({"parameter": "restitution", "bounds": (0.5, 1.2)}, ["bounds[1] = 1.2", "between 0 and 1"]),
-        ({"parameter": "restitution", "bounds": (-0.1, 1)}, ["bounds[0] = -0.1", "between 0 and 1"]),
+        ({"parameter": "restitution", "bounds": (0.5, 1.2)}, ["bounds[1] = 1.2", "from 0 to 1"]),
+        ({"parameter": "restitution", "bounds": (-0.1, 1)}, ["bounds[0] = -0.1", "from 0 to 1"]),
         ({"parameter": "frequency", "bounds": (-1, 2)}, ["bounds[0] = -1.0", "above 0"]),
         ({"parameter": "damping", "bounds": (-1, 2)}, ["bounds[0] = -1.0", "at least 0"]),
         ({"bounds": (20, 30)}, ["bounds[0] = 20", "18.5"]),
@@ -549,8 +549,8 @@ def test_zones_hold_what_simulation_finds():
 
 def test_bad_axes_are_named(pair):
     for options, word in (
-        ({"x": ("frequency", 0.8, 1.2), "y": ("frequency", 0.8, 1.2)}, "y.*what x"),
-        ({"x": ("opening_0", 10, 20), "y": ("opening", 10, 20)}, "y.*what x"),
+        ({"x": ("frequency", 0.8, 1.2), "y": ("frequency", 0.8, 1.2)}, "y.*same parameter as x"),
+        ({"x": ("opening_0", 10, 20), "y": ("opening", 10, 20)}, "y.*same parameter as x"),
         ({"x": ("frequency", 0.8), "y": ("opening", 10, 20)}, "x"),
         ({"x": ("frequency", 1.0, 1.2), "y": ("opening", 10, 20)}, r"x\[1\] = 1.0"),
         ({"x": ("frequency", 0.8, 1.2), "y": ("opening", 10, 15)}, r"y\[2\] = 15"),
