@@ -221,18 +221,27 @@ contains
       real(wp), intent(in) :: unknowns(:), step(:), known(:, :)
       !> Unit of x_i.
       real(wp), intent(in) :: scale
-      real(wp) :: distance(size(unknowns)), square, slope
-      integer :: j, n
+      real(wp) :: along(2), distance, square, slope, turns
+      integer :: i, j, n
 
       n = size(unknowns)/2
       slope = 0
       do j = 1, size(known, 2)
-         distance = unknowns - known(:, j)
-         distance(n + 1:) = distance(n + 1:) - two_pi*nint(distance(n + 1)/two_pi)
-         distance(:n) = distance(:n)/scale
-         square = max(sum(distance**2), tiny(1.0_wp)**0.25_wp)
-         slope = slope - 2*(dot_product(distance(:n), step(:n))/scale + &
-            dot_product(distance(n + 1:), step(n + 1:)))/(square*(1 + square))
+         square = 0
+         along = 0
+         do i = 1, n
+            distance = (unknowns(i) - known(i, j))/scale
+            square = square + distance**2
+            along(1) = along(1) + distance*step(i)
+         end do
+         turns = two_pi*nint((unknowns(n + 1) - known(n + 1, j))/two_pi)
+         do i = n + 1, 2*n
+            distance = unknowns(i) - known(i, j) - turns
+            square = square + distance**2
+            along(2) = along(2) + distance*step(i)
+         end do
+         square = max(square, tiny(1.0_wp)**0.25_wp)
+         slope = slope - 2*(along(1)/scale + along(2))/(square*(1 + square))
       end do
       factor = 1 - slope
       factor = 1/merge(factor, sign(1.0e-3_wp, factor), abs(factor) > 1.0e-3_wp)
