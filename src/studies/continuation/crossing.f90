@@ -222,8 +222,8 @@ contains
       !> Whether it is found.
       logical, intent(out) :: good
       type(condition_type) :: extra(1)
-      type(place_type) :: low, high
-      real(wp) :: near
+      real(wp), dimension(size(from%point)) :: low, high
+      real(wp) :: at_low, at_high, near
       integer :: i, iterations
 
       ! the details of a touch are taken from the end where the gap is less
@@ -232,29 +232,31 @@ contains
          from%values(which) < to%values(which)) then
          extra(1) = from%conditions(which)
       end if
-      low = from
-      high = to
+      low = from%point
+      high = to%point
+      at_low = from%values(which)
+      at_high = to%values(which)
       do i = 1, 60
-         near = low%values(which)/(low%values(which) - high%values(which))
+         near = at_low/(at_low - at_high)
          if (mod(i, 3) == 0 .or. .not. abs(near) <= 1) near = 0.5_wp
-         place%point = low%point + near*(high%point - low%point)
+         place%point = low + near*(high - low)
          call correct(curve, [conditions, extra], place%point, iterations)
          share = dot_product(from%tangent, place%point - from%point)/from_length(from, to)
          good = iterations > 0 .and. share > -1.0e-6_wp .and. share < 1 + 1.0e-6_wp .and. &
             norm2(place%point - from%point) < 2*to%came
          if (good) exit
-         if (norm2(high%point - low%point) < 1.0e-12_wp) exit
+         if (norm2(high - low) < 1.0e-12_wp) exit
          ! narrow the bracket
-         place%point = low%point + near*(high%point - low%point)
+         place%point = low + near*(high - low)
          call correct(curve, conditions, place%point, iterations, from%tangent)
          if (iterations == 0) exit
          call survey(curve, place)
-         if (place%values(which)*low%values(which) > 0) then
-            low%point = place%point
-            low%values = place%values
+         if (place%values(which)*at_low > 0) then
+            low = place%point
+            at_low = place%values(which)
          else
-            high%point = place%point
-            high%values = place%values
+            high = place%point
+            at_high = place%values(which)
          end if
       end do
       if (.not. good) return
@@ -291,6 +293,8 @@ contains
       integer, parameter :: most_passes = 4
       type(place_type) :: low, high, found
       type(condition_type) :: none(0)
+      real(wp), dimension(size(now%values)) :: at, inner, outer
+      logical :: left(size(now%values))
       real(wp) :: share, nearest
       integer :: j, pass
       logical :: good
@@ -298,10 +302,20 @@ contains
       low = now
       high = next
       which = 0
+      inner = merge(now%values, next%values, inside)
+      outer = merge(next%values, now%values, inside)
+      at = 0
       do pass = 1, most_passes
          nearest = huge(1.0_wp)
-         do j = 1, size(now%values)
-            if (.not. low%values(j)*high%values(j) < 0) cycle
+         left = .true.
+         do
+            ! of the conditions violated at the place found last, the one that appears to be zero
+            ! nearest to the inside end
+            left = left .and. inner*outer < 0
+            if (.not. any(left)) exit
+            where (left) at = inner/(inner - outer)
+            j = minloc(at, 1, left)
+            left(j) = .false.
             call locate(curve, none, low, high, j, found, share, good)
             if (.not. good) cycle
             if (.not. inside) share = 1 - share
@@ -309,9 +323,10 @@ contains
             nearest = share
             which = j
             best = found
+            if (is_inside(best%conditions, best%values + 1.0e-9_wp, curve%active(1))) return
+            outer = best%values
          end do
          if (.not. nearest < huge(1.0_wp)) return
-         if (is_inside(best%conditions, best%values + 1.0e-9_wp, curve%active(1))) return
          if (inside) then
             high = best
          else
