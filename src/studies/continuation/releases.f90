@@ -154,25 +154,26 @@ contains
                sign < 0)]
          end do
          if (least < settled .or. status /= stat%ok) return
-         if (has_settled(events(:n), settled*system%clearance)) return
+         ! it settles on the period kept, or on a motion with other sides
+         if (has_settled(events(:n), system%clearance)) return
       end do
    end subroutine simulate_return
 
-   !> Whether the last event of a simulation repeats an earlier one.
-   pure logical function has_settled(events, distance)
+   !> Whether the last event of a simulation nearly repeats an earlier one.
+   pure logical function has_settled(events, clearance)
       !> (n) Events in the order of time.
       type(event_type), intent(in) :: events(:)
-      !> Largest difference of positions.
-      real(wp), intent(in) :: distance
-      !> Largest difference of phases (rad), and number of earlier events examined.
-      real(wp), parameter :: same = 1.0e-4_wp
+      !> The clearance.
+      real(wp), intent(in) :: clearance
+      !> Largest difference of x/D and of phases (rad), and number of earlier events examined.
+      real(wp), parameter :: same = 1.0e-2_wp
       integer, parameter :: most = 24
       integer :: i, n
 
       n = size(events)
       has_settled = n == 0
       do i = max(1, n - most), n - 1
-         has_settled = abs(events(i)%x - events(n)%x) < distance .and. abs(events(i)%phase &
+         has_settled = abs(events(i)%x - events(n)%x) < same*clearance .and. abs(events(i)%phase &
             - events(n)%phase) < same .and. events(i)%side == events(n)%side
          if (has_settled) return
       end do

@@ -51,7 +51,7 @@ module vi_zone
    type, public :: return_type
       real(wp) :: at(2) = 0
       !> x_i/D and theta_i of all impacts of the period that comes nearest to a motion of the
-      !! pattern; empty if none has its sides.
+      !! pattern; empty if none has its sides, not allocated before the simulation.
       real(wp), allocatable :: motion(:)
    end type return_type
 
@@ -423,32 +423,32 @@ contains
       type(net_type), intent(inout) :: net
       !> In and out: the motions shown are added.
       type(seed_type), allocatable, intent(inout) :: items(:)
-      !> In and out: simulations are added.
+      !> In and out: those that are missing are added; not allocated if there are none.
       type(return_type), allocatable, intent(inout) :: returns(:)
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
       !> Factor of the number of simulations, and most of them over the number at first.
       integer, parameter :: growth = 3, most = 9
-      type(return_type) :: next
       type(seed_type) :: seed
       real(wp) :: c(n_parameters)
       integer :: first, i, j, k, wanted
       logical :: is_new
 
+      if (.not. allocated(returns)) allocate (returns(most*request%simulations))
       c = net%surface%c
       wanted = request%simulations
       i = 0
-      do while (wanted <= most*request%simulations)
+      do while (wanted <= size(returns))
          is_new = .false.
          do while (i < wanted)
             i = i + 1
-            if (i > size(returns)) then
+            if (.not. allocated(returns(i)%motion)) then
                if (is_stopped(progress)) return
-               next%at = [(lattice_place(net%lines%axes(j)%at, i, j), j=1, 2)]
-               c = parameters_of(net%surface, [(0.0_wp, k=1, size(net%unknowns, 1)), next%at])
+               returns(i)%at = [(lattice_place(net%lines%axes(j)%at, i, j), j=1, 2)]
+               c = parameters_of(net%surface, [(0.0_wp, k=1, size(net%unknowns, 1)), &
+                  returns(i)%at])
                call simulate_return(request%pattern, abs(c(by_right) - c(by_left)) <= 0, c, i, &
-                  next%motion, progress)
-               returns = [returns, next]
+                  returns(i)%motion, progress)
             end if
             if (size(returns(i)%motion) == 0) cycle
             first = net%n + 1

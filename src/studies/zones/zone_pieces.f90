@@ -124,7 +124,6 @@ contains
       ! the more impacts, the fewer guesses lead to a motion; without guesses, only seeds count
       if (all(abs(one%pattern%sides) == 1) .and. one%guesses > 0) one%simulations = &
          3*size(one%pattern%sides)**2
-      allocate (returns(0))
       wanted = families .and. [possible, .true.]
       call add_expected_work(zone_work*count(wanted), progress)
       do i = 1, 2
