@@ -40,6 +40,8 @@ module vi_net
       !> Places where lines cross the boundary of a zone.
       type(border_type), allocatable :: borders(:)
       integer :: n_borders = 0
+      !> Whether these places are sought, and steps shortened for them.
+      logical :: seeks_borders = .true.
       !> Places where a line that does not belong to the lattice has crossed lines of the lattice.
       type(start_type) :: crossings(crossing_capacity)
       integer :: n_crossings = 0
@@ -266,7 +268,7 @@ contains
       type(condition_type) :: none(0)
       real(wp), dimension(size(net%unknowns, 1) + 1) :: along, mark, point
       real(wp) :: share
-      integer :: borders, taken
+      integer :: borders, counted, taken
       logical :: good, known, leaving, left, passes, shorten
 
       if (present(returned)) returned = .false.
@@ -282,6 +284,8 @@ contains
       call begin_walk(line, none, mark, along, 0.2_wp*stride%longest, now, good)
       if (.not. good) return
       before = now
+      ! the conditions whose zeros are sought
+      counted = merge(size(now%values), flip, net%seeks_borders)
       taken = 0
       leaving = share < 0.8_wp .and. &
          any(now%values < 0 .and. now%conditions%kind == repetition)
@@ -291,17 +295,16 @@ contains
          call take_step(line, none, stride, now, next, good)
          net%steps = net%steps + 1
          if (.not. good) return
-         if (can_shorten(next, 1.0e-4_wp)) then
-            shorten = any(hidden_zero(before%values, now%values, next%values, now%came, next%came))
-         else
-            shorten = .false.
-         end if
-         if (.not. shorten .and. can_shorten(next, 1.0e-6_wp)) shorten = may_pass(line, now, next)
+         shorten = .false.
+         if (can_shorten(next, 1.0e-4_wp)) shorten = any(hidden_zero(before%values(:counted), &
+            now%values(:counted), next%values(:counted), now%came, next%came))
+         if (net%seeks_borders .and. .not. shorten .and. can_shorten(next, 1.0e-6_wp)) shorten = &
+            may_pass(line, now, next)
          if (shorten) then
             now%step = 0.3_wp*next%came
             cycle
          end if
-         call note_border(net, line, direction, begin, now, next)
+         if (net%seeks_borders) call note_border(net, line, direction, begin, now, next)
          if (net%n_borders > borders) return
          if (size(net%flips) > 0) call note_flip(net, line, direction, begin, now, next)
          call note_nodes(net, line, direction, begin, now, next, known)

@@ -101,11 +101,10 @@ contains
       call cover(net, 1, progress)
       ! gfortran evaluates the bounds of an absent array that is passed on
       if (present(releases)) then
-         call search_window(request, net, reported, progress, releases)
+         call search(request, net, reported, progress, pitchforks, releases)
       else
-         call search_window(request, net, reported, progress)
+         call search(request, net, reported, progress, pitchforks)
       end if
-      call search_from_flips(request, net, progress, pitchforks)
       if (present(returns) .and. request%simulations > 0) call search_by_simulation(request, net, &
          items, returns, progress)
       if (request%symmetric .and. present(pitchforks)) pitchforks = net%flips(:net%n_flips)
@@ -343,7 +342,7 @@ contains
    !! the window that the first pass misses. Motions with rest are found by simulation; if none is
    !! found, the second pass simulates longer at a few nodes, since with little damping the first
    !! one ends long before the motion is reached.
-   subroutine search_window(request, net, reported, progress, releases)
+   subroutine search_window(request, net, reported, progress, releases, symmetric)
       !> The request.
       type(zone_request_type), intent(in) :: request
       !> In and out: nodes and borders are added.
@@ -354,6 +353,8 @@ contains
       integer, intent(inout), optional :: progress(3)
       !> (simulations, r, D) of `simulate_nodes`.
       type(release_type), intent(in), optional :: releases(:, :, :)
+      !> In and out: the net of the symmetric motions of the pattern, which the same guesses lead to.
+      type(net_type), intent(inout), optional :: symmetric
       !> Share of the motions found that lie on parts of the surface not followed so far, from which
       !! further parts are expected.
       real(wp), parameter :: many = 0.05_wp
@@ -361,8 +362,8 @@ contains
       real(wp) :: q(2), c(n_parameters)
       !> How much longer motions with rest are simulated where none was found.
       integer, parameter :: longer = 10
-      integer :: i, j, k, all_found, first, guesses, new, pass, passes, skip, stride
-      logical :: at_node, chosen, simulated
+      integer :: i, j, k, all_found(2), guesses, new(2), pass, passes, skip, stride
+      logical :: chosen, simulated
 
       skip = 0
       all_found = 0
@@ -394,24 +395,47 @@ contains
                      progress=progress, longer=merge(longer, 1, simulated .and. pass == 2))
                end if
                skip = skip + guesses
-               first = net%n + 1
-               do k = 1, size(found, 2)
-                  call place_at_node(net, q, found(:, k), [i, j], at_node)
-                  if (at_node) all_found = all_found + 1
-               end do
-               new = new + net%n - first + 1
-               call cover(net, first, progress)
+               call add_found(net, found, [i, j], all_found(1), new(1), progress)
+               if (present(symmetric)) call add_found(symmetric, reshape([( &
+                  symmetric%surface%family%part_of(c, net%surface%family%whole_of(found(:, k))), &
+                  k=1, size(found, 2))], [size(symmetric%unknowns, 1), size(found, 2)]), [i, j], &
+                  all_found(2), new(2), progress)
                if (is_stopped(progress)) return
             end do
             call report_share(0.5_wp*(pass - 1 + j/real(size(net%head, 2), wp))/passes, zone_work, &
                reported, progress)
          end do
          ! the more impacts, the fewer guesses lead to a motion
-         if (simulated .or. pass == 1 .or. new < many*all_found) cycle
-         if (new == 0 .and. request%simulations == 0) cycle
+         if (simulated .or. pass == 1 .or. all(new < many*all_found)) cycle
+         if (all(new == 0) .and. request%simulations == 0) cycle
          passes = min(pass + 1, max(2, size(request%pattern%sides)/2))
       end do
    end subroutine search_window
+
+   !> Adds motions found at a node of the lattice, and covers the surface from there.
+   subroutine add_found(net, found, place, all_found, new, progress)
+      !> In and out: nodes and borders are added.
+      type(net_type), intent(inout) :: net
+      !> (unknowns, m) The motions, or guesses of them.
+      real(wp), intent(in) :: found(:, :)
+      !> Numbers of the lattice lines of the node.
+      integer, intent(in) :: place(2)
+      !> In and out: numbers of all motions found, and of those that were no nodes yet.
+      integer, intent(inout) :: all_found, new
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
+      integer :: first, i, k
+      logical :: at_node
+
+      first = net%n + 1
+      do k = 1, size(found, 2)
+         call place_at_node(net, [(net%lines%axes(i)%at(place(i)), i=1, 2)], found(:, k), place, &
+            at_node)
+         if (at_node) all_found = all_found + 1
+      end do
+      new = new + net%n - first + 1
+      call cover(net, first, progress)
+   end subroutine add_found
 
    !> Searches for motions by simulation at points spread evenly over the lattice.
    !!
@@ -482,51 +506,79 @@ contains
       place = at(k + 1) + (share - k)*(at(k + 2) - at(k + 1))
    end function lattice_place
 
-   !> Follows the surface from every flip and pitchfork at which motions of the pattern begin, on
-   !! the lattice lines of the motions that repeat themselves.
-   recursive subroutine search_from_flips(request, net, progress, pitchforks)
+   !> Searches the window, then follows the surface from every flip and pitchfork at which motions
+   !! of the pattern begin, on the lattice lines of the motions that repeat themselves.
+   recursive subroutine search(request, net, reported, progress, pitchforks, releases)
       !> The request.
       type(zone_request_type), intent(in) :: request
       !> In and out: nodes and borders are added.
       type(net_type), intent(inout) :: net
+      !> Units of work reported so far; in and out.
+      integer, intent(inout) :: reported
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
       !> The pitchforks of the symmetric motions, if they are known.
       type(start_type), allocatable, intent(in), optional :: pitchforks(:)
+      !> (simulations, r, D) of `simulate_nodes`.
+      type(release_type), intent(in), optional :: releases(:, :, :)
       type(zone_request_type) :: shorter
       type(net_type), allocatable :: of_shorter
-      type(curve_type) :: surface
-      integer :: i, done, status
+      integer :: done, i
+      logical :: known, shared
 
-      do i = 1, size(net%surface%family%repetitions)
-         associate (way => net%surface%family%repetitions(i), sides => request%pattern%sides)
+      known = present(pitchforks)
+      if (known) known = allocated(pitchforks)
+      ! the progress of these searches is not reported
+      done = zone_work
+      associate (ways => net%surface%family%repetitions)
+         shared = size(ways) > 0 .and. .not. known
+         if (shared) shared = ways(1)%sign < 0
+         if (shared) then
+            call begin_shorter(1)
+            call search_window(request, net, reported, progress, symmetric=of_shorter)
+         else if (present(releases)) then
+            call search_window(request, net, reported, progress, releases)
+         else
+            call search_window(request, net, reported, progress)
+         end if
+         do i = 1, size(ways)
             ! other multipliers of the shorter period than -1 start no motions of this pattern
-            if (.not. way%halves) cycle
-            if (way%sign < 0 .and. present(pitchforks)) then
-               if (allocated(pitchforks)) then
-                  call cover_from_flips(net, i, pitchforks, progress)
-                  cycle
-               end if
+            if (.not. ways(i)%halves) cycle
+            if (ways(i)%sign < 0 .and. known) then
+               call cover_from_flips(net, i, pitchforks, progress)
+               cycle
             end if
-            shorter = request
+            if (ways(i)%sign > 0) then
+               call begin_shorter(i)
+               call search(shorter, of_shorter, done, progress)
+            end if
+            call cover_from_flips(net, i, of_shorter%flips(:of_shorter%n_flips), progress)
+            net%full = net%full .or. of_shorter%full
+            deallocate (of_shorter)
+         end do
+      end associate
+
+   contains
+
+      !> Begins a net of the motions that repeat themselves in one way, for their flips alone.
+      subroutine begin_shorter(which)
+         !> Number of the way.
+         integer, intent(in) :: which
+         type(curve_type) :: surface
+         integer :: status
+
+         shorter = request
+         associate (way => net%surface%family%repetitions(which))
             shorter%symmetric = way%sign < 0
-            if (.not. shorter%symmetric) then
-               shorter%pattern = pattern_type(sides(:way%shift), request%pattern%cycles/2)
-            end if
+            if (.not. shorter%symmetric) shorter%pattern = &
+               pattern_type(request%pattern%sides(:way%shift), request%pattern%cycles/2)
          end associate
          call make_surface(shorter, surface, status)
-         if (status /= stat%ok) cycle
          allocate (of_shorter)
          call new_net(surface, net%lines, of_shorter, .true.)
-         ! its progress is not reported
-         done = zone_work
-         call search_window(shorter, of_shorter, done, progress)
-         call search_from_flips(shorter, of_shorter, progress)
-         call cover_from_flips(net, i, of_shorter%flips(:of_shorter%n_flips), progress)
-         net%full = net%full .or. of_shorter%full
-         deallocate (of_shorter)
-      end do
-   end subroutine search_from_flips
+         of_shorter%seeks_borders = .false.
+      end subroutine begin_shorter
+   end subroutine search
 
    !> Follows the surface from motions that begin at flips or pitchforks.
    subroutine cover_from_flips(net, which, flips, progress)
