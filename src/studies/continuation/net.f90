@@ -11,7 +11,7 @@ module vi_net
    use vi_lattice, only: lattice_type, line_spacing
    use vi_motion_family, only: condition_type, edge, flip, is_inside, repetition
    use vi_net_line, only: leaves, line_of, may_pass, pass, start_type
-   use vi_steps, only: begin_walk, can_shorten, place_type, stride_type, take_step
+   use vi_steps, only: begin_walk, can_shorten, exchange, place_type, stride_type, take_step
    use vi_progress, only: is_stopped
    implicit none (type, external)
    private
@@ -47,6 +47,9 @@ module vi_net
       integer :: n_crossings = 0
       !> Whether the lattice lines through these places have been followed.
       logical :: crossed(crossing_capacity) = .false.
+      !> Longest step along a line that does not belong to the lattice, over the distance of lattice
+      !! lines: short, since it begins at a given motion.
+      real(wp) :: share_between = 0.2_wp
       !> Where lines pass a flip (a pitchfork of symmetric motions); noted if there is room.
       type(start_type), allocatable :: flips(:)
       integer :: n_flips = 0
@@ -178,21 +181,22 @@ contains
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
       type(start_type) :: begin
-      integer :: direction, first, i
+      integer :: before, direction, first, i
 
       begin = start_type(unknowns, at)
       first = net%n + 1
       do direction = 1, 2
-         net%n_crossings = 0
+         ! those of previous motions need not all be known
+         if (net%n_crossings > size(net%crossings)/4) net%n_crossings = 0
+         before = net%n_crossings
          call follow_both(net, begin, direction, progress)
-         net%crossed = .false.
-         do i = 1, net%n_crossings
+         net%crossed(before + 1:) = .false.
+         do i = before + 1, net%n_crossings
             if (net%crossed(i)) cycle
             net%crossed(i) = .true.
             call follow_both(net, net%crossings(i), 3 - direction, progress)
          end do
       end do
-      net%n_crossings = 0
       call cover(net, first, progress)
    end subroutine cover_from
 
@@ -207,14 +211,16 @@ contains
       real(wp), intent(in) :: unknowns(:)
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
-      integer :: direction, n, way
+      integer :: crossings, direction, n, way
 
       n = net%n_borders
+      ! the lattice lines that this line crosses are not followed
+      crossings = net%n_crossings
       do direction = 1, 2
-         net%n_crossings = 0
          do way = -1, 1, 2
             call follow_line(net, start_type(unknowns, at), direction, way, progress, &
                to_border=.true.)
+            net%n_crossings = crossings
             if (net%n_borders > n) return
          end do
       end do
@@ -233,7 +239,7 @@ contains
          i=1, 2)], net%lattice(:, node))
    end function start_of
 
-   !> Follows a line from a motion in both directions; a closed curve in one.
+   !> Follows a line from a motion in both directions, or in one if all of it is known then.
    subroutine follow_both(net, begin, direction, progress)
       !> As in `follow_line`.
       type(net_type), intent(inout) :: net
@@ -260,7 +266,7 @@ contains
       integer, intent(inout), optional :: progress(3)
       !> Whether it is followed only until it enters or leaves a zone; false by default.
       logical, intent(in), optional :: to_border
-      !> Whether it is a closed curve.
+      !> Whether nothing is left in the other direction: it is a closed curve, or known.
       logical, intent(out), optional :: returned
       type(curve_type) :: line
       type(place_type) :: before, now, next
@@ -269,7 +275,7 @@ contains
       real(wp), dimension(size(net%unknowns, 1) + 1) :: along, mark, point
       real(wp) :: share
       integer :: borders, counted, taken
-      logical :: good, known, leaving, left, passes, shorten
+      logical :: between, good, known, leaving, left, passes, shorten
 
       if (present(returned)) returned = .false.
       borders = border_capacity
@@ -278,8 +284,8 @@ contains
       along = 0
       along(size(along)) = way
       mark = [begin%unknowns, begin%at(direction)]
-      ! shorter steps near a given motion
-      share = merge(0.8_wp, 0.2_wp, begin%lattice(3 - direction) > 0)
+      between = begin%lattice(3 - direction) == 0
+      share = merge(net%share_between, 0.8_wp, between)
       stride = stride_type(longest=share*line_spacing(net%lines, direction, mark(size(mark))))
       call begin_walk(line, none, mark, along, 0.2_wp*stride%longest, now, good)
       if (.not. good) return
@@ -287,8 +293,7 @@ contains
       ! the conditions whose zeros are sought
       counted = merge(size(now%values), flip, net%seeks_borders)
       taken = 0
-      leaving = share < 0.8_wp .and. &
-         any(now%values < 0 .and. now%conditions%kind == repetition)
+      leaving = between .and. any(now%values < 0 .and. now%conditions%kind == repetition)
       do while (net%steps < net%most_steps)
          if (is_stopped(progress)) return
          stride%longest = share*line_spacing(net%lines, direction, now%point(size(now%point)))
@@ -311,6 +316,8 @@ contains
          ! a given motion can be too near to one that repeats itself: move away from there
          left = leaving
          leaving = leaves(next, line)
+         ! from a place between two nodes, the rest of a line followed before is known as well
+         if (known .and. present(returned)) returned = any(begin%lattice == 0)
          if (known .or. (leaving .and. .not. left)) return
          ! a closed curve between the lattice lines returns to one of its own points
          call pass(line, mark(size(mark)), now, next, point, passes)
@@ -321,8 +328,8 @@ contains
          if (passes) return
          taken = taken + 1
          if (iand(taken, taken - 1) == 0) mark = next%point
-         before = now
-         now = next
+         call exchange(before, now)
+         call exchange(now, next)
       end do
       net%full = .true.
    end subroutine follow_line
@@ -361,11 +368,11 @@ contains
          net%followed(direction, found) = .true.
       end do
       if (begin%lattice(3 - direction) == 0 .or. net%n_crossings == 0) return
-      ! the line that the crossings lie on is not one of the lattice
-      call pass(line, net%crossings(1)%at(direction), now, next, point, passes)
-      if (.not. passes) return
+      ! a crossing lies on one line of the lattice alone, and is no node
       do i = 1, net%n_crossings
          if (net%crossings(i)%lattice(3 - direction) /= begin%lattice(3 - direction)) cycle
+         call pass(line, net%crossings(i)%at(direction), now, next, point, passes)
+         if (.not. passes) cycle
          if (.not. is_image(net, net%crossings(i)%unknowns, point(:size(point) - 1))) cycle
          if (net%crossed(i)) known = .true.
          net%crossed(i) = .true.
