@@ -356,7 +356,7 @@ contains
       integer, intent(inout), optional :: progress(3)
       !> (simulations, r, D) of `simulate_nodes`.
       type(release_type), intent(in), optional :: releases(:, :, :)
-      !> In and out: the net of the symmetric motions of the pattern, which the same guesses lead to.
+      !> In and out: the net of the symmetric motions of the pattern, to which the guesses lead too.
       type(net_type), intent(inout), optional :: symmetric
       !> Share of the motions found that lie on parts of the surface not followed so far, from which
       !! further parts are expected.
