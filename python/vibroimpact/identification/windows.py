@@ -178,7 +178,7 @@ class Windows:
         load = predicted(
             self.data, self.data.Omega * self.t[self.used], self.data.order, omega, xi, static, phase, none, none
         )  # fmt: skip
-        L, (_, *waves) = self.waves(since, common)
+        L, waves = self.waves(since, common)
         left = self.values[self.used] - load.value - offset
         q = L.shape[1]
         count = self.begins.size
@@ -205,18 +205,18 @@ class Windows:
         return states, inverse, turned, left, weights, G.T @ left[trusted]
 
     def by_common(self, common: _Array, each: _Array, waves: list[Any], load: Any) -> _Array:
-        """Derivatives of the samples that are used by the common parameters, at fixed states `each` of flights."""
-        since, (omega, xi) = self.since[self.used], common[:2].tolist()
+        """Derivatives of the samples that are used by the common parameters, at fixed states `each` of flights;
+        `waves` are the pole and the waves of `self.waves`."""
+        since, (omega, xi), pole = self.since[self.used], common[:2].tolist(), waves[0]
         rate = math.sqrt(1 - xi**2)
-        pole = omega * complex(-xi, rate)
         C = each[:, 0] + 1j * each[:, 1]
-        by_pole = C * waves[0] * (self.data.order / pole + since)
+        by_pole = C * waves[1] * (self.data.order / pole + since)
         columns = [
             load.omega + (by_pole * pole / omega).real,
             load.xi + (by_pole * omega * complex(-1, -xi / rate)).real,
             load.static, load.phase, np.ones(since.size),
         ]  # fmt: skip
-        for j, wave in enumerate(waves[1:]):
+        for j, wave in enumerate(waves[2:]):
             by = (each[:, 2 * j + 2] + 1j * each[:, 2 * j + 3]) * wave * since
             columns += [by.real, -by.imag]
         return np.column_stack(columns)
@@ -233,7 +233,7 @@ class Windows:
         load = predicted(
             self.data, self.data.Omega * self.t[own], self.data.order, omega, xi, static, phase, none, none
         )  # fmt: skip
-        L, (_, *waves) = self.waves(self.since[own], self.common)
+        L, waves = self.waves(self.since[own], self.common)
         G = self.by_common(self.common, states[flight], waves, load)
         moving = G * (self.t[own] / np.ptp(self.t))[:, None]
         of_moving, of_common = np.zeros((2, self.begins.size, L.shape[1], G.shape[1]))
