@@ -35,8 +35,10 @@ print(motion)
 
 branch = vi.branch(motion, "frequency", bounds=(0.7, 1.8))
 print(*branch.special_points, sep="\n")
-stable = [i for i in range(0, len(branch), 4) if branch.stable[i] and branch.admissible[i]]
-power = [0.03 * float(branch[i].quantities().q_dot.rms[0] ** 2) for i in stable]
+power = []
+for i in range(0, len(branch), 4):
+    stable = branch.stable[i] == 1 and branch.admissible[i] == 1
+    power.append(0.03 * branch[i].quantities().q_dot.rms[0] ** 2 if stable else float("nan"))
 fig, ax = plt.subplots(figsize=(5, 3.4), layout="constrained")
-ax.plot(branch.values[stable], power, ".-")
+ax.plot(branch.values[::4], power, ".-")
 ax.set(xlabel="frequency", ylabel="power in the coil")
