@@ -183,7 +183,7 @@ def test_control_characters_are_not_echoed(batch):
     (["find", *POINT, "--max-impacts", "99"],
      "find: --max-impacts 99: must be a whole number with 2 <= --max-impacts <= 12"),
     (["init", "zone", "-o", "no/zone.nml"],
-     "init: -o no/zone.nml: there is no folder no; must be in an existing one"),
+     "init: -o no/zone.nml: there is no folder no; must be in an existing folder"),
     (["lyapunov", *POINT, "--cycles", "39"],
      "lyapunov: --cycles 39: must be a whole number, 2 batches <= cycles <= 1e9; batches is 20"),
 ])  # fmt: skip
