@@ -7,7 +7,7 @@ import json
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Generic, TypeVar, overload
@@ -23,7 +23,7 @@ from .results.events import Sample
 from .results.noun import Savable
 from .results.tables import Column, Found, Result, declared, settled
 from .systems.oscillator import Oscillator, Pattern
-from .systems.units import GAP, MIXED, PHYSICAL_GAP, RATIO, Units, powers_of
+from .systems.units import GAP, MIXED, PHYSICAL_GAP, RATIO, Units, has_unit, powers_of
 
 __all__ = ["Physical", "physical"]
 
@@ -40,6 +40,10 @@ UNITS = {
     "q": "F0/K", "q_dot": "omega F0/K", "load_phase": "rad", "attenuation": "", "cycles": "", "cycle": "", "r": "",
     "xi": "", "mu": "", "R1": "", "R2": "", "restitution": "", "x_over_D": "",
 } | Quantities.units  # fmt: skip
+
+
+#: Methods of a zone at points.
+OF_POINTS = ("contains", "count", "motion", "undecided")
 
 
 @cache
@@ -157,6 +161,8 @@ class Physical(Generic[From]):
         value = getattr(self.result, name)
         if name.startswith("_"):
             return value
+        if callable(value) and name in OF_POINTS and self._of.study == "zone":
+            return partial(self._at_points, name)
         if callable(value):
             raise AttributeError(f"{name}: has no form in physical units; use that of `result`")
         return self._converted(name, value)
@@ -206,6 +212,23 @@ class Physical(Generic[From]):
                 value.harmonics * scale,
             )  # fmt: skip
         return value * scale if powers_of(unit) else value
+
+    def _at_points(self, name: str, x: Any, y: Any) -> Any:
+        """A method of a zone at frequencies, in cycles per unit of time, and clearances d; values may have
+        units."""
+        r = (
+            x
+            if has_unit(x)
+            else checks.real_array(x, "frequency", "numbers") / self.units.frequency
+        )
+        clearance = (
+            y if has_unit(y) else checks.real_array(y, "clearance", "numbers") / self.units.length
+        )
+        if name != "motion":
+            return getattr(self.result, name)(r, clearance)
+        places = (one if has_unit(one) else np.asarray(one).item() for one in (r, clearance))
+        found = self._of.motion(*places)
+        return None if found is None else Physical(found, self.units)
 
     @property
     def frequency(self) -> Any:
@@ -323,7 +346,10 @@ class Physical(Generic[From]):
         own = self._result
         table = rows(own)
         units = ", ".join(f"{name} {unit}" for name, unit in listed_units(own).items())
-        head = [f"! vibroimpact {version('vibroimpact')}; {units}", *own.case.splitlines()]
+        head = [
+            f"! vibroimpact {version('vibroimpact')}{units and '; '}{units}",
+            *own.case.splitlines(),
+        ]
         body = zip(*(map(cell, values.tolist()) for values in table.values()), strict=True)
         lines = [*(f"# {line}" for line in head), ",".join(table), *map(",".join, body)]
         return "\n".join(lines) + "\n"

@@ -5,8 +5,8 @@ module vi_case
    use vi_namelist, only: group_type
    use vi_oscillator, only: at_resonance, oscillator_type
    use vi_text, only: append, letter_length, line_type
-   use vi_units, only: are_units, dimensionless, forces, in_units, lengths, shown_in, shown_type, &
-      times, undecided, units_type, units_type_of
+   use vi_units, only: are_units, dimensionless, forces, in_units, lengths, make_plain, shown_in, &
+      shown_type, times, undecided, units_type, units_type_of
    use vi_values, only: read_values, values_type
    use vi_version, only: version
    implicit none (type, external)
@@ -62,14 +62,14 @@ module vi_case
       meaning='load amplitude F0, for physical units'), &
       key_type('units', a_word, may_miss=.true., only='mass', never='unit_names', &
       takes='units of length, force and time, as ''mm N s'', of '//lengths//', '//forces// &
-      ' and '//times//', or ''SI''', &
-      meaning='units of all numbers with a dimension: clearance = 4 is then 4 mm; a frequency &
-      &without a unit is the ratio r'), &
+      ' and '//times//', ''SI'', or ''dimensionless''', &
+      meaning='units of all numbers with a dimension: clearance = 4 is then 4 mm, or 4 F0/K if &
+      &they are dimensionless; a frequency without a unit is the ratio r'), &
       key_type('unit_names', a_word, may_miss=.true., only='mass', option='-', &
       takes='units of length, force and time, as ''mm N s'', of '//lengths//', '//forces// &
       ' and '//times, &
-      meaning='units of mass, stiffness, damping and force only; other numbers are dimensionless, &
-      &as in a result')]
+      meaning='units of mass, stiffness and force in a result, whose other numbers are &
+      &dimensionless; where &system has values with units, these must have units too')]
 
    type(key_type), parameter, public :: output_keys(*) = [ &
       key_type('name', a_word, may_miss=.true., &
@@ -84,9 +84,10 @@ module vi_case
       &stiffness and force')]
 
    !> The start of the first line of a result; the end of that line tells whether the file is an
-   !! input. A structure has the units of its user.
+   !! input. A structure has the units of its user, and an identified rig those of SI.
    character(*), parameter, public :: first_line = '# ! vibroimpact '//version// &
       '; lengths in F0/K, time in 1/omega, angles in radians; ', &
+      first_line_in_si = '# ! vibroimpact '//version//'; units of SI, angles in radians; ', &
       first_line_of_structure = '# ! vibroimpact '//version//'; units as in the case; '
    !> Largest number of bytes of the name of a result.
    integer, parameter, public :: longest_name = 100
@@ -136,12 +137,18 @@ contains
       bare = undecided
       if (part%has('unit_names')) then
          bare = dimensionless
+         ! a result has numbers alone; someone who writes units means them everywhere
+         if (has_texts(group)) bare = undecided
          call part%text('unit_names', names)
       else if (part%has('units')) then
          bare = in_units
          call part%text('units', names)
+         if (names == 'dimensionless') then
+            bare = dimensionless
+            names = 'm N s'
+         end if
       end if
-      if (names == 'SI' .and. part%has('units')) names = 'm N s'
+      if (.not. (names == 'SI' .and. part%has('unit_names'))) call make_plain(names)
       if (.not. are_units(names)) names = 'm N s'
       call name_units(names, keys)
       call read_part(group, keys, [character(10) :: 'mass', 'stiffness', 'force'], part)
@@ -165,12 +172,15 @@ contains
       if (.not. system%has('mass')) return
       if (system%has('unit_names')) then
          call system%text('unit_names', names)
+         if (names /= 'SI') call make_plain(names)
          if (.not. are_units(names)) call system%refuse('unit_names')
+         call system%set_word('unit_names', names)
          return
       end if
       if (system%has('units')) then
          call system%text('units', names)
-         if (names == 'SI') names = 'm N s'
+         if (names == 'dimensionless') names = 'SI'
+         call make_plain(names)
          if (.not. are_units(names)) call system%refuse('units')
          call system%drop('units')
       end if
@@ -203,6 +213,22 @@ contains
       end do
       call read_values(group%name, own, some, part)
    end subroutine read_part
+
+   !> Whether a &system has values with units, or values that no result has.
+   pure logical function has_texts(group)
+      !> The group as read from the file.
+      type(group_type), intent(in) :: group
+      integer :: i
+
+      has_texts = .false.
+      do i = 1, size(group%items)
+         associate (item => group%items(i))
+            if (item%key == 'unit_names' .or. item%key == 'units') cycle
+            has_texts = has_texts .or. scan(item%value, '''"') > 0 .or. item%key == 'damping' &
+               .or. item%key == 'free_mass'
+         end associate
+      end do
+   end function has_texts
 
    !> The number of a key, 0 if it has none.
    pure real(wp) function number_or_0(values, name) result(number)
@@ -254,7 +280,9 @@ contains
       if (output%has('units')) then
          call output%text('units', name)
          if (name /= 'SI' .and. name /= 'dimensionless') then
+            call make_plain(name)
             if (.not. are_units(name)) call output%refuse('units')
+            if (are_units(name)) call output%set_word('units', name)
          end if
       end if
       if (.not. output%has('name')) return
@@ -306,7 +334,11 @@ contains
             call case%parts(i)%echo(lines)
          end do
       else
-         call append(lines, first_line//'this file is an input too')
+         if (case%study_name == 'identify') then
+            call append(lines, first_line_in_si//'this file is an input too')
+         else
+            call append(lines, first_line//'this file is an input too')
+         end if
          system = case%system
          if (case%r <= 0) call system%drop('r')
          call system%echo(lines)
@@ -323,7 +355,7 @@ contains
       type(case_type), intent(in) :: case
       character(:), allocatable :: own, wanted
 
-      if (case%model == of_structure) return
+      if (case%model == of_structure .or. case%study_name == 'identify') return
       if (.not. case%system%has('force')) return
       own = 'm N s'
       wanted = ''

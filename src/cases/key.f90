@@ -16,11 +16,12 @@ module vi_key
    !> The models of systems: &system, and &structure with its gaps and its load. What is declared
    !! for `every_model` belongs to both.
    integer, parameter, public :: every_model = 0, of_oscillator = 1, of_structure = 2
-   !> Units that depend on other keys: on `parameter`, on the two `axes` of a plane of states, or on
-   !! one of them, on the place in a state, and on `unit_names`.
+   !> Units that depend on other keys: on `parameter`, on `target`, on the two `axes` of a plane of
+   !! states, or on one of them, on the place in a state, and on `unit_names`.
    character(20), parameter, public :: of_parameter = 'units of parameter', &
       of_axes = 'units of axes', of_axis(2) = [character(20) :: 'units of first axis', &
-      'units of second axis'], of_state = 'units of a state', of_names = 'unit_names'
+      'units of second axis'], of_state = 'units of a state', of_names = 'unit_names', &
+      of_target = 'units of target'
    !> No bound on one side.
    real(wp), parameter, public :: unbounded = huge(1.0_wp)
    !> Largest number of characters of a description of the values of a key.

@@ -6,7 +6,7 @@
 module vi_study
    use vi_case, only: case_type
    use vi_key, only: a_whole, a_word, every_model, is_for, key_type, list_keys, of_axes, of_axis, &
-      of_oscillator, of_parameter, of_state, of_structure
+      of_oscillator, of_parameter, of_state, of_structure, of_target
    use vi_kinds, only: wp
    use vi_result, only: column_type, complexes, list_columns, result_type, truths, verdicts, &
       wholes, words
@@ -18,8 +18,8 @@ module vi_study
 
    !> What a study needs to declare keys and columns, read a case, and fill a result.
    public :: a_whole, a_word, case_type, column_type, complexes, every_model, key_type, of_axes, &
-      of_axis, of_oscillator, of_parameter, of_state, of_structure, result_type, truths, &
-      values_type, verdicts, wholes, words
+      of_axis, of_oscillator, of_parameter, of_state, of_structure, of_target, result_type, &
+      truths, values_type, verdicts, wholes, words
 
    !> Largest number of characters of the name of a study.
    integer, parameter, public :: name_length = 11

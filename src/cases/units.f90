@@ -6,8 +6,8 @@ module vi_units
    implicit none (type, external)
    private
 
-   public :: are_units, has_two_readings, show_frequency, show_unit, shown_in, to_own_unit, &
-      units_type_of
+   public :: are_units, has_two_readings, make_plain, show_frequency, show_unit, shown_in, &
+      to_own_unit, units_type_of
 
    !> Units of length, force and time that may be those of a &system.
    character(*), parameter, public :: lengths = 'm mm cm um km in ft mil', &
@@ -226,6 +226,17 @@ contains
       are_units = len(rest) == 0
    end function are_units
 
+   !> Names of units in ASCII: u for micro, and m N s for SI.
+   pure subroutine make_plain(names)
+      !> In and out: names of units of length, force and time.
+      character(:), allocatable, intent(inout) :: names
+      character(:), allocatable :: plain
+
+      call in_ascii(names, plain)
+      if (plain == 'SI') plain = 'm N s'
+      call move_alloc(plain, names)
+   end subroutine make_plain
+
    !> A number with or without a unit, as a number in the unit of its key.
    pure subroutine to_own_unit(unit, units, value, why, text)
       !> The unit of the key: a product of powers of F0, K and omega or of units of SI, or empty.
@@ -249,12 +260,17 @@ contains
       if (.not. present(text) .and. own%bare == dimensionless) return
       call scale_of(unit, own, scale, wanted, is_angle, why)
       if (.not. present(text)) then
-         if (.not. has_two_readings(unit) .or. .not. abs(value) > 0) then
+         if (is_fixed(unit) .and. own%bare == in_units .and. .not. is_angle .and. len(why) == 0) &
+            then
+            ! such as a known mass in kg; a factor that differs from 1 by rounding alone is 1
+            scale = in_sizes(wanted, own%sizes)/scale
+            if (abs(scale - 1) > 1.0e-12_wp) value = value*scale
+         else if (.not. has_two_readings(unit) .or. .not. abs(value) > 0) then
             why = ''
          else if (own%bare == undecided) then
             why = 'a number without a unit can be read in two ways: write it as ''4 mm'', or give &
-               &units (numbers are in these units) or, in &system, unit_names (numbers are &
-               &dimensionless)'
+               &units in &system (numbers are in these units, or dimensionless with units = &
+               &''dimensionless'')'
          else if (len(why) == 0) then
             value = value*in_sizes(wanted, own%sizes)/scale
          end if
@@ -273,12 +289,12 @@ contains
    end subroutine to_own_unit
 
    !> Whether a number without a unit can be dimensionless or physical. A frequency is always a
-   !! ratio then.
+   !! ratio to omega then, and a free mass one to M.
    pure logical function has_two_readings(unit)
       !> The unit of a key.
       character(*), intent(in) :: unit
 
-      has_two_readings = .not. is_fixed(unit) .and. unit /= 'omega'
+      has_two_readings = .not. is_fixed(unit) .and. unit /= 'omega' .and. unit /= 'M'
    end function has_two_readings
 
    !> Whether a unit does not depend on the &system.
@@ -286,7 +302,8 @@ contains
       !> The unit of a key.
       character(*), intent(in) :: unit
 
-      is_fixed = index(unit, 'F0') == 0 .and. index(unit, 'K') == 0 .and. index(unit, 'omega') == 0
+      is_fixed = index(unit, 'F0') == 0 .and. index(unit, 'K') == 0 .and. &
+         index(unit, 'omega') == 0 .and. unit /= 'M'
    end function is_fixed
 
    !> The size in SI of the unit of a key, and what it measures.
@@ -329,6 +346,9 @@ contains
          case ('K')
             powers = powers + power*[-1, 1, 0]
             if (units%stiffness > 0) scale = scale*units%stiffness**power
+         case ('M')
+            powers = powers + power*[-1, 1, 2]
+            if (units%mass > 0) scale = scale*units%mass**power
          case ('omega')
             powers = powers + power*[0, 0, -1]
             if (units%mass > 0) scale = scale*sqrt(units%stiffness/units%mass)**power

@@ -6,13 +6,13 @@ module vi_values
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_buffer, only: add, buffer_type
    use vi_key, only: a_number, a_whole, a_word, describe_key, key_type, of_axes, of_axis, &
-      of_parameter, of_state, place_of
+      of_parameter, of_state, of_target, place_of
    use vi_kinds, only: wp
    use vi_matrix_file, only: beside
    use vi_namelist, only: assignment_type, group_type
    use vi_parse, only: parse_numbers, parse_subscript, parse_words
    use vi_text, only: append, exact, lengthen, line_type, lower, number_text, whole
-   use vi_units, only: dimensionless, to_own_unit, units_type
+   use vi_units, only: dimensionless, has_two_readings, in_units, to_own_unit, units_type
    implicit none (type, external)
    private
 
@@ -85,7 +85,7 @@ contains
             values%values(i)%there = .true.
          end if
       end do
-      if (len(values%fault) == 0) call check_order(values)
+      if (len(values%fault) == 0) call check_order(values, units)
       do i = 1, size(keys)
          if (len(values%fault) == 0) call check_company(values, i)
       end do
@@ -209,25 +209,34 @@ contains
       type(key_type), intent(in) :: key
       character(20), allocatable :: units(:)
       character(*), parameter :: state(5) = [character(20) :: '1/omega', 'F0/K', 'omega F0/K', &
-         'F0/K', 'omega F0/K'], names(5) = [character(20) :: 't', 'x', 'x_dot', 'y', 'z_dot']
+         'F0/K', 'omega F0/K'], names(5) = [character(20) :: 't', 'x', 'x_dot', 'y', 'z_dot'], &
+         targets(4) = [character(20) :: 'displacement', 'rms', 'acceleration', 'force'], &
+         of_targets(4) = [character(20) :: 'F0/K', 'F0/K', 'omega^2 F0/K', 'F0']
       type(line_type), allocatable :: words(:)
+      character(:), allocatable :: deciding
       integer :: i, j, at
       logical :: good
 
       units = [key%unit]
       if (key%unit == of_state) units = state
-      if (key%unit /= of_parameter .and. key%unit /= of_axes .and. all(key%unit /= of_axis)) return
+      deciding = 'axes'
+      if (key%unit == of_parameter) deciding = 'parameter'
+      if (key%unit == of_target) deciding = 'target'
+      if (deciding == 'axes' .and. key%unit /= of_axes .and. all(key%unit /= of_axis)) return
       units = ['']
       do i = 1, size(values%items)
          ! the key that decides may stand behind this one
-         if (key%unit == of_parameter .and. values%items(i)%key /= 'parameter') cycle
-         if (key%unit /= of_parameter .and. values%items(i)%key /= 'axes') cycle
+         if (values%items(i)%key /= deciding) cycle
          call parse_words(values%items(i)%value, 2, words, good)
          units = [(repeat(' ', 20), j=1, size(words))]
          do j = 1, size(words)
-            if (key%unit /= of_parameter) then
+            if (deciding == 'axes') then
                do at = 1, size(names)
                   if (names(at) == lower(words(j)%text)) units(j) = state(at)
+               end do
+            else if (deciding == 'target') then
+               do at = 1, size(targets)
+                  if (targets(at) == lower(words(j)%text)) units(j) = of_targets(at)
                end do
             else
                if (lower(words(j)%text) == 'r') units(j) = 'omega'
@@ -461,9 +470,11 @@ contains
    end subroutine resolve_units
 
    !> Checks the keys whose values must be above those of others.
-   pure subroutine check_order(values)
+   pure subroutine check_order(values, units)
       !> The group.
       type(values_type), intent(inout) :: values
+      !> What is known of the units of the system.
+      type(units_type), intent(in), optional :: units
       integer :: i, n
       logical :: good
 
@@ -472,6 +483,18 @@ contains
          associate (low => values%values(place_of(values%keys, values%keys(i)%over)), &
             high => values%values(i))
             if (.not. low%there) cycle
+            if (low%given .and. high%given) then
+               ! 0 is the same in all units, and a number in the units of the &system has one
+               if ((is_bare(values, low) .neqv. is_bare(values, high)) .and. &
+                  abs(low%numbers(1)*high%numbers(1)) > 0 .and. .not. &
+                  has_one_reading(units_of(values, values%keys(i)), units)) then
+                  call values%refuse(trim(values%keys(i)%name), trim(values%keys(i)%over)// &
+                     ' and '//trim(values%keys(i)%name)//' must both have a unit, or neither; '// &
+                     trim(values%keys(i)%over)//' is '// &
+                     values%items(low%origin(1))%value)
+                  return
+               end if
+            end if
             n = min(size(low%numbers), size(high%numbers))
             good = all(high%numbers(:n) > low%numbers(:n))
             if (.not. good .and. size(low%numbers) > 1) then
@@ -483,6 +506,31 @@ contains
          end associate
       end do
    end subroutine check_order
+
+   !> Whether numbers without a unit are in units of the &system.
+   pure logical function has_one_reading(own, units) result(one)
+      !> The units of the key, in turn.
+      character(*), intent(in) :: own(:)
+      !> What is known of the units of the system.
+      type(units_type), intent(in), optional :: units
+      integer :: i
+
+      one = .false.
+      if (present(units)) one = units%bare == in_units
+      do i = 1, size(own)
+         one = one .and. has_two_readings(own(i))
+      end do
+   end function has_one_reading
+
+   !> Whether the number of a key is given without a unit.
+   pure logical function is_bare(values, value)
+      !> The group.
+      type(values_type), intent(in) :: values
+      !> The value of the key, which is given.
+      type(value_type), intent(in) :: value
+
+      is_bare = scan(values%items(value%origin(1))%value, '''"') == 0
+   end function is_bare
 
    !> Records a fault of an assignment, if it is the first one.
    pure subroutine blame(values, item, why)

@@ -7,8 +7,8 @@ module vi_door
    use, intrinsic :: iso_c_binding, only: c_associated, c_f_pointer, c_int64_t, c_intptr_t, c_loc, &
       c_null_ptr, c_ptr
    use vi_buffer, only: add, add_quoted, buffer_type
-   use vi_case, only: case_type, echo, first_line, first_line_of_structure, outputs_of, &
-      shown_of
+   use vi_case, only: case_type, echo, first_line, first_line_in_si, first_line_of_structure, &
+      outputs_of, shown_of
    use vi_lines, only: unify_line_ends
    use vi_parse_cases, only: find_name, parse_cases
    use vi_key, only: of_structure
@@ -227,6 +227,7 @@ contains
       call study%columns_of(model, columns)
       first = first_line
       if (model == of_structure) first = first_line_of_structure
+      if (name == 'identify') first = first_line_in_si
       call start_result([line_type(first//'no namelist describes how it began')], columns, &
          study%row(model), holder%result)
    end subroutine new_bare_result

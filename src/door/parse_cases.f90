@@ -8,7 +8,8 @@ module vi_parse_cases
    use vi_case, only: case_type, check_output, check_system, longest_name, name_part, &
       output_keys, read_system
    use vi_common_keys, only: most_numbers
-   use vi_key, only: is_for, key_type, of_oscillator, of_structure, place_of
+   use vi_key, only: is_for, key_type, of_axes, of_axis, of_oscillator, of_parameter, of_state, &
+      of_structure, of_target, place_of
    use vi_kinds, only: wp
    use vi_namelist, only: group_type, scan_namelist
    use vi_oscillator, only: oscillator_type
@@ -487,13 +488,31 @@ contains
             name = case%sweep%word('keys', i)
             place = place_of(keys, trim(name(index(name, '.') + 1:)))
             if (place == 0 .or. system%units%bare == dimensionless) cycle
-            if (has_two_readings(keys(place)%unit)) call case%sweep%refuse('keys', 'values of '// &
+            if (is_ambiguous(case, keys(place))) call case%sweep%refuse('keys', 'values of '// &
                trim(name)//' in a &sweep are dimensionless, so &system must have unit_names, not &
                &units')
          end do
       end if
       call pass_on(case%sweep, line, message)
    end subroutine take_sweep
+
+   !> Whether numbers of a key without a unit can be dimensionless or physical.
+   pure logical function is_ambiguous(case, key)
+      !> The case.
+      type(case_type), intent(in) :: case
+      !> A key of its study.
+      type(key_type), intent(in) :: key
+
+      if (key%unit == of_target) then
+         is_ambiguous = .not. (case%study%is('target', 'attenuation') .or. &
+            case%study%is('target', 'damping'))
+      else if (key%unit == of_parameter) then
+         is_ambiguous = case%study%is('parameter', 'clearance')
+      else
+         is_ambiguous = has_two_readings(key%unit) .or. key%unit == of_state .or. &
+            key%unit == of_axes .or. any(key%unit == of_axis)
+      end if
+   end function is_ambiguous
 
    !> Name and format of the result; the name is that of the file (numbered) unless given.
    subroutine take_output(path, groups, number, total, case, line, message)

@@ -410,3 +410,5 @@ def test_ctrl_c_keeps_the_best_design(monkeypatch):
     found = caught.value.result
     assert (found.samples, len(found.searches["level"])) == (0, 1)
     assert found.level == found.searches["level"][0] == min(found.candidates["level"])
+    assert not found.complete
+    assert f"interrupted with {len(found.candidates)} candidates judged" in repr(found)

@@ -16,8 +16,8 @@ FREE = {"load": 1.0, "settling": 400, "keep": 32}
     ("change", "message"),
     [
         (
-            {"r": (1.02, 1.0)},
-            "r = 1.02, 1.0: must be one frequency ratio, or the lowest and the highest one",
+            {"r": (1.0, 1.01, 1.02)},
+            "r = 1.0, 1.01, 1.02: must be one frequency ratio, or the lowest and the highest one",
         ),
         ({"r": (0, 1)}, "r = 0"),
         ({"r": "1"}, "r = '1'"),

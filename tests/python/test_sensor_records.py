@@ -156,8 +156,8 @@ def test_an_unknown_unit_of_time_is_an_error(tmp_path):
 
 
 def rows_of(times):
-    """A table of loads at some times."""
-    return "time,load\n" + "".join(f"{time},{i % 7}\n" for i, time in enumerate(times))
+    """A table of loads and accelerations at some times."""
+    return "time,load,acc\n" + "".join(f"{t},{i % 7},{i % 5}\n" for i, t in enumerate(times))
 
 
 @pytest.mark.parametrize(
@@ -411,6 +411,70 @@ def test_a_matrix_of_a_matlab_file_is_named(tmp_path):
     """Which is no channel."""
     from scipy.io import savemat
 
-    savemat(tmp_path / "a.mat", {"load": np.arange(20.0), "fs": 100.0, "modes": np.ones((5, 4))})
+    savemat(
+        tmp_path / "a.mat",
+        {"load": RECORD.load, "acc": RECORD.load, "fs": 100.0, "modes": np.ones((5, 4))},
+    )
     with pytest.warns(UserWarning, match="not read: 'modes'"):
         vi.read_record(tmp_path / "a.mat")
+
+
+@pytest.mark.parametrize(
+    ("header", "rate", "load", "acceleration"),
+    [
+        ("time_ms,load_N,acceleration_mm/s2", 1000, 1, 1e-3),
+        ("TIME_MS,SHAKER_N,ACC_G", 1000, 1, 9.80665),
+        ("time.ms,load_kn,acceleration_mg", 1000, 1000, 9.80665e-3),
+        ("time (MS),load (KN),acc (G)", 1000, 1000, 9.80665),
+        ("time_ms,F_N,top_mm_s2", 1000, 1, 1e-3),
+        ("time_ms,load_cell_MN,acc_ips2", 1000, 1e6, 0.0254),
+        ("time_s,load_lbs,acc_ms2", 1, 4.4482216152605, 1),
+        ("time_ms,load,acc_x", 1000, 1, 1),
+    ],
+)
+@pytest.mark.filterwarnings("error")
+def test_no_unit_of_a_header_is_dropped(tmp_path, header, rate, load, acceleration):
+    """Each spelling of a unit counts, whatever its case where that is unambiguous."""
+    rows = "\n".join(f"{i},{i % 7},{i % 5}" for i in range(50))
+    (tmp_path / "bench.csv").write_text(f"{header}\n{rows}")
+    found = vi.read_record(tmp_path / "bench.csv")
+    assert found.rate == pytest.approx(rate)
+    assert found.load[1] == pytest.approx(load)
+    assert found.acceleration[1] == pytest.approx(acceleration)
+
+
+@pytest.mark.parametrize(
+    ("header", "name"),
+    [
+        ("time_ms,load_mV,acc_g", "load_mV"), ("time_ms,load_N,acc_V", "acc_V"),
+        ("time_Hz,load_N,acc_g", "time_Hz"),
+        ("time_ms,load_mn,acc_g", "load_mn"), ("time_ms,load_N,acc_ips", "acc_ips"),
+    ],
+)  # fmt: skip
+def test_units_of_something_else_are_refused(tmp_path, header, name):
+    """A unit that the quantity cannot have, or that has two readings, is an error that names the column."""
+    rows = "\n".join(f"{i},{i % 7},{i % 5}" for i in range(50))
+    (tmp_path / "bench.csv").write_text(f"{header}\n{rows}")
+    with pytest.raises(vi.ParameterError, match=f"channel '{name}': unit"):
+        vi.read_record(tmp_path / "bench.csv")
+
+
+def test_an_ending_that_is_no_unit_is_named(tmp_path):
+    """The warning says in which unit the channel is read."""
+    rows = "\n".join(f"{i},{i % 7},{i % 5}" for i in range(50))
+    (tmp_path / "bench.csv").write_text(f"time_ms,load_N,acc_top\n{rows}")
+    with pytest.warns(UserWarning, match="'acc_top': 'top' is not a known unit; .* in m/s"):
+        vi.read_record(tmp_path / "bench.csv")
+
+
+@pytest.mark.parametrize("header", ["time_s,shaker,acc", "time_s,force,top"])
+@pytest.mark.filterwarnings("ignore:.*not read")
+def test_a_record_has_a_load_and_a_motion(tmp_path, header):
+    """What is missing is an error that names the columns, unless the caller says what they are."""
+    rows = "\n".join(f"{i},{i % 7},{i % 5}" for i in range(50))
+    path = tmp_path / "bench.csv"
+    path.write_text(f"{header}\n{rows}")
+    with pytest.raises(vi.ParameterError, match="must contain a load and a motion"):
+        vi.read_record(path)
+    channels = ["time", "load", "acceleration"]
+    assert vi.read_record(path, channels=channels).load is not None

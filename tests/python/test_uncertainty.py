@@ -515,6 +515,15 @@ def test_ctrl_c_keeps_what_uncertainty_and_limits_finished(monkeypatch):
     spread = {"restitution": (0.68, 0.75)}
     points, limit = [20.0, 25.0, 30.0], {"attenuation": 0.6}
     whole = vi.limit_probability(FIGURE6, 1.04, points, spread, limit, samples=20)
+    assert whole.complete
+    monkeypatch.setattr(study, "FIRST", (1, 8))
+    stop_after("perform", 1)
+    with pytest.raises(vi.StudyInterrupted) as caught:
+        vi.limit_probability(FIGURE6, 1.04, points, spread, limit, samples=20)
+    part = caught.value.result
+    assert (part.samples, part.complete) == (1, False)
+    assert "interrupted" in repr(part)
+    monkeypatch.setattr(study, "FIRST", ())
     stop_after("perform", 2)
     with pytest.raises(vi.StudyInterrupted) as caught:
         vi.limit_probability(FIGURE6, 1.04, points, spread, limit, samples=20)
@@ -538,6 +547,13 @@ def test_ctrl_c_keeps_what_uncertainty_and_limits_finished(monkeypatch):
     with pytest.raises(vi.StudyInterrupted) as caught:
         vi.uncertainty(FIGURE6, pattern, r, [30.0, 60.0], spread, samples=8, bands=False)
     few = caught.value.result
-    assert few.samples == 3
+    assert (few.samples, few.complete) == (3, False)
+    assert "interrupted" in repr(few)
     assert ((few.probability >= 0) & (few.probability <= 1)).all()
     np.testing.assert_allclose(3 * few.probability, np.round(3 * few.probability), atol=1e-12)
+    # the part of a sample that was interrupted is not a result of this function
+    part = vi.StudyInterrupted("part of a sample")
+    monkeypatch.setattr(study, "verdicts", lambda *args: (_ for _ in ()).throw(part))
+    with pytest.raises(KeyboardInterrupt) as caught:
+        vi.uncertainty(FIGURE6, pattern, r, [30.0, 60.0], spread, samples=8, bands=False)
+    assert not isinstance(caught.value, vi.StudyInterrupted)

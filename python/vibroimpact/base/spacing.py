@@ -118,7 +118,8 @@ def ascending(values: Any) -> Any:
 def ends_of(values: Any, name: str, wanted: str) -> tuple[Any, Any]:
     """The ends of a window: a pair (lo, hi), or an array that rises or falls throughout.
 
-    A pair is not checked further. For a falling array, the ends are its last and its first number.
+    A pair is not checked further; if it falls, it is turned. For a falling array, the ends are its last and its
+    first number.
 
     Raises
     ------
@@ -136,7 +137,7 @@ def ends_of(values: Any, name: str, wanted: str) -> tuple[Any, Any]:
     except (TypeError, ValueError):
         pass
     else:
-        return low, high
+        return in_order(low, high)
     if isinstance(values, str) or np.ndim(values) != 1 or np.size(values) < 2:
         raise ParameterError(f"{name} = {values!r}: must be {wanted}")
     array = checks.real_array(values, name, wanted)
@@ -144,6 +145,22 @@ def ends_of(values: Any, name: str, wanted: str) -> tuple[Any, Any]:
     if not ((steps > 0).all() or (steps < 0).all()):
         raise ParameterError(f"{name} of shape {array.shape}: must rise or fall throughout")
     return float(array.min()), float(array.max())
+
+
+def in_order(low: Any, high: Any) -> tuple[Any, Any]:
+    """The ends of a range, the lower one first; ends that are not real numbers are unchanged.
+
+    Examples
+    --------
+    >>> from vibroimpact.base.spacing import in_order
+    >>> in_order(2.0, 1.0)
+    (1.0, 2.0)
+    """
+    numbers = all(
+        isinstance(one, (int, float, np.number)) and not isinstance(one, (bool, np.bool_))
+        for one in (low, high)
+    )
+    return (high, low) if numbers and high < low else (low, high)
 
 
 def spacing_of(values: _Array) -> str | None:

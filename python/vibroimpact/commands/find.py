@@ -14,7 +14,7 @@ from ..base.errors import ParameterError, SingularError, StudyInterrupted
 from ..base.progress import Progress
 from ..cases.case import Case, read_namelist
 from ..motions.motion import Motion
-from ..studies.find import find
+from ..studies.find import WITHOUT_IMPACTS, find
 from ..systems.oscillator import Oscillator
 from ..systems.units import Units, checked_names, units_to_show
 from . import FORMATS, Record, add_files, add_forms, picture_writer, ready
@@ -127,6 +127,8 @@ def search_at(options: argparse.Namespace, points: dict[Point, str]) -> int:
             + (f", load = {load:g}" if load != 1 else "")
         )
         print(table(result, units))
+        if result._is_free:
+            print(f"and {WITHOUT_IMPACTS}")
         print(textwrap.fill(f"searched: {result.search}", 100))
         if stopped:
             print(f"cut short: {result.cut}")

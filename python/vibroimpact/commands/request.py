@@ -19,7 +19,7 @@ from ..base.errors import ParameterError
 from ..cases.case import Case, read_namelist
 from ..results import namelist
 from ..results.namelist import Groups
-from ..systems.units import SI, checked_names
+from ..systems.units import checked_names
 from .options import Option, shown
 
 #: The message on a missing option.
@@ -60,7 +60,7 @@ def request_of(
     for group, keys in more.items():
         groups[group] |= keys
     if wanted == "dimensionless" and "mass" in groups["system"]:
-        groups["system"]["unit_names"] = SI  # bare numbers are dimensionless
+        groups["system"]["units"] = wanted  # of numbers without a unit
     return Request(study, groups, [*known.values()])
 
 

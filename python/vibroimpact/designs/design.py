@@ -14,6 +14,7 @@ from ..base.actions import ACTIONS
 from ..base.checks import Rng
 from ..base.errors import ParameterError, ParameterTypeError, StudyInterrupted
 from ..base.progress import with_progress
+from ..base.spacing import in_order
 from ..base.status import VERDICT
 from ..results import door
 from ..results.namelist import keys_of
@@ -237,6 +238,17 @@ class Design(Noun, study="design", example=EXAMPLE):
         return np.sort(chosen, order="nominal")
 
     @property
+    def _output(self) -> str:
+        """The output of a structure whose motion counts; empty if it is a coordinate or not known."""
+        coordinate = getattr(self._asked[0].host, "coordinate", 0) if self._asked else 0
+        return coordinate if isinstance(coordinate, str) else ""
+
+    @property
+    def _target_text(self) -> str:
+        """The target in words."""
+        return f"{self.target} of {self._output}" if self._output else self.target
+
+    @property
     def verdict(self) -> str:
         """The answer as a text."""
         above = ""
@@ -255,8 +267,10 @@ class Design(Noun, study="design", example=EXAMPLE):
             above += f"; not converged: the searches ended at {levels}; more evaluations or searches would help"
         if self.limit is None:
             level = value_text(osc, self.target, self.level, 4)
-            return f"{self.target} {symbol} {level} for {share} of the search{above}"
-        wanted = f"{self.target} {symbol} {value_text(osc, self.target, self.limit)} for {share}"
+            return f"{self._target_text} {symbol} {level} for {share} of the search{above}"
+        wanted = (
+            f"{self._target_text} {symbol} {value_text(osc, self.target, self.limit)} for {share}"
+        )
         if not self.samples:
             level = value_text(osc, self.target, self.level, 4)
             return f"{wanted}: {level} in the search, not confirmed by samples{above}"
@@ -311,7 +325,8 @@ class Design(Noun, study="design", example=EXAMPLE):
         chosen = ", ".join(
             f"{name} = {value_text(osc, name, value)}" for name, value in self.values.items()
         )
-        return f"<Design {chosen}: {self.verdict}>"
+        cut = "" if self.complete else f"; {self.cut}"
+        return f"<Design {chosen}: {self.verdict}{cut}>"
 
     def confirm(
         self, samples: int = 100_000, rng: Rng = 1, progress: door.Progress | None = None
@@ -385,10 +400,13 @@ def spread_text(osc: Oscillator | None, name: str, item: Uncertain, free: bool) 
     return item.text if plain else range_text(osc, name, item.low, item.high)
 
 
-def answered(case: str, tables: Mapping[str, Any], asked: tuple[Problem, Order]) -> Design:
-    """Put the answer of a design at the beginning of its files and messages."""
-    verdict = Design(made("design", case, tables)).verdict
-    return Design(made("design", case, tables, (verdict,), notes=((False, verdict),)), asked)
+def answered(
+    case: str, tables: Mapping[str, Any], asked: tuple[Problem, Order], cut: str = ""
+) -> Design:
+    """Put the answer of a design at the beginning of its files and messages; `cut` says where it was
+    interrupted."""
+    verdict = Design(made("design", case, tables), asked).verdict
+    return Design(made("design", case, tables, (verdict,), cut, ((False, verdict),)), asked)
 
 
 def designed(problem: Problem, order: Order, case: str, progress: door.Progress | None) -> Design:
@@ -432,15 +450,20 @@ def designed(problem: Problem, order: Order, case: str, progress: door.Progress 
     }  # fmt: skip
     bands = ("from", "to", "samples", "good", "probability", "low", "high", "worst")
     tables["bands"] = ("part",), {name: np.zeros(0) for name in bands}
-    found = answered(case, tables, (problem, order))
     if order.samples and not stopped:
+        found = answered(case, tables, (problem, order))
         try:
             return found.confirm(order.samples, order.seed + 1, part_of(progress, 1, 1, 2))
         except KeyboardInterrupt:
-            stopped = True
+            raise StudyInterrupted(
+                answered(
+                    case, tables, (problem, order), "interrupted before the confirmation ended"
+                )
+            ) from None
     if stopped:
-        raise StudyInterrupted(found)
-    return found
+        ended = f"interrupted with {len(archive.level)} candidates judged"
+        raise StudyInterrupted(answered(case, tables, (problem, order), ended))
+    return answered(case, tables, (problem, order))
 
 
 def reach(item: Uncertain) -> _Array:
@@ -458,7 +481,7 @@ def design(
     clearance: float | None = None, load: Any = 1.0, tolerance: Mapping[str, Any] | None = None,
     target: str = "attenuation", limit: float | None = None, quantile: float = 0.99,
     limits: Mapping[str, float] | None = None, over: str = "worst", amplitude: ArrayLike | None = None,
-    cycles: int = 5, coordinate: int = 0, states: int = 2, samples: int = 100_000, evaluations: int = 96,
+    cycles: int = 5, coordinate: int | str = 0, states: int = 2, samples: int = 100_000, evaluations: int = 96,
     searches: int = 8, specimens: int = 16, nodes: int = 9, settling: int = 400, keep: int = 32, rng: Rng = 0,
     threads: int | None = None, progress: door.Progress | None = None,
 ) -> Design:  # fmt: skip
@@ -480,8 +503,8 @@ def design(
         The band of frequency ratios (for a function: of its argument r).
     free : dict
         Ranges (low, high) of the parameters to choose: ``clearance`` (d K/F0 at load 1, where d is the whole
-        travel of the free mass), ``mu``, ``xi``, ``restitution`` (the same on both walls), ``R1``, ``R2``. For a
-        function, any names; a ``range`` of whole numbers is for a number of units.
+        travel of the free mass), ``mu`` (m/M, or the free mass, such as "0.05 kg"), ``xi``, ``restitution`` (the
+        same on both walls), ``R1``, ``R2``. For a function, any names; a ``range`` of whole numbers is for a number of units.
     clearance : float, optional
         The clearance d K/F0, if it is not free.
     load : float, range, quantiles or distribution
@@ -513,8 +536,8 @@ def design(
         For the damping: displacements from which free vibration starts, instead of `r`.
     cycles : int
         Oscillations over which that damping is averaged.
-    coordinate : int
-        For a structure: the coordinate whose motion counts.
+    coordinate : int or str
+        For a structure: the coordinate whose motion counts, or the name of one of its outputs.
     states : int
         Number of initial states of each unit.
     samples : int
@@ -600,7 +623,7 @@ def design(
         for name, value in keys.items()
         if not (name in meaningless and np.array_equal(value, meaningless[name]))
     }
-    keys["band"] = r
+    keys["band"] = in_order(*r) if isinstance(r, (list, tuple)) and len(r) == 2 else r
     names = {"band": "r"}
     for group, given in (("free", free), ("tolerance", uncertain_ones), ("limit", bounds)):
         known = tuple(LIMITED) if group == "limit" else NAMES

@@ -37,8 +37,8 @@ class StructureHost:
     ----------
     build : callable
         ``build(r=frequency, load=amplitude, **parameters)`` returns a Structure and its Load or Record.
-    coordinate : int
-        The coordinate whose motion counts.
+    coordinate : int or str
+        The coordinate, or the output of the structure, whose motion counts.
     target : str
         One of `TARGETS`; the attenuation is the greatest displacement over that of the structure without gaps.
     limits : mapping
@@ -51,7 +51,7 @@ class StructureHost:
     """
 
     build: Callable[..., tuple[Structure, Load | Record]]
-    coordinate: int
+    coordinate: int | str
     target: str
     limits: Mapping[str, float]
     settling: int
@@ -124,7 +124,18 @@ class StructureHost:
             raise ParameterTypeError(
                 f"host returned the load {force!r}: must be {wanted}, which has a frequency"
             )
-        if not self.coordinate < structure.coordinates:
+        if isinstance(self.coordinate, str):
+            if self.coordinate not in structure.outputs:
+                names = "".join(f", or the output {name!r}" for name in structure.outputs)
+                raise ParameterError(
+                    f"coordinate = {self.coordinate!r}: must be 0 to {structure.coordinates - 1}{names} for this "
+                    "structure"
+                )
+            if "force" in {self.target, *self.limits}:
+                raise ParameterError(
+                    f"coordinate = {self.coordinate!r}: must be the number of a coordinate for a force"
+                )
+        elif not self.coordinate < structure.coordinates:
             raise ParameterError(
                 f"coordinate = {self.coordinate}: must be 0 to {structure.coordinates - 1} for this structure"
             )
@@ -161,7 +172,9 @@ class StructureHost:
             float(hits["speed"].min(initial=math.inf)) if len(hits) == len(late) else 0.0
         )
         asked = {self.target, *self.limits}
-        if asked & {"acceleration", "force"}:
+        if "acceleration" in asked and isinstance(self.coordinate, str):
+            figures["acceleration"] = greatest_acceleration(run, begin, many, self.coordinate)
+        elif asked & {"acceleration", "force"}:
             found = run.quantities(window=(begin, run.end))
             for name, signal in {"acceleration": found.q_ddot, "force": found.transmitted}.items():
                 figures[name] = float(np.atleast_1d(signal.peak)[self.coordinate])
@@ -242,8 +255,18 @@ def steady(structure: Structure, load: Load) -> NDArray[np.complex128]:
     return np.asarray(found)
 
 
-def extent(run: Trajectory, begin: float, many: int, coordinate: int) -> tuple[float, float, float]:
-    """Least and greatest value, and root mean square, of a coordinate from a given time to the end.
+def greatest_acceleration(run: Trajectory, begin: float, many: int, output: str) -> float:
+    """The greatest acceleration of an output from a given time to the end, at samples and on both sides of each
+    event."""
+    times = run.events["time"][(run.events["time"] > begin) & (run.events["time"] < run.end)]
+    times = np.union1d(np.linspace(begin, run.end, many + 1), [*times, *np.nextafter(times, begin)])
+    return float(np.abs(run._sampled(times, 3, output)[2]).max())
+
+
+def extent(
+    run: Trajectory, begin: float, many: int, coordinate: int | str
+) -> tuple[float, float, float]:
+    """Least and greatest value, and root mean square, of a coordinate or output from a given time to the end.
 
     An extreme between two samples is computed from the cubic through their values and velocities, with an error
     proportional to the fourth power of their distance.
@@ -251,7 +274,10 @@ def extent(run: Trajectory, begin: float, many: int, coordinate: int) -> tuple[f
     times = np.linspace(begin, run.end, many + 1)
     inside = run.events["time"][(run.events["time"] > begin) & (run.events["time"] < run.end)]
     times = np.union1d(times, inside)
-    q, rate = (each[coordinate] for each in run.sample(times))
+    if isinstance(coordinate, str):
+        q, rate = run.sample(times, coordinate)
+    else:
+        q, rate = (each[coordinate] for each in run.sample(times))
     h = np.diff(times)
     at = np.flatnonzero(rate[:-1] * rate[1:] < 0)
     a, b, step = q[at], q[at + 1], h[at]

@@ -190,7 +190,10 @@ def explored(
 
     def level(shares: _Array) -> _Array:
         candidates = np.atleast_2d(shares.T)
-        _judge(problem, coarse, candidates, archive)
+        # the first ones in small parts, so that Ctrl-C soon finds some that are judged
+        ends = [1, *range(5, len(candidates), 4)] if not archive.level else []
+        for some in np.split(candidates, [end for end in ends if end < len(candidates)]):
+            _judge(problem, coarse, some, archive)
         done = len(archive.level) / (evaluations + size)
         if progress is not None:
             progress(min(0.7, 0.7 * done), "global search")

@@ -20,7 +20,7 @@ TAKEN = ("r", "load")
 
 def asked_of(
     host: Any, r: Any, free: Mapping[str, Any], tolerance: dict[str, Uncertain], limits: Mapping[str, Any],
-    load: Uncertain, coordinate: int, keys: Mapping[str, Any], threads: int | None,
+    load: Uncertain, coordinate: int | str, keys: Mapping[str, Any], threads: int | None,
 ) -> tuple[Problem, Order]:  # fmt: skip
     """The problem and the order, after all checks that need no structure.
 
@@ -82,8 +82,10 @@ def asked_of(
         if name in tolerance:
             tolerance[name].require_around(f"tolerance[{name!r}]")
     whole = tuple(name for name, value in free.items() if isinstance(value, range))
+    if not isinstance(coordinate, str):
+        coordinate = checks.integer(coordinate, "coordinate", 0, 499)
     system = StructureHost(
-        host, checks.integer(coordinate, "coordinate", 0, 499), target, dict(limits), keys["settling"],
+        host, coordinate, target, dict(limits), keys["settling"],
         keys["keep"], threads,
     )  # fmt: skip
     problem = Problem(

@@ -40,7 +40,9 @@ def write_csv(noun: Any, path: Path, units: str | None = None) -> None:
         write_text(path, noun._csv())
         return
     result, known = noun._result, units_to_show(getattr(noun, "osc", None))
-    if units not in (None, "dimensionless"):
+    if result.study == "identify":
+        known = None  # its numbers are in units of SI
+    elif units not in (None, "dimensionless"):
         known = noun.physical(units).units
     if known is not None and units != "dimensionless" and not result.case:
         write_text(path, noun.physical(known)._csv())

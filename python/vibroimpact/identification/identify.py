@@ -19,14 +19,14 @@ from ..results.noun import Noun
 from ..systems.oscillator import Oscillator, Pattern, of_numbers
 from ..systems.restitution import Restitution
 from ..systems.units import SI as SI_UNITS
-from ..systems.units import Units, positive
+from ..systems.units import Units, own_number, positive
 from .known import known_values
 from .laws import KINDS, KNOWN_OF_LAW, Law, law_of
 from .measured import OF_SENSORS, PerChannel, SensorRecord
 from .motions import oscillator_of, verified
 from .stages import identified_by
 from .steps import of_record, of_times
-from .tables import said, tables_of
+from .tables import place_in_hertz, said, tables_of
 
 __all__ = ["Identification", "identify"]
 
@@ -376,8 +376,10 @@ class Identification(Noun, study="identify"):
         """Accepts every result: a record that is not periodic has its status."""
 
     def _facts(self) -> dict[str, str]:
+        units = self._parameters("unit")
         return {
-            name: said(name, value, self.errors.get(name)) for name, value in self.values.items()
+            name: said(name, value, self.errors.get(name), units[name])
+            for name, value in self.values.items()
         }
 
     @classmethod
@@ -436,8 +438,9 @@ class Identification(Noun, study="identify"):
         pattern = self.pattern
         if pattern is None and "xi" not in self.errors:
             return f"<Identification: {self.status}, {self.impact_times.size} impacts picked>"
+        units = self._parameters("unit")
         fitted = ", ".join(
-            said(name, self.values[name], error)
+            said(name, self.values[name], error, units[name])
             for name, error in self.errors.items()
             if name in ("xi", "mu", "R1", "R2", *KNOWN_OF_LAW, "d") and math.isfinite(error)
         )  # fmt: skip
@@ -447,7 +450,7 @@ class Identification(Noun, study="identify"):
             doubtful = f"poor fit (misfit {self.misfit:.3g}), errors not valid, see doubts"
         shown = "; ".join(filter(None, (fitted, left, doubtful))) or "all known"
         motion = f"{pattern.sides}/{pattern.cycles}" if pattern else f"({self.status})"
-        return f"<Identification {motion} at r = {self.r:.6g}: {shown}>"
+        return f"<Identification {motion} at {place_in_hertz(self.r, self.frequency)}: {shown}>"
 
 
 @with_progress
@@ -646,7 +649,7 @@ def identified(
 ) -> Identification:  # fmt: skip
     """All steps; arguments as in `identify`."""
     if frequency is not None:
-        frequency = positive(frequency, "frequency")
+        frequency = positive(own_number(frequency, "frequency"), "frequency")
     scale, shared = known_values(known or {})
     calibration = positive(calibration, "calibration", zero=True)
     if not calibration < 1:

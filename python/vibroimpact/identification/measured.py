@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
@@ -11,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..base import checks
 from ..base.errors import ParameterError, ParameterTypeError
-from ..systems.units import positive, with_u
+from ..systems.units import has_unit, own_number, positive, with_u
 
 __all__ = ["SensorRecord"]
 
@@ -25,14 +26,30 @@ SI = {"load": "N", "acceleration": "m/s^2", "velocity": "m/s", "displacement": "
 #: Quantities that can represent the motion of the primary mass; for each, the power of i Omega that converts the
 #: displacement to it.
 MOTIONS = {"acceleration": 2, "velocity": 1, "displacement": 0}
-_LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 1e-3, "um": 1e-6, "in": 0.0254, "ft": 0.3048}
+_LENGTHS = {
+    "m": 1.0, "cm": 0.01, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "in": 0.0254, "mil": 2.54e-5, "ft": 0.3048,
+}  # fmt: skip
 #: The factor that converts each unit to that of the package.
 UNITS: dict[str, dict[str, float]] = {
-    "load": {"N": 1.0, "mN": 1e-3, "kN": 1e3, "lbf": 4.4482216152605},
-    "acceleration": {f"{name}/s^2": one for name, one in _LENGTHS.items()} | {"g": 9.80665},
+    "load": {
+        "N": 1.0,
+        "mN": 1e-3,
+        "uN": 1e-6,
+        "kN": 1e3,
+        "MN": 1e6,
+        "lbf": 4.4482216152605,
+        "kgf": 9.80665,
+    },
+    "acceleration": {f"{name}/s^2": one for name, one in _LENGTHS.items()}
+    | {"g": 9.80665, "mg": 9.80665e-3},
     "velocity": {f"{name}/s": one for name, one in _LENGTHS.items()},
     "displacement": _LENGTHS,
 }
+#: Other spellings of units, after those of powers.
+SPELLED = {
+    "ips": "in/s", "ips^2": "in/s^2", "m/s/s": "m/s^2", "mm/s/s": "mm/s^2", "ms^2": "m/s^2", "ms^-2": "m/s^2",
+    "ms-2": "m/s^2", "ms^-1": "m/s", "ms-1": "m/s", "lbs": "lbf",
+}  # fmt: skip
 #: Order of the low-pass filter that models a sensor and its signal conditioner.
 ORDER = 4
 #: Least number of samples of a record.
@@ -48,12 +65,34 @@ def factor_of(channel: str, unit: str) -> float:
     >>> factor_of("acceleration", "g"), factor_of("displacement", "mm")
     (9.80665, 0.001)
     """
-    plain = with_u(str(unit)).strip().strip("[]()").replace("**", "^")
-    plain = plain.replace("\N{SUPERSCRIPT TWO}", "^2").replace("s2", "s^2").replace(" ", "")
     known = UNITS[channel]
-    if plain not in known:
+    found = unit_named(unit, known)
+    if found is None:
         raise ParameterError(f"unit of {channel} = {unit!r}: must be one of {', '.join(known)}")
-    return known[plain]
+    return known[found]
+
+
+def unit_named(unit: object, known: Iterable[str]) -> str | None:
+    """The unit that a text names, whatever its spelling; None if it is none of the known ones.
+
+    Capital and small letters count only if they distinguish two of the units, such as mN and MN.
+
+    Examples
+    --------
+    >>> from vibroimpact.identification.measured import UNITS, unit_named
+    >>> unit_named("MM_S2", UNITS["acceleration"]), unit_named("KN", UNITS["load"]), unit_named("mV", ["mN"])
+    ('mm/s^2', 'kN', None)
+    """
+    plain = with_u(str(unit)).strip().strip("[]()").replace("**", "^").replace(" ", "")
+    plain = plain.replace("\N{SUPERSCRIPT TWO}", "^2").replace("_", "/")
+    plain = re.sub(r"(?i)(?<=s)2$|(?<=ips)2$", "^2", plain)
+    alike = [name for name in known if name.lower() == plain.lower()]
+    if plain in alike:
+        return plain
+    if len(alike) == 1:
+        return alike[0]
+    other = SPELLED.get(plain.lower(), "")
+    return other if other in [*known] else None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -62,8 +101,8 @@ class SensorRecord:
 
     Parameters
     ----------
-    rate : float
-        Sampling rate, samples a second.
+    rate : float or str
+        Sampling rate, samples a second; or with a unit, such as "10 kHz".
     load : array_like (n,), optional
         The load on the primary mass.
     acceleration, velocity, displacement : array_like (n,), optional
@@ -74,7 +113,8 @@ class SensorRecord:
     bandwidth : float or mapping, optional
         -3 dB frequency (Hz) of a sensor, modelled as a Butterworth low-pass of order 4, by channel, such as
         ``{"load": 2000, "acceleration": 600}``. A single number, here and below, applies to the motion channels
-        only. A channel that is not named is not filtered.
+        only. A channel that is not named is not filtered. Here and below, values may have units, such as
+        "600 Hz", "2 ms" or "50 m/s^2".
     delay : float or mapping, optional
         Delay of a channel (s) in addition to that of its low-pass, for example of a separate clock, by channel.
     range : float or mapping, optional
@@ -121,7 +161,7 @@ class SensorRecord:
         range: PerChannel = None,  # noqa: A002, the word of a sensor's data sheet
         noise: PerChannel = None, start: float = 0.0, name: str = "",
     ) -> None:  # fmt: skip
-        object.__setattr__(self, "rate", positive(rate, "rate"))
+        object.__setattr__(self, "rate", positive(own_number(rate, "rate"), "rate"))
         given = {
             "load": load, "acceleration": acceleration, "velocity": velocity, "displacement": displacement,
         }  # fmt: skip
@@ -148,9 +188,17 @@ class SensorRecord:
         for name_of, each in zip(OF_SENSORS, (bandwidth, delay, range, noise), strict=True):
             own = per_channel(each, name_of, sizes)
             if name_of in ("range", "noise"):
-                own = {channel: value * factors[channel] for channel, value in own.items()}
+                physical = {
+                    channel: has_unit(each[channel] if isinstance(each, Mapping) else each)
+                    for channel in own
+                }
+                own = {
+                    channel: value if physical[channel] else value * factors[channel]
+                    for channel, value in own.items()
+                }
             object.__setattr__(self, name_of, own)
-        object.__setattr__(self, "start", checks.to_float(start, "start", "a finite number"))
+        begin = own_number(start, "start")
+        object.__setattr__(self, "start", checks.to_float(begin, "start", "a finite number"))
         object.__setattr__(self, "name", str(name))
 
     @property
@@ -218,6 +266,8 @@ def per_channel(given: PerChannel, name: str, channels: Iterable[str]) -> dict[s
         labels = {channel: f"{name} of {channel}" for channel in given}
     found = {}
     for channel, value in given.items():
+        unit = channel if name in ("range", "noise") else name
+        value = own_number(value, unit, label=labels[channel])
         if signed:
             found[channel] = checks.to_float(value, labels[channel], "a finite number of seconds")
             if not math.isfinite(found[channel]):

@@ -20,8 +20,17 @@ from ..base.errors import MissingExtraError, ParameterError, ParameterTypeError
 from ..base.libraries import need, need_netcdf
 from ..base.matlab import read_variables
 from ..base.sizes import NUMBERS, check_file, check_size, unpacked
-from ..systems.units import positive
-from .measured import OF_SENSORS, SI, UNITS, PerChannel, SensorRecord
+from ..systems.units import NAMED, own_number, positive
+from .measured import (
+    MOTIONS,
+    OF_SENSORS,
+    SI,
+    SPELLED,
+    UNITS,
+    PerChannel,
+    SensorRecord,
+    unit_named,
+)
 
 _Array = NDArray[np.float64]
 #: The names that a channel may have, in lower case; the first one is its name in the package.
@@ -43,6 +52,14 @@ SECONDS = {
     for name in names
 }  # fmt: skip
 RATES = ("rate", "fs", "sampling_rate", "sample_rate", "samplerate")
+#: Units that the name of a channel may end with, in lower case; those that its quantity cannot have are rejected.
+STRANGE = {
+    name.lower()
+    for name in [*SECONDS, *SPELLED, *NAMED, *(name for known in UNITS.values() for name in known)]
+} | {
+    "v", "mv", "uv", "kv", "volt", "volts", "a", "ma", "pc", "pa", "kpa", "mpa", "psi", "bar", "db", "dbv", "gal",
+    "count", "counts", "lsb", "ips2", "kip", "ozf", "dyn", "j", "w", "c", "degc", "strain",
+}  # fmt: skip
 #: The quantity of a data set of a universal file, by its code of specific data.
 UFF_CODES = {8: "displacement", 9: "load", 11: "velocity", 12: "acceleration", 13: "load"}
 #: Largest relative difference of the time steps of regular samples, and of a rate from that of the times.
@@ -95,7 +112,7 @@ def read_record(
 
     Channels are recognised by their names (load or force, acceleration, velocity, displacement and common short
     forms), or by their units. A name may end with its unit: ``acc (g)``, ``acc_g``, ``time_ms``, ``shaker_N``. A
-    warning names the channels that are not read.
+    warning names the channels that are not read, and endings that are no known unit.
 
     Parameters
     ----------
@@ -191,7 +208,8 @@ def assembled(
             label = label_of(channel.name, unit)
         else:
             label = checks.choice(labels[i], f"channels[{i}]", (*SI, "time", "none"))
-        unit = unit or unit_in(channel.name, label)
+        if label in (*SI, "time"):
+            unit = unit or unit_in(channel.name, label)
         if label == "time":
             own = seconds(channel.values, unit)
             if times is not None and not np.array_equal(own, times):
@@ -224,6 +242,7 @@ def assembled(
             "indicates a load or a motion: give `channels`, with 'none' for channels to be ignored",
             stacklevel=3,
         )
+    rate = own_number(rate, "rate")
     clocks = [clock_of(channel, times, content.rate) for channel in arrays.values()]
     samples, start, own_rate = joined([*arrays.values()], clocks)
     if rate is None:
@@ -243,10 +262,23 @@ def assembled(
     }
     if known["bandwidth"] is None:
         known["bandwidth"] = content.bandwidth
-    return SensorRecord(
+    record = SensorRecord(
         rate, units=of_units, start=start, name=name, **known,
         **dict[str, Any](zip(arrays, samples, strict=True)),
     )  # fmt: skip
+    missing = [
+        what
+        for what, kinds in (("load", ("load",)), ("motion", tuple(MOTIONS)))
+        if not arrays.keys() & {*kinds}
+    ]
+    if missing and left and channels is None:
+        names = ", ".join(repr(channel.name) for channel in found)
+        raise ParameterError(
+            f"channels {names}: must contain a load and a motion, but no {' and no '.join(missing)} is recognised "
+            "by a name such as 'load' or 'acceleration', or by a unit, as in 'shaker_N' or 'top (g)'; rename the "
+            "columns, or give `channels` and `units`"
+        )
+    return record
 
 
 def of_channels(value: Any, name: str, count: int, places: Mapping[str, int]) -> Any:
@@ -355,18 +387,49 @@ def label_of(name: str, unit: str) -> str | None:
         if plain in names:
             return label
     # "in" is also an English word
-    last = re.split(r"[\s_]+", name.strip())
-    ends = last[-1] if len(last) > 1 and last[-1] != "in" else ""
-    stripped = unit.strip().strip("[]()") or ends
-    fitting = [label for label, known in UNITS.items() if stripped and stripped in known]
-    return fitting[0] if len(fitting) == 1 else None
+    ends = [unit] if unit else [end for end in endings(name) if end != "in"]
+    for end in ends:
+        fitting = [label for label, known in UNITS.items() if unit_named(end, known)]
+        if fitting:
+            return fitting[0] if len(fitting) == 1 else None
+    return None
 
 
-def unit_in(name: str, label: str | None) -> str:
-    """The unit with which the name of a channel ends, as in acc_g; "" without one."""
-    words = re.split(r"[\s_]+", name.strip())
-    known = SECONDS if label == "time" else UNITS.get(str(label), {})
-    return words[-1] if len(words) > 1 and words[-1] in known else ""
+def endings(name: str) -> list[str]:
+    """The texts after the separators in the name of a channel, the longest first: a unit may contain one."""
+    words = re.split(r"([\s_.:]+)", name.strip())
+    return ["".join(words[i:]).strip("_.:") for i in np.arange(2, len(words), 2)]
+
+
+def unit_in(name: str, label: str) -> str:
+    """The unit with which the name of a channel ends, as in acc_g; "" without one.
+
+    Raises
+    ------
+    ParameterError
+        If the name ends with a unit of something else.
+    """
+    known = SECONDS if label == "time" else UNITS[label]
+    ends = endings(name)
+    for end in ends:
+        found = unit_named(end, known)
+        if found and not (end == "in" and label != "displacement"):
+            return found
+    last = ends[-1] if ends else ""
+    if label == "time" and any(last.lower() in names for names in NAMES.values()):
+        return ""  # of which channel it is
+    if last.lower() in STRANGE:
+        raise ParameterError(
+            f"channel {name!r}: unit {last!r}: must be a unit of {label}, one of {', '.join(known)}; or give "
+            "`units`, and with `scale` the value of 1 V, say"
+        )
+    if last and not re.fullmatch(r"[\d+-]*[xyzXYZ]?\d*", last):
+        warnings.warn(
+            f"channel {name!r}: {last!r} is not a known unit; the channel is read in {SI.get(label, 's')}. If "
+            "this is not its unit, give `units`",
+            stacklevel=4,
+        )
+    return ""
 
 
 def seconds(times: _Array, unit: str) -> _Array:

@@ -157,7 +157,11 @@ def tables_of(
             notes.append((False, f"{said_of}{text}"))
         if pattern is not None:
             notes.append(
-                (False, f"{said_of}{pattern.sides}/{pattern.cycles} at r = {records['r'][i]:.6g}")
+                (
+                    False,
+                    f"{said_of}{pattern.sides}/{pattern.cycles} at "
+                    f"{place_in_hertz(records['r'][i], records['frequency'][i])}",
+                )
             )
         else:
             notes.append(
@@ -167,7 +171,8 @@ def tables_of(
                     + (
                         f"picked{LEFT_OPEN.get(step.rhythm.status, '')}; no motion is fitted"
                         if found is None
-                        else f"at r = {records['r'][i]:.6g}; flights between them give the parameters, without a "
+                        else f"at {place_in_hertz(records['r'][i], records['frequency'][i])}; "
+                        "flights between them give the parameters, without a "
                         "motion"
                     ),
                 )
@@ -188,10 +193,10 @@ def tables_of(
         if any("doubtful: " in text for _, text in notes):
             notes.append((False, "poor fit: the errors that follow are not valid"))
         notes += [(False, text) for text in unstated(found, steps[0].Omega)]
-        columns = (parameters[key] for key in ("name", "value", "error", "state"))
+        columns = (parameters[key] for key in ("name", "value", "error", "unit", "state"))
         notes += [
-            (False, said(name, value, error))
-            for name, value, error, state in zip(*columns, strict=True)
+            (False, said(name, value, error, unit))
+            for name, value, error, unit, state in zip(*columns, strict=True)
             if state != "known" and math.isfinite(value)
         ]
     tables = {
@@ -365,7 +370,7 @@ def unstated(found: Fit, Omega: float) -> list[str]:
         else:
             step, what = 0.01 * found.values[name], f"{name} as known were 1 % larger"
         changes = [
-            f"{own} would be {abs(change):.2g} {'larger' if change > 0 else 'smaller'}"
+            f"{own} would be {amount(abs(change), own)} {'larger' if change > 0 else 'smaller'}"
             for own in ("xi", "mu", "R1", "R2", "d")
             if own in errors and own not in found.undetermined
             for change in [by[own] * step] if abs(change) > 2 * errors[own]
@@ -536,20 +541,33 @@ def parameters_of(
     return table
 
 
-def said(name: str, value: float, error: float | None) -> str:
-    """A parameter with its error as a text.
+def said(name: str, value: float, error: float | None, unit: str = "") -> str:
+    """A parameter with its error and unit as a text; lengths below a decimetre are in mm.
 
     Examples
     --------
     >>> from vibroimpact.identification.tables import said
-    >>> said("xi", 0.0114312, 0.000213)
-    'xi = 0.01143 +- 0.00021'
+    >>> said("xi", 0.0114312, 0.000213), said("d", 0.005, 2.1e-5, "m")
+    ('xi = 0.01143 +- 0.00021', 'd = 5.000 +- 0.021 mm')
     """
+    if unit == "m" and abs(value) < 0.1:
+        value, error, unit = 1e3 * value, None if error is None else 1e3 * error, "mm"
+    unit = f" {unit}" if unit else ""
     if error is None or error == 0:
-        return f"{name} = {value:.6g}"
+        return f"{name} = {value:.6g}{unit}"
     if not math.isfinite(error):
         return f"{name} undetermined"
     digits = max(0, 1 - math.floor(math.log10(error)))
     if digits > 8:
-        return f"{name} = {value:.6g} +- {error:.2g}"
-    return f"{name} = {value:.{digits}f} +- {error:.2g}"
+        return f"{name} = {value:.6g} +- {error:.2g}{unit}"
+    return f"{name} = {value:.{digits}f} +- {error:.2g}{unit}"
+
+
+def amount(size: float, name: str) -> str:
+    """The size of a change of a parameter, in mm if it is a length."""
+    return f"{1e3 * size:.2g} mm" if name == "d" else f"{size:.2g}"
+
+
+def place_in_hertz(r: float, frequency: float) -> str:
+    """The load frequency and its ratio as a text."""
+    return f"{frequency:.6g} Hz (r = {r:.6g})"

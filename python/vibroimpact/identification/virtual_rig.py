@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -165,7 +166,11 @@ class VirtualRig:
                 f"{MOST_CONTACT / self.frequency:.4g} s"
             )
         if self.offset is not None:
-            offset = checks.to_float(self.offset, "offset", "a finite number or None")
+            offset = self.offset
+            for kind in MOTIONS:  # in the unit of the sensor of a record
+                with contextlib.suppress(ParameterError):
+                    offset = own_number(offset, kind, label="offset")
+            offset = checks.to_float(offset, "offset", "a finite number or None")
             if not math.isfinite(offset):
                 raise ParameterError(f"offset = {self.offset!r}: must be a finite number or None")
             object.__setattr__(self, "offset", offset)
@@ -275,8 +280,8 @@ class VirtualRig:
 
         Parameters
         ----------
-        duration : float
-            Duration, s.
+        duration : float or str
+            Duration, s, or with a unit.
         rng : int, numpy.random.Generator or None
             Seed of the noise, the initial load phase and the load amplitude, or a generator from which a seed is
             drawn; None: another seed in each call.
@@ -292,7 +297,8 @@ class VirtualRig:
         SensorRecord
         """
         quantity = checks.choice(quantity, "quantity", tuple(MOTIONS))
-        duration, settle = positive(duration, "duration"), positive(settle, "settle", zero=True)
+        duration = positive(own_number(duration, "duration"), "duration")
+        settle = positive(settle, "settle", zero=True)
         n = round(duration * self.rate)
         if n < LEAST:
             raise ParameterError(

@@ -41,7 +41,7 @@ from ..results.systems import (
 from ..results.tables import Result, Table, made, runs
 from ..systems.oscillator import Oscillator, Pattern
 from ..systems.structure import Load, Structure
-from ..systems.units import place_text
+from ..systems.units import argument, place_text
 from .quantities import Quantities, oscillator_quantities
 from .trajectory import (
     EVENTS_OF_STRUCTURE,
@@ -408,7 +408,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
             run, times = self._within(t)
             return run.sample(times, output)
         refuse_output(output)
-        times = checks.real_array(t, "t", "real times")
+        times = checks.real_array(argument(self.osc, t, "t", "1/omega"), "t", "real times")
         if not np.isfinite(times).all():
             raise ParameterError(f"t = {t!r}: must be finite")
         if self.rest_events is None:

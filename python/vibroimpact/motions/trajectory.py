@@ -56,7 +56,7 @@ from ..results.tables import Result, made
 from ..systems.oscillator import Oscillator, Pattern, Point, of_numbers
 from ..systems.record import Record
 from ..systems.structure import Gap, Load, Structure, check_load, moves, opening_at, without_none
-from ..systems.units import place_text
+from ..systems.units import argument, place_text, range_text
 from ..systems.verbs import every_system, physical_arguments
 from .quantities import Quantities, oscillator_quantities, structure_quantities
 
@@ -209,7 +209,8 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         Parameters
         ----------
         t : array_like
-            Times from `start` to `end`, in any order; for a structure, a one-dimensional array (m,). At the time
+            Times from `start` to `end`, in any order; of an oscillator that knows M and K also with units, such as
+            ["0.1 s", "0.2 s"]; for a structure, a one-dimensional array (m,). At the time
             of an event velocities and accelerations are those just after it.
         output : str, optional
             For a structure: the output that is sampled, in place of all coordinates.
@@ -238,7 +239,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
             q, rate = self._sampled(t, 2, output)
             return q, rate
         refuse_output(output)
-        times = checks.real_array(t, "t", "real times")
+        times = checks.real_array(argument(self.osc, t, "t", "1/omega"), "t", "real times")
         first, last = self.start, self.end
         if times.size and not (first <= times.min() and times.max() <= last):
             raise ParameterError(
@@ -366,6 +367,8 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
             wanted = f"two increasing times from {self.start!r} to {self.end!r}"
             if cycles is not None:
                 raise ParameterError(f"window = {window!r}: must be left out with cycles")
+            if not self.of_structure:
+                window = argument(self.osc, window, "window", "1/omega")
             times = np.atleast_1d(checks.real_array(window, "window", wanted))
             if times.shape != (2,) or not self.start <= times[0] < times[1] <= self.end:
                 raise ParameterError(f"window = {window!r}: must be {wanted}")
@@ -740,7 +743,9 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
                 wall = "R" if self.initial_state["side"] > 0 else "L"
                 rests += f", m rests on {wall} all the time"
         cut = "" if self.complete else f"; cut short, {self.cut or FULL}"
-        return f"<Trajectory {place}t = {self.start:.6g} to {self.end:.6g}: {impacts}{rests}{cut}>"
+        osc = None if self.of_structure else self.osc
+        span = range_text(osc, "t", self.start, self.end)
+        return f"<Trajectory {place}t = {span}: {impacts}{rests}{cut}>"
 
 
 def request_of(

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..base.files import place_for
 from ..results.tables import UNIT_OF
-from ..systems.units import SI, range_text, units_to_show, value_text
+from ..systems.units import SI, range_text, shown_unit, units_to_show, value_text
 from . import style
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def draw_design(design: Design, ax: Any = None, units: Units | None = None) -> A
         panels = _panels(figure.add_gridspec(3, 2, height_ratios=(1, 1, 0.7)))
         _draw_panels(panels, design, scales)
         texts = [
-            *(f"{SYMBOLS.get(name, name)} = {value:.6g}" for name, value in design.values.items()),
+            *(f"{_symbol(design, name)} = {value:.6g}" for name, value in design.values.items()),
             *_dimensions(design, units),
         ]
         figure.suptitle("design: " + ", ".join(texts), fontsize=7)
@@ -95,9 +95,9 @@ def _lines(design: Design) -> list[str]:
     lines = [*_wrapped(f"{design.verdict[0].upper()}{design.verdict[1:]}."), ""]
     units = _units(design)
     osc = design.osc if design.case else None
-    symbols = SYMBOLS | ({} if units is None else {"clearance": "$d$"})
     chosen = (
-        f"{symbols.get(name, name)} = {value_text(osc, name, value)} (from {range_text(osc, name, low, high)})"
+        f"{'$d$' if units and name == 'clearance' else _symbol(design, name)} = {value_text(osc, name, value)} "
+        f"(from {range_text(osc, name, low, high)})"
         for (name, value), (low, high) in zip(
             design.values.items(), design.ranges.values(), strict=True
         )
@@ -119,14 +119,27 @@ def _lines(design: Design) -> list[str]:
         )
     if design.sensitivity:
         slopes = [
-            f"{SYMBOLS.get(name, name)} {slope:+.4g}" for name, slope in design.sensitivity.items()
+            f"{'$d$' if units and name == 'clearance' else _symbol(design, name)} "
+            f"{_slope_text(osc, design.target, name, slope)}"
+            for name, slope in design.sensitivity.items()
         ]
         lines += _wrapped(
-            f"Derivatives of the target of the worst unit{' (dimensionless)' * (units is not None)} by "
-            + ", ".join(slopes)
-            + "."
+            "Derivatives of the target of the worst unit by " + ", ".join(slopes) + "."
         )
     return lines
+
+
+def _symbol(design: Design, name: str) -> str:
+    """The symbol of a parameter; those of a host that is a function have only their names."""
+    return SYMBOLS.get(name, name) if design.case else name
+
+
+def _slope_text(osc: Any, target: str, name: str, slope: float) -> str:
+    """A derivative of the target by a parameter, in their units."""
+    (scale, unit), (own, below) = shown_unit(osc, target), shown_unit(osc, name)
+    above = unit.strip() or ("1" if below else "")
+    per = f"/({below.strip()})" if "/" in below else f"/{below.strip()}" if below else ""
+    return f"{slope * scale / own:+.4g}{' ' * bool(above)}{above}{per}"
 
 
 def _wrapped(text: str) -> list[str]:
@@ -158,8 +171,19 @@ def _draw_panels(panels: Any, design: Design, scales: style.Scales) -> None:
 
 def _of_target(design: Design, scales: style.Scales) -> tuple[str, str]:
     """The unit of the target, and its label."""
+    if not design.case:
+        # a function has units of its own
+        of = f" of {design._output}" if design._output else ""
+        return "", f"{design.target}{of}"
     unit = UNIT_OF[design.target]
     return unit, scales.label(TARGETS[design.target], unit)
+
+
+def _axis(design: Design, scales: style.Scales, name: str) -> str:
+    """The label of an axis of a parameter."""
+    if design.case and name in style.NAMES:
+        return scales.name(name)
+    return "\n".join(textwrap.wrap(name, 36))
 
 
 def _draw_levels(ax: Any, design: Design, scales: style.Scales) -> None:
@@ -173,7 +197,7 @@ def _draw_levels(ax: Any, design: Design, scales: style.Scales) -> None:
     ax.plot(*chosen, "*", ms=9, color=style.FREE, label="chosen")
     if design.limit is not None:
         ax.axhline(scales(design.limit, unit), color=style.LOAD, lw=0.8, ls="--", label="limit")
-    ax.set_xlabel(scales.name(name) if name in style.NAMES else "\n".join(textwrap.wrap(name, 36)))
+    ax.set_xlabel(_axis(design, scales, name))
     ax.set_ylabel(f"{100 * design.quantile:g} % quantile of {label}")
     style.add_legend(ax, **style.ABOVE)
 
@@ -220,7 +244,7 @@ def _draw_shares(ax: Any, design: Design, scales: style.Scales) -> None:
     )  # fmt: skip
     ax.axhline(design.quantile, color=style.LOAD, lw=0.8, ls="--", label="wanted")
     ax.set_xlabel(
-        scales.label("initial displacement", "F0/K") if along == "x" else scales.name("r")
+        scales.label("initial displacement", "F0/K") if along == "x" else _axis(design, scales, "r")
     )
     ax.set_ylabel("share of good samples")
     ax.locator_params(axis="x", nbins=5)
@@ -249,7 +273,7 @@ def _draw_slopes(ax: Any, design: Design, scales: style.Scales) -> None:
     ax.barh(
         range(len(names)), changes, color=[style.PRIMARY if c < 0 else style.FREE for c in changes]
     )
-    ax.set_yticks(range(len(names)), [SYMBOLS.get(name, name) for name in names])
+    ax.set_yticks(range(len(names)), [_symbol(design, name) for name in names])
     ax.axvline(0, color="0.4", lw=0.6)
     ax.set_xlabel(f"change of {label} for 1 % more")
 

@@ -349,9 +349,7 @@ def ends_of(value: Any, name: str) -> tuple[Fraction, Fraction]:
         raise ParameterError(f"{name} = {value!r}: must be a number or (lowest, highest)")
     kind = "restitution" if name in ("R1", "R2") else name
     low, high = (Fraction(decimal(checks.number(one, kind, name))) for one in both)
-    if low > high:
-        raise ParameterError(f"{name} = {value!r}: must be (lowest, highest)")
-    return low, high
+    return min(low, high), max(low, high)
 
 
 def text_of(pattern: Pattern) -> str:

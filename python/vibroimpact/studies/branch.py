@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ..base import checks
 from ..base.actions import ACTIONS
 from ..base.errors import ParameterError, SingularError, StudyInterrupted
+from ..base.spacing import in_order
 from ..base.status import VERDICT
 from ..motions.exact import self_excited_from, settled
 from ..motions.motion import VERDICTS, Motion, load_phase_of, motion_of_oscillator
@@ -817,7 +818,7 @@ def branch(
             f"motion.restitution = {motion.restitution.tolist()!r}: must equal the restitution of the walls"
         )
     try:
-        low, high = bounds  # type: ignore[misc]
+        low, high = in_order(*bounds)  # type: ignore[misc]
     except (TypeError, ValueError):
         raise ParameterError(
             f"bounds = {bounds!r}: must be (lowest, highest) values of {parameter}"

@@ -2,21 +2,40 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from dataclasses import replace
+from functools import wraps
+from typing import TYPE_CHECKING, Any, ParamSpec
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..base.errors import ParameterError
 from ..base.spacing import range_values
 from ..results import door
 from ..results.noun import Noun, column
 from ..systems.oscillator import Oscillator
+from ..systems.units import SI, has_unit, own_number, positive
 from ..systems.verbs import physical_arguments
 
 if TYPE_CHECKING:
     from ..systems.units import Units
 
 __all__ = ["Decay", "decay"]
+
+Given = ParamSpec("Given")
+#: The first arguments of `decay`.
+NAMES = (
+    "osc",
+    "clearance",
+    "amplitude",
+    "inverse_clearance",
+    "x_dot",
+    "y",
+    "z_dot",
+    "cycles",
+    "points",
+)
 
 
 class Decay(Noun, study="decay"):
@@ -92,6 +111,35 @@ class Decay(Noun, study="decay"):
         )
 
 
+def with_length(function: Callable[Given, Decay]) -> Callable[Given, Decay]:
+    """A decorator: of a rig without a load, F0/K is its amplitude, so that lengths may have units."""
+
+    @wraps(function)
+    def scaled(*args: Given.args, **kwargs: Given.kwargs) -> Decay:
+        values: dict[str, Any] = dict(zip(NAMES, args, strict=False)) | kwargs
+        osc: Any = values.get("osc")
+        rig = isinstance(osc, Oscillator) and osc.K is not None and osc.F0 is None
+        if (
+            not rig
+            or len(args) > len(NAMES)
+            or not any(has_unit(values.get(name)) for name in NAMES)
+        ):
+            return function(*args, **kwargs)
+        amplitude = values.get("amplitude", 1.0)
+        if not has_unit(amplitude):
+            raise ParameterError(
+                f"amplitude = {amplitude!r}: must have a unit, as other values have, if F0 of the oscillator is "
+                "not known"
+            )
+        names = osc.unit_names or SI
+        length = positive(own_number(amplitude, "d", names, "amplitude"), "amplitude")
+        any_function: Callable[..., Decay] = function
+        return any_function(**values | {"osc": replace(osc, F0=osc.K * length)})
+
+    return scaled
+
+
+@with_length
 @physical_arguments
 def decay(
     osc: Oscillator,
@@ -110,7 +158,8 @@ def decay(
     """The peaks and the damping of free vibration, for one or several clearances.
 
     There is no load. F0/K is then an arbitrary unit of length: only the ratio of clearance to amplitude
-    matters, and with the default amplitude the clearance is in units of the initial displacement.
+    matters, and with the default amplitude the clearance is in units of the initial displacement. If F0 of a rig
+    is not known and values have units, F0 is chosen so that F0/K is the amplitude.
 
     Parameters
     ----------

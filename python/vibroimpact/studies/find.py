@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 
 __all__ = ["FoundMotions", "Search", "find"]
 
+#: The motion that has no phases and is not among the found ones.
+WITHOUT_IMPACTS = "the motion without impacts, since D > 2A"
 #: Amount of work (impacts squared times guesses, load cycles simulated) that takes only a moment.
 LITTLE = 10_000
 #: A number larger than that of the patterns in the largest search.
@@ -220,15 +222,18 @@ class FoundMotions(Noun, Sequence[Any], study="find", formerly="StructureMotions
         """
         return self._draw(ax, units=units)
 
+    @property
+    def _is_free(self) -> bool:
+        """Whether an oscillator also has a motion without impacts; it has no phases and is not among the items."""
+        return 2 * steady_amplitude(self.osc, self.r, self.load) < self.clearance
+
     def __repr__(self) -> str:
         stable = sum(motion.stable is True for motion in self)
         there = f"{len(self)} motion{'' if len(self) == 1 else 's'}, {stable} of them stable"
         cut = "" if self.complete else f"; cut short, {self.cut}"
         if not self.of_structure:
             point = place_text(self.osc, self.r, self.clearance)
-            # the motion without impacts has no phases and is not among the items
-            reached = 2 * steady_amplitude(self.osc, self.r, self.load) >= self.clearance
-            others = "" if reached else "; and the motion without impacts, since D > 2A"
+            others = f"; and {WITHOUT_IMPACTS}" if self._is_free else ""
             return f"<FoundMotions at {point}: {there}{others}{cut}>"
         counts = [(self.unsettled, "unsettled"), (self.without_impacts, "without further impacts")]
         counts += [(self.chaotic, "chaotic"), (self.quasi_periodic, "quasi-periodic")]

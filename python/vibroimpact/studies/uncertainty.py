@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from itertools import pairwise, takewhile
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from ..base.checks import Rng
 from ..base.errors import ParameterError, ParameterTypeError, StudyInterrupted
 from ..base.libraries import xarray
 from ..base.progress import with_progress
-from ..base.spacing import ascending, range_axes
+from ..base.spacing import ascending, range_axes, range_values
 from ..results import door
 from ..results.performance import FIGURES, LEAST, Performance, perform
 from ..systems.distribution import Uncertain, interval, shares, systems, uncertain_parameters
@@ -40,8 +41,9 @@ OF_MOTION = ("attenuation", "displacement", "multiplier")
 OF_ATTRACTOR = ("attenuation", *FIGURES[:-1])
 #: The margin of the window of a zone with rest beyond the outermost points.
 MARGIN = 1e-9
-#: Number of samples that are simulated together; after Ctrl-C the finished ones are kept.
-BLOCK = 500
+#: Number of samples that are simulated together; after Ctrl-C the finished ones are kept. The first ones are
+#: simulated in smaller parts, so that some are finished soon.
+BLOCK, FIRST = 500, (1, 8, 40, 160)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -75,6 +77,8 @@ class Uncertainty:
     bands : list of BoundaryBand
     quantiles : (float, float)
         Quantiles at the ends of the bands.
+    complete : bool
+        False after Ctrl-C: `samples` are then those that were finished.
     """
 
     osc: Oscillator
@@ -91,6 +95,7 @@ class Uncertainty:
     zone: Zone | None
     bands: list[BoundaryBand]
     quantiles: tuple[float, float]
+    complete: bool = True
 
     @property
     def standard_error(self) -> _Array:
@@ -172,7 +177,8 @@ class Uncertainty:
         bands = f", first order holds at {held} of {sum(map(len, self.bands))} vertices"
         return (
             f"<Uncertainty of {self.pattern.sides}/{self.pattern.cycles}: {len(self.r)} frequency ratios, "
-            f"{len(self.clearance)} clearances, {self.samples} samples{bands if self.bands else ''}>"
+            f"{len(self.clearance)} clearances, {self.samples} samples{bands if self.bands else ''}"
+            f"{'' if self.complete else '; interrupted'}>"
         )
 
 
@@ -214,9 +220,10 @@ def uncertainty(
         Uncertain parameters by name: values of xi, mu, R1, R2 or restitution (equal on both walls); for r,
         clearance and load, factors of their nominal values, above 0 and with 1 in their range, as in tolerances of
         `design`: a gap of 0.0105 +- 0.001 in is ``clearance=(0.0095 / 0.0105, 0.0115 / 0.0105)``. Deviations are
-        rejected, since one deviation would not suit all clearances of a map. Each is a pair (low, high) between
-        which all values are equally probable, a frozen distribution of scipy.stats, or a number. They are
-        independent.
+        rejected, since one deviation would not suit all clearances of a map. Where there is a single nominal
+        value, a range with units, such as ("3.8 mm", "4.2 mm"), is converted to factors. Each is a pair (low,
+        high) between which all values are equally probable, a frozen distribution of scipy.stats, or a number.
+        They are independent.
     symmetric : bool, optional
         As in `zone` and `chart`.
     points : int or (int, int), optional
@@ -301,12 +308,13 @@ def uncertainty(
             found = bands_of(nominal, parameters, changes, vertices, ends, threads, told.last)
     except KeyboardInterrupt:
         if not done:
-            raise
+            # not that of a part, whose result is one sample or less
+            raise KeyboardInterrupt from None
         stopped = True
     total /= done
     answer = Uncertainty(
         osc, pattern, symmetric, parameters, done, axes[0], axes[1], total[0], total[1], limits,
-        total[2] if limits else None, nominal if found else None, found, ends,
+        total[2] if limits else None, nominal if found else None, found, ends, not stopped,
     )  # fmt: skip
     if stopped:
         raise StudyInterrupted(answer)
@@ -334,6 +342,8 @@ class LimitProbability:
         Confidence of the interval.
     limit : dict of float
         The limits, dimensionless.
+    complete : bool
+        False after Ctrl-C.
     """
 
     osc: Oscillator
@@ -347,13 +357,14 @@ class LimitProbability:
     starts: int
     confidence: float
     limit: dict[str, float]
+    complete: bool = True
 
     def __repr__(self) -> str:
         shown = ", ".join(
             f"{name} {'>=' if name in LEAST else '<='} {value_text(self.osc, name, value)}"
             for name, value in self.limit.items()
         )
-        of = f"{self.samples} samples"
+        of = f"{self.samples} samples{'' if self.complete else '; interrupted'}"
         if self.probability.size != 1:
             least, most = np.nanmin(self.probability), np.nanmax(self.probability)
             points = f"{least:.4g} to {most:.4g} at {self.probability.size} points"
@@ -387,6 +398,7 @@ def limit_probability(
     limit: Mapping[str, float],
     *,
     samples: int = 1000,
+    points: int | None = None,
     starts: int = 1,
     confidence: float = 0.95,
     settling: int = 400,
@@ -407,7 +419,7 @@ def limit_probability(
         With the nominal values.
     r, clearance : array_like
         Nominal frequency ratios and clearances d K/F0 (d is the whole travel of m) of the points, broadcast
-        against each other.
+        against each other. With `points` each is a range (lo, hi), or one number.
     uncertain : dict
         As in `uncertainty`.
     limit : dict
@@ -417,6 +429,8 @@ def limit_probability(
         and least_gap, as in `design`.
     samples : int
         Number of samples for each point, 1 to 1000000.
+    points : int, optional
+        Number of evenly spaced values of a range.
     starts : int
         Number of initial states for each sample, 1 to 1000.
     confidence : float
@@ -463,21 +477,24 @@ def limit_probability(
     cycles = checks.integer(settling, "settling", 8, 1_000_000)
     events = checks.integer(max_events, "max_events", 1000, 10**9)
     random = np.random.default_rng(checks.seed_of(rng))
-    points = checks.one_shape(r=r, clearance=clearance)
-    if not 0 < points[0].size * count * tries <= checks.MOST_NUMBERS:
+    r = range_values(r, "r", points)
+    clearance = range_values(clearance, "clearance", points)
+    places_of = checks.one_shape(r=r, clearance=clearance)
+    if not 0 < places_of[0].size * count * tries <= checks.MOST_NUMBERS:
         raise ParameterError(
-            f"r, clearance, samples, starts: {points[0].size} points, {count} samples and {tries} starts are "
-            f"{points[0].size * count * tries} simulations: must be 1 to {checks.MOST_NUMBERS}"
+            f"r, clearance, samples, starts: {places_of[0].size} points, {count} samples and {tries} starts are "
+            f"{places_of[0].size * count * tries} simulations: must be 1 to {checks.MOST_NUMBERS}"
         )
     changes = systems(osc, parameters, random.random((len(parameters), count)))
-    for values, factors, name in zip(points, changes, ("r", "clearance"), strict=False):
+    for values, factors, name in zip(places_of, changes, ("r", "clearance"), strict=False):
         for value in (values.min() * factors.min(), values.max() * factors.max()):
             checks.number(float(value), name)
     places = random.uniform(-1, 1, (4, count * tries))
+    ends = [*takewhile(lambda end: end < count, (0, *FIRST, *range(BLOCK, count, BLOCK))), count]
     told = Told(progress, 1.0)
     answers: list[tuple[float, ...]] = []
     stopped = False
-    for i, (x, y) in enumerate(zip(points[0].flat, points[1].flat, strict=True)):
+    for i, (x, y) in enumerate(zip(places_of[0].flat, places_of[1].flat, strict=True)):
         here = changes.copy()
         here[0] *= x
         here[1] *= y
@@ -486,10 +503,10 @@ def limit_probability(
                 checks.frequency_ratio(float(value), 0.0)
         blocks = []
         try:
-            for begin in range(0, count, BLOCK):
-                part = slice(begin, min(count, begin + BLOCK))
+            for begin, end in pairwise(ends):
+                part = slice(begin, end)
                 length = (part.stop - begin) / count
-                told.part(i + begin / count, points[0].size, "points", length)
+                told.part(i + begin / count, places_of[0].size, "points", length)
                 done = perform(
                     np.repeat(here[:, part], tries, axis=1), places[:, part.start * tries : part.stop * tries],
                     cycles, 64, events, threads, told.inner, "simulate", figures_of(limits),
@@ -508,11 +525,11 @@ def limit_probability(
             break
     if not answers:
         raise KeyboardInterrupt
-    answers += [(np.nan, np.nan, np.nan, 0)] * (points[0].size - len(answers))
-    table = np.array(answers, dtype=np.float64).T.reshape(4, *points[0].shape)
+    answers += [(np.nan, np.nan, np.nan, 0)] * (places_of[0].size - len(answers))
+    table = np.array(answers, dtype=np.float64).T.reshape(4, *places_of[0].shape)
     found = LimitProbability(
-        osc, points[0].copy(), points[1].copy(), table[0], table[1], table[2], table[3].astype(np.int64), count,
-        tries, share, limits,
+        osc, places_of[0].copy(), places_of[1].copy(), table[0], table[1], table[2], table[3].astype(np.int64),
+        count, tries, share, limits, not stopped,
     )  # fmt: skip
     if stopped:
         raise StudyInterrupted(found)

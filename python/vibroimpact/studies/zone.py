@@ -25,6 +25,7 @@ from ..results.parameters import Path, Span, keys_of_parameter
 from ..results.tables import runs
 from ..systems.oscillator import Oscillator, Pattern, pattern_of
 from ..systems.structure import Load, Structure
+from ..systems.units import argument
 from ..systems.verbs import every_system, physical_arguments
 from .branch import Followed, branch_structure, run_from
 from .geometry import signed_area, winding
@@ -315,7 +316,8 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         Parameters
         ----------
         x, y : array_like
-            Values of the two parameters, r and d K/F0 of an oscillator; broadcast against each other.
+            Values of the two parameters, r and d K/F0 of an oscillator, or with units, such as "19.5 Hz" and
+            "4 mm"; broadcast against each other.
 
         Returns
         -------
@@ -354,8 +356,15 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
     def _places(self, x: ArrayLike, y: ArrayLike) -> tuple[_Array, _Array]:
         """Points as two arrays of one shape."""
         names = ("x", "y") if self.of_structure else ("r", "clearance")
+        x, y = self._plain(x, y)
         x, y = checks.one_shape(**dict(zip(names, (x, y), strict=True)))
         return x, y
+
+    def _plain(self, x: Any, y: Any) -> tuple[Any, Any]:
+        """Points without units; those of an oscillator may have units, if it knows M, K and F0."""
+        if self.of_structure:
+            return x, y
+        return argument(self.osc, x, "r", "omega"), argument(self.osc, y, "clearance", "F0/K")
 
     def _square(self, points: _Array) -> _Array:
         """Points (M, 2) in the form that `winding` takes; for a structure they are scaled to the unit square, and
@@ -412,8 +421,8 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         """A point of the plane of a structure."""
         return [checks.finite(value, name) for name, value in (("x", x), ("y", y))]
 
-    def motion(self, x: float, y: float) -> Any:
-        """The motion at a point, followed from the boundary.
+    def motion(self, x: Any, y: Any) -> Any:
+        """The motion at a point, followed from the boundary; of an oscillator also at "19.5 Hz" and "4 mm".
 
         The motion is followed from the nearest vertex of each piece, then from other vertices, until a stable and
         admissible motion is found. If there is none, or no closed loop of an oscillator encloses the point, the
@@ -432,6 +441,7 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         """
         if self.of_structure:
             return self._motion_of_structure(x, y)
+        x, y = self._plain(x, y)
         return self._motion_of_oscillator(checks.number(x, "r"), checks.number(y, "clearance"))
 
     def _motion_of_oscillator(self, r: float, clearance: float) -> Motion | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from typing import Any
 
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..base import checks
 from ..base.errors import ParameterError
-from .units import positive
+from .units import own_number, positive
 
 __all__ = ["half_sine", "swept_sine"]
 
@@ -21,6 +22,8 @@ MOST = 10**8
 
 def half_sine(amplitude: float, duration: float, step: float, end: float | None = None) -> _Array:
     """The samples of a half-sine shock from time 0, for `Record` or `base_record`.
+
+    Values with units, such as "50 m/s^2" and "11 ms", are converted to SI.
 
     Parameters
     ----------
@@ -55,8 +58,8 @@ def half_sine(amplitude: float, duration: float, step: float, end: float | None 
     <Trajectory t = 0 to 0.5: 20 impacts>
     """
     amplitude = _amplitude(amplitude)
-    duration, step = positive(duration, "duration"), positive(step, "step")
-    last = duration if end is None else positive(end, "end")
+    duration, step = _time(duration, "duration"), _time(step, "step")
+    last = duration if end is None else _time(end, "end")
     if not 2 * step <= duration <= last * (1 + 1e-12):
         raise ParameterError(
             f"duration = {duration!r}: must be at least two steps of {step!r}, and at most the end, {last!r}"
@@ -74,6 +77,8 @@ def swept_sine(
     spacing: str = "geometric",
 ) -> _Array:
     """The samples of a swept sine, for `Record` or `base_record`.
+
+    Values with units, such as "6 N", ("15 Hz", "25 Hz") and "20 s", are converted to SI.
 
     The phase is the integral of the frequency, from 0. For a stepped sine, which stays at each frequency until the
     response has settled, `bifurcation_diagram` along r sweeps up and down.
@@ -114,10 +119,10 @@ def swept_sine(
     """
     amplitude = _amplitude(amplitude)
     wanted = "two finite numbers > 0"
-    ends = checks.real_array(f, "f", wanted)
+    ends = checks.real_array(own_number(f, "f"), "f", wanted)
     if ends.shape != (2,) or not ((ends > 0) & np.isfinite(ends)).all():
         raise ParameterError(f"f = {f!r}: must be {wanted}")
-    duration, step = positive(duration, "duration"), positive(step, "step")
+    duration, step = _time(duration, "duration"), _time(step, "step")
     checks.choice(spacing, "spacing", ("geometric", "linear"))
     low, high = ends.tolist()
     most = 1 / (8 * max(low, high))
@@ -134,8 +139,19 @@ def swept_sine(
     return np.asarray(amplitude * np.sin(2 * np.pi * turns))
 
 
+def _time(value: Any, name: str) -> float:
+    """A positive time; with a unit, in seconds."""
+    return positive(own_number(value, "duration", label=name), name)
+
+
 def _amplitude(value: Any) -> float:
-    """A number that is not 0."""
+    """A number that is not 0; a force or an acceleration with a unit, in SI."""
+    given = value
+    for kind in ("F0", "acceleration"):
+        with contextlib.suppress(ParameterError):
+            value = own_number(value, kind, label="amplitude")
+    if isinstance(value, str):
+        raise ParameterError(f"amplitude = {given!r}: must be a force or an acceleration")
     amplitude = checks.to_float(value, "amplitude", "a finite number other than 0")
     if not 0 < abs(amplitude) < math.inf:
         raise ParameterError(f"amplitude = {value!r}: must be a finite number other than 0")

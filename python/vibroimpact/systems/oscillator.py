@@ -22,8 +22,10 @@ from .units import (
     POWERS,
     SI,
     Units,
+    argument,
     checked_names,
     dimensionless,
+    has_unit,
     number_of,
     own_number,
     place_text,
@@ -70,16 +72,17 @@ class Oscillator:
 
     Parameters
     ----------
-    xi : float
-        Damping ratio C/(2 sqrt(K M)), ``0 <= xi < 1``.
-    mu : float
-        Mass ratio m/M, ``0 <= mu <= 1e6``. With 0, the impacts do not affect the primary mass (the impact pair).
+    xi : float or str
+        Damping ratio C/(2 sqrt(K M)), ``0 <= xi < 1``, or a text such as "1.1 %".
+    mu : float or str
+        Mass ratio m/M, ``0 <= mu <= 1e6``, or with M the free mass, such as "0.11 kg". With 0, the impacts do not
+        affect the primary mass (the impact pair).
     restitution : float, PowerLaw or TabulatedRestitution, or two of them
         Coefficients of restitution (R1 on the right wall, R2 on the left), each in [0, 1] or a law as a function
         of the approach speed in F0 omega/K; a single value applies to both. An oscillator with a law is treated as
         `Oscillator.structure`: `simulate`, `exact`, `find`, `lyapunov`, `basins`, `response` and
         `bifurcation_diagram` accept it and return the results of a `Structure`; all others require numbers.
-    M, K, F0 : float, optional
+    M, K, F0 : float, str or pint.Quantity, optional
         Primary mass, stiffness and load amplitude in physical units, for `units`; `from_dimensional` sets them.
         All results of the oscillator and their files keep them. They are not part of the dimensionless system, so
         they are neither compared nor shown.
@@ -133,14 +136,22 @@ class Oscillator:
         for name, value in {"F0": F0, "unit_names": unit_names}.items():
             if M is None and value is not None:
                 raise ParameterError(f"{name} = {value!r}: must be given with M and K only")
+        names = SI if unit_names is None else checked_names(unit_names, "unit_names")
+        mass: Any = mu
+        given = {"M": M, "K": K, "F0": F0}
         values: dict[str, Any] = {
-            "xi": checks.number(xi, "xi"),
-            "mu": checks.number(mu, "mu"),
+            name: value if value is None else positive(own_number(value, name, names), name)
+            for name, value in given.items()
+        }
+        if has_unit(mu):
+            if values["M"] is None:
+                raise ParameterError(f"mu = {mu!s}: must be m/M if M is not given")
+            mass = plain_number(mu, "mu", POWERS["m"], names) / values["M"]
+        values |= {
+            "xi": checks.number(plain_number(xi, "xi", (0, 0, 0), names), "xi"),
+            "mu": checks.number(mass, "mu"),
             "restitution": _walls(restitution),
-            "M": M if M is None else positive(M, "M"),
-            "K": K if K is None else positive(K, "K"),
-            "F0": F0 if F0 is None else positive(F0, "F0"),
-            "unit_names": M if M is None else checked_names(unit_names or SI, "unit_names"),
+            "unit_names": None if M is None else names,
         }
         for name, value in values.items():
             object.__setattr__(self, name, value)
@@ -265,7 +276,8 @@ class Oscillator:
         Parameters
         ----------
         clearance : float, optional
-            d K/F0 > 0; d is the whole travel of the free mass between the walls.
+            d K/F0 > 0; d is the whole travel of the free mass between the walls. A length, such as "4 mm", is
+            converted to it: the structure stays dimensionless.
         restitution : float, PowerLaw or TabulatedRestitution, or two of them (right wall, left wall), optional
             By default those of the oscillator. The speeds of a law are in F0 omega/K, or in the units of M and K.
         d : float, optional
@@ -292,7 +304,7 @@ class Oscillator:
             raise ParameterError(f"mu = {self.mu!r}: must be > 0 for a structure")
         M, K = 1.0, 1.0
         if d is None:
-            half = 0.5 * positive(clearance, "clearance")
+            half = 0.5 * positive(argument(self, clearance, "clearance", "F0/K"), "clearance")
         elif clearance is not None:
             raise ParameterError(f"clearance = {clearance!r}, d = {d!r}: exactly one must be given")
         elif self.M is None or self.K is None:

@@ -12,6 +12,7 @@ from ..base import checks
 from ..base.errors import ParameterError
 from .restitution import ByValue
 from .structure import Load, Structure, _numbers
+from .units import own_number
 
 __all__ = ["Record", "base_motion", "base_record"]
 
@@ -30,7 +31,7 @@ class Record(ByValue):
     Parameters
     ----------
     step : float
-        Time between samples, > 0.
+        Time between samples, > 0, or with a unit, such as "1 ms", which is converted to s.
     force : array_like (samples, n)
         At least two samples of the force at each coordinate; sample i is at time i * step. With
         `weights` (samples, columns).
@@ -76,7 +77,7 @@ class Record(ByValue):
         weights: ArrayLike | None = None,
     ) -> None:  # fmt: skip
         wanted = "a finite number > 0"
-        step = checks.to_float(step, "step", wanted)
+        step = checks.to_float(own_number(step, "step"), "step", wanted)
         if not 0 < step < np.inf:
             raise ParameterError(f"step = {step!r}: must be {wanted}")
         force = _numbers(force, "force", "samples (samples, n), at least two", (-1, -1))

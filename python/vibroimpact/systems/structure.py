@@ -14,6 +14,7 @@ from ..base import checks
 from ..base.errors import ParameterError, ParameterTypeError, SingularError
 from ..base.status import DEFECTIVE, raise_status, sentence
 from .restitution import KINDS, ByValue, Law, Restitution, checked, numbers_of, to_columns
+from .units import own_number
 
 __all__ = ["Friction", "Gap", "Load", "Stop", "Structure"]
 
@@ -816,7 +817,7 @@ class Load(ByValue):
     Parameters
     ----------
     frequency : float, optional
-        Omega > 0; not needed for a constant load.
+        Omega > 0, or with a unit, such as "19.5 Hz", which is converted to rad/s; not needed for a constant load.
     sine, cosine : array_like (n,) or (H, n), optional
         Amplitudes of harmonics 1 to H at each coordinate; a vector is taken as the first harmonic.
     constant : array_like (n,), optional
@@ -844,6 +845,7 @@ class Load(ByValue):
         cosine: ArrayLike | None = None, constant: ArrayLike | None = None,
     ) -> None:  # fmt: skip
         if frequency is not None:
+            frequency = own_number(frequency, "omega", label="frequency")
             frequency = checks.to_float(frequency, "frequency", "a number > 0")
             if not 0 < frequency < np.inf:
                 raise ParameterError(f"frequency = {frequency!r}: must be a finite number > 0")

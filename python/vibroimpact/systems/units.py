@@ -62,7 +62,8 @@ POWERS: dict[str, Powers] = {
 #: Further quantities, and those among them that are frequencies in cycles.
 OTHERS: dict[str, Powers] = {
     "mu": (0, 0, 0), "d": (1, 0, 0), "displacement": (1, 0, 0), "velocity": (1, 0, -1),
-    "acceleration": (1, 0, -2), "contact": (0, 0, 1),
+    "acceleration": (1, 0, -2), "contact": (0, 0, 1), "duration": (0, 0, 1), "delay": (0, 0, 1),
+    "start": (0, 0, 1), "load": (0, 1, 0), "step": (0, 0, 1),
 }  # fmt: skip
 CYCLES = ("f", "frequency", "ring_frequency", "rate", "bandwidth")
 #: Units by name: their size in SI, their powers of length, force and time, and whether they count an angle.
@@ -83,6 +84,10 @@ QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*((?:1/)
 FACTOR = re.compile(r"([A-Za-z%]+)(?:\^?(-?\d))?")
 #: The dimensionless units of arguments of functions, by name; a state has a mapping of its own.
 ARGUMENTS = {"r": "omega", "clearance": "F0/K", "load": "F0", "friction": "F0"}
+#: The unit of a mass ratio, which may also be given as the free mass; a bare number is m/M.
+MASS = "K/omega^2"
+#: Dimensionless parameters, which may be given in %, and the mass ratio.
+PARAMETERS = ARGUMENTS | {"xi": "", "mu": MASS, "restitution": "", "R1": "", "R2": ""}
 STATE = {
     "t": "1/omega", "x": "F0/K", "y": "F0/K", "z": "F0/K", "x_dot": "omega F0/K", "z_dot": "omega F0/K"
 }  # fmt: skip
@@ -96,11 +101,14 @@ OF_FIGURES = {
     "speed": "omega F0/K", "least_speed": "omega F0/K", "least_gap": "F0/K",
 }  # fmt: skip
 #: Arguments that contain values by name, and the units of these values.
-BY_NAME = {"free": ARGUMENTS, "tolerance": ARGUMENTS, "limit": OF_FIGURES, "limits": OF_FIGURES}
+BY_NAME = {
+    "uncertain": PARAMETERS, "free": PARAMETERS, "tolerance": PARAMETERS, "limit": OF_FIGURES,
+    "limits": OF_FIGURES,
+}  # fmt: skip
 #: Arguments that contain values of the parameter that another argument names.
 OF_PARAMETER = ("bounds", "values", "at")
 #: Types that never have a unit; most arguments are of these types.
-PLAIN = (float, int, np.ndarray, np.float64, type(None))
+PLAIN = (float, int, np.float64, type(None))
 
 
 @dataclass(frozen=True)
@@ -277,7 +285,7 @@ class Units:
         ParameterError, ParameterTypeError
             If a value is not a positive number.
         """
-        return positive_each(plain_number(d, "d", (1, 0, 0), self.names), "d") / self.length
+        return positive_each(plain_number(d, "d", (1, 0, 0), self.names), "d", d) / self.length
 
     def frequency_ratio(self, frequency: Any = None, *, Omega: Any = None, f: Any = None) -> Any:
         """r = Omega/omega of a load frequency.
@@ -286,9 +294,9 @@ class Units:
         ----------
         frequency : str or pint.Quantity, optional
             A value with its unit (Hz, rpm or rad/s), such as "19.5 Hz"; give either this, `Omega` or `f`.
-        Omega : float or array_like, optional
+        Omega : float, str, pint.Quantity or array_like, optional
             Radians per unit of time.
-        f : float or array_like, optional
+        f : float, str, pint.Quantity or array_like, optional
             Cycles per unit of time (Hz).
 
         Returns
@@ -306,15 +314,18 @@ class Units:
             shown = ", ".join(f"{name} = {value!r}" for name, value in given.items()) or "f = None"
             raise ParameterError(f"{shown}: must be one of frequency, Omega and f")
         if Omega is not None:
-            return positive_each(Omega, "Omega") / self.omega
+            own = own_number(Omega, "omega", self.names, "Omega")
+            return positive_each(own, "Omega", Omega) / self.omega
         if f is not None:
-            return positive_each(f, "f") / self.frequency
+            return positive_each(own_number(f, "f", self.names), "f", f) / self.frequency
         if not has_unit(frequency):
             raise ParameterError(
                 f"frequency = {frequency!r}: must have a unit, such as '19.5 Hz'; or give f=... in cycles or "
                 "Omega=... in radians per unit of time"
             )
-        return number_of(frequency, "frequency", "omega", lambda: self)
+        return positive_each(
+            number_of(frequency, "frequency", "omega", lambda: self), "frequency", frequency
+        )
 
     def motion(self, motion: Any) -> dict[str, Any]:
         """The values of a motion in physical units.
@@ -415,16 +426,19 @@ def with_u(unit: str) -> str:
     return re.sub("[\N{MICRO SIGN}\N{GREEK SMALL LETTER MU}]", "u", unit)
 
 
-def positive_each(value: Any, name: str) -> Any:
-    """One positive number, or an array of them."""
+def positive_each(value: Any, name: str, given: Any = None) -> Any:
+    """One positive number, or an array of them; messages show what was given, if it had units."""
+    shown = has_unit(given)
     if not isinstance(value, (list, tuple)) and np.ndim(value) == 0:
+        if shown and not 0 < value < math.inf:
+            raise ParameterError(f"{name} = {given!s}: must be a finite number with {name} > 0")
         return positive(value, name)
     wanted = f"finite numbers with {name} > 0"
     array = checks.real_array(value, name, wanted)
     good = (array > 0) & np.isfinite(array)
     if not good.all():
-        bad = array[~good].ravel()[0].item()
-        raise ParameterError(f"{name} with {bad!r}: must be {wanted}")
+        bad = f"with {array[~good].ravel()[0].item()!r}"
+        raise ParameterError(f"{name} {f'= {given!s}' if shown else bad}: must be {wanted}")
     return array
 
 
@@ -474,25 +488,34 @@ def in_si(text: str, name: str) -> tuple[Decimal, Powers, bool]:
 
 def of_pint(quantity: Any, name: str) -> tuple[Any, Powers, bool]:
     """A quantity of pint, as in `in_si`; pint itself treats 1 Hz as 1 rad/s."""
-    units = str(quantity.units)
-    base = quantity.to_base_units()
-    by_name = {str(key): int(power) for key, power in base.dimensionality.items()}
+    try:
+        units = str(quantity.units)
+        base = quantity.to_base_units()
+        by_name = {str(key): int(power) for key, power in base.dimensionality.items()}
+    except (AttributeError, TypeError, ValueError) as error:
+        raise ParameterTypeError(
+            f"{name} = {quantity!r}: must be a number, a text with a unit, such as '4 mm', or a quantity of pint, "
+            f"with to_base_units and dimensionality, not {type(quantity).__name__} ({error})"
+        ) from None
     mass = by_name.pop("[mass]", 0)
     length, time = by_name.pop("[length]", 0), by_name.pop("[time]", 0)
     if by_name:
         raise ParameterError(f"{name} = {quantity}: must have a mechanical unit")
     cycles = "hertz" in units
-    angular = cycles or any(word in units for word in ("radian", "revolution", "turn", "rpm"))
+    words = ("radian", "revolution", "turn", "rpm", "degree", "arcminute", "arcsecond")
+    angular = cycles or any(word in units for word in words)
     value = base.to(f"kilogram**{mass} * meter**{length} * second**{time}").magnitude
     # kg = N s^2/m
     return value * (2 * math.pi if cycles else 1), (length - mass, mass, time + 2 * mass), angular
 
 
 def has_unit(value: Any) -> bool:
-    """Whether a value is a text such as "4 mm", a quantity of pint, or a list, tuple or mapping that contains
-    one."""
+    """Whether a value is a text such as "4 mm", a quantity of pint, or a list, tuple, array or mapping that
+    contains one."""
     if isinstance(value, PLAIN):
         return False
+    if isinstance(value, np.ndarray):
+        return value.dtype.kind in "OU" and any(map(has_unit, value.ravel().tolist()))
     if isinstance(value, Mapping):
         return any(map(has_unit, value.values()))
     if isinstance(value, (list, tuple)):
@@ -502,13 +525,39 @@ def has_unit(value: Any) -> bool:
     return hasattr(value, "magnitude") and hasattr(value, "units")
 
 
+def converted_each(value: Any, name: str, convert: Callable[[Any], Any]) -> Any:
+    """A list, tuple or array whose items are converted one by one.
+
+    Raises
+    ------
+    ParameterError
+        If some items have a unit and others have none. 0 needs no unit.
+    """
+    items = value.tolist() if isinstance(value, np.ndarray) else value
+    nested = any(isinstance(item, (list, tuple)) for item in items)
+    bare = [item for item in items if not has_unit(item) and not is_zero(item)]
+    if bare and not nested:
+        other = next(item for item in items if has_unit(item))
+        raise ParameterError(
+            f"{name} = {value!s}: must have a unit for each number, or for none; {other!s} has one and "
+            f"{bare[0]!r} has none"
+        )
+    found = [convert(item) for item in items]
+    return np.array(found) if isinstance(value, np.ndarray) else type(value)(found)
+
+
+def is_zero(value: Any) -> bool:
+    """Whether a value is the number 0, which is the same in all units."""
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and value == 0
+
+
 def number_of(value: Any, name: str, unit: str, units: Callable[[], Units]) -> Any:
     """The dimensionless number of an argument; a value without a unit is returned unchanged.
 
     Parameters
     ----------
     value
-        A number, a text, a quantity of pint, or a list or tuple of them.
+        A number, a text, a quantity of pint, or a list, tuple or array of them.
     name : str
         The argument, for messages.
     unit : str
@@ -524,10 +573,12 @@ def number_of(value: Any, name: str, unit: str, units: Callable[[], Units]) -> A
     """
     if not has_unit(value):
         return value
-    if isinstance(value, (list, tuple)):
-        return type(value)(number_of(item, name, unit, units) for item in value)
+    if isinstance(value, (list, tuple, np.ndarray)):
+        return converted_each(value, name, lambda item: number_of(item, name, unit, units))
     size, powers, angular = in_si(value, name) if isinstance(value, str) else of_pint(value, name)
     wanted = np.zeros(3, int)
+    if unit == MASS and powers == (0, 0, 0) and not angular:
+        return float(size)  # a share of M, in %
     for part, power in powers_of(unit).items():
         wanted += np.multiply(DIMENSIONS[part], power)
     if unit == "omega" and powers == (0, 0, -1) and not angular:
@@ -539,9 +590,28 @@ def number_of(value: Any, name: str, unit: str, units: Callable[[], Units]) -> A
             "K": "a stiffness",
             "K/omega": "a damping coefficient",
         }
+        kind |= {MASS: "a mass, or a ratio of masses", "": "a number without a dimension"}
         raise ParameterError(f"{name} = {value!s}: must be {kind.get(unit, 'a velocity')}")
     size = float(size) if isinstance(size, Decimal) else size
-    return size / units().to("SI").scale(unit)
+    return size if unit == "" else size / units().to("SI").scale(unit)
+
+
+def argument(osc: Any, value: Any, name: str, unit: str) -> Any:
+    """The dimensionless value of an argument of a method of a result; a value without a unit is unchanged.
+
+    Parameters
+    ----------
+    osc : Oscillator
+        The system of the result; a structure has the units of its user, and its values have none here.
+    """
+    if isinstance(value, PLAIN) or osc is None or not has_unit(value):
+        return value
+    return number_of(value, name, unit, lambda: osc.units(_force(osc, unit)))
+
+
+def _force(osc: Scaled, unit: str) -> float | None:
+    """A load amplitude for units of quantities that do not depend on it: frequencies, times and masses."""
+    return 1.0 if osc.F0 is None and unit in ("omega", "1/omega", MASS, "") else None
 
 
 def plain_number(value: Any, name: str, powers: Powers, names: str) -> Any:
@@ -549,6 +619,8 @@ def plain_number(value: Any, name: str, powers: Powers, names: str) -> Any:
     unchanged."""
     if not has_unit(value):
         return value
+    if isinstance(value, (list, tuple, np.ndarray)):
+        return converted_each(value, name, lambda item: plain_number(item, name, powers, names))
     size, found, angular = in_si(value, name) if isinstance(value, str) else of_pint(value, name)
     if found != powers or angular:
         own = {
@@ -594,7 +666,7 @@ def place_text(osc: Any, r: float, clearance: float, digits: int = 6) -> str:
 
 def shown_unit(osc: Any, name: str) -> tuple[float, str]:
     """The factor and the unit with which values of an argument, or of a limited quantity, are shown."""
-    units, unit = units_to_show(osc), (ARGUMENTS | START | OF_FIGURES).get(name, "")
+    units, unit = units_to_show(osc), (STATE | ARGUMENTS | START | OF_FIGURES).get(name, "")
     if units is None or not unit:
         return 1.0, ""
     if unit == "omega":
@@ -623,13 +695,16 @@ def own_number(value: Any, name: str, names: str = SI, label: str = "") -> Any:
     if not has_unit(value):
         return value
     label = label or name
+    if isinstance(value, (list, tuple, np.ndarray)):
+        return converted_each(value, label, lambda item: own_number(item, name, names, label))
     if name not in CYCLES and name != "omega":
         return plain_number(value, label, (POWERS | OTHERS)[name], names)
     size, powers, angular = in_si(value, label) if isinstance(value, str) else of_pint(value, label)
     if powers != (0, 0, -1) or not angular:
         raise ParameterError(f"{label} = {value!s}: must be a frequency in Hz, rpm or rad/s")
-    found = float(size) * KNOWN[2][names.split()[2]] / (1.0 if name == "omega" else 2 * math.pi)
-    return float(f"{found:.15g}")  # 2 kHz are 2000 Hz
+    scale = KNOWN[2][names.split()[2]] / (1.0 if name == "omega" else 2 * math.pi)
+    found = (float(size) if isinstance(size, Decimal) else size) * scale
+    return float(f"{found:.15g}") if np.ndim(found) == 0 else found  # 2 kHz are 2000 Hz
 
 
 def dimensionless(osc: Scaled, name: str, value: Any, parameter: str = "") -> Any:
@@ -642,16 +717,18 @@ def dimensionless(osc: Scaled, name: str, value: Any, parameter: str = "") -> An
             for key, part in value.items()
         }
     if name == "plane":
+        # (name, low, high, n) or (name, values)
         return tuple(
             (
                 axis[0],
-                *number_of(tuple(axis[1:]), f"plane[{i}]", STATE.get(axis[0], "F0/K"), osc.units),
+                *number_of(tuple(axis[1:3]), f"plane[{i}]", STATE.get(axis[0], "F0/K"), osc.units),
+                *axis[3:],
             )
             for i, axis in enumerate(value)
         )
     if name in BY_NAME and isinstance(value, Mapping):
         return {
-            key: number_of(part, f"{name}[{key!r}]", BY_NAME[name][key], osc.units)
+            key: argument(osc, part, f"{name}[{key!r}]", BY_NAME[name][key])
             if key in BY_NAME[name]
             else part
             for key, part in value.items()
@@ -659,9 +736,7 @@ def dimensionless(osc: Scaled, name: str, value: Any, parameter: str = "") -> An
     if name == "limit":  # of the target
         unit = OF_FIGURES.get(parameter)
         return value if unit is None else number_of(value, name, unit, osc.units)
-    unit = (ARGUMENTS | START).get(parameter if name in OF_PARAMETER else name)
+    unit = (PARAMETERS | START).get(parameter if name in OF_PARAMETER else name)
     if unit is None:
         return value
-    # a frequency needs no load
-    force = None if unit != "omega" or osc.F0 is not None else 1.0
-    return number_of(value, name, unit, lambda: osc.units(force))
+    return argument(osc, value, name, unit)

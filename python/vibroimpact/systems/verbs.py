@@ -7,20 +7,25 @@ import inspect
 from collections.abc import Callable, Mapping
 from typing import Any, ParamSpec, TypeVar
 
-from ..base.errors import ParameterTypeError
+import numpy as np
+
+from ..base.errors import ParameterError, ParameterTypeError
+from .distribution import FACTORS
 from .oscillator import Oscillator, Point
 from .structure import Load, Structure
 from .units import (
-    ARGUMENTS,
     BY_NAME,
     OF_PARAMETER,
     OF_STATES,
+    PARAMETERS,
     PLAIN,
     START,
     dimensionless,
     has_unit,
 )
 
+#: Parameters without a dimension, which may be given in %.
+SHARES = [name for name, unit in PARAMETERS.items() if unit == ""]
 #: Examples of texts with units as arguments.
 EXAMPLES = '"19.5 Hz", "4 mm" and "6 N"'
 Given = ParamSpec("Given")
@@ -204,13 +209,36 @@ def of_plain_point(
     return spread_out(verb, parameters, point, args, kwargs)
 
 
+def factors_of(given: Mapping[str, Any], before: Mapping[str, Any]) -> dict[str, Any]:
+    """Uncertain parameters, with values of r, clearance and load that had a unit as factors of the nominal ones.
+
+    Raises
+    ------
+    ParameterError
+        If there are several nominal values.
+    """
+    found = dict(given["uncertain"])
+    for name in FACTORS:
+        if not has_unit(before.get(name)):
+            continue
+        nominal = np.asarray(given.get(name, 1.0), dtype=float)
+        if nominal.size != 1:
+            raise ParameterError(
+                f"uncertain[{name!r}] = {before[name]!s}: must be factors of the nominal {name}, such as "
+                f"(0.95, 1.05), where there are several"
+            )
+        factors = np.asarray(found[name], dtype=float) / nominal.item()
+        found[name] = tuple(np.atleast_1d(factors).tolist())
+    return found
+
+
 def physical_arguments(function: Callable[Given, Found]) -> Callable[Given, Found]:
     """A decorator: frequencies, lengths and loads may have units if the oscillator knows its units."""
     names = list(inspect.signature(function).parameters)
-    known = {*ARGUMENTS, *(START if "amplitude" in names else ())}
+    known = {*PARAMETERS, *(START if "amplitude" in names else ())}
     taken = {*known, *OF_STATES, *OF_PARAMETER, *BY_NAME, "plane"}
     places = [(i, name) for i, name in enumerate(names) if name in taken]
-    with_units = ", ".join(f"`{name}`" for name in names if name in known)
+    with_units = ", ".join(f"`{name}`" for name in names if name in known and name not in SHARES)
     if with_units:
         parts = inspect.cleandoc(function.__doc__ or "").split("\n\n")
         # after the summary and the form for structures
@@ -239,10 +267,13 @@ def physical_arguments(function: Callable[Given, Found]) -> Callable[Given, Foun
         osc = first if isinstance(first, Oscillator) else getattr(first, "osc", None)
         if not isinstance(osc, Oscillator):
             return function(*args, **kwargs)
+        before: Any = given.get("uncertain")
         for name in physical:
             given[name] = dimensionless(
                 osc, name, given[name], str(given.get("parameter", given.get("target")))
             )
+        if "uncertain" in physical:
+            given["uncertain"] = factors_of(given, before)
         own = [given[name] for name in order[: len(args)]]
         rest: Any = {name: given[name] for name in kwargs}
         return function(*own, *args[len(own) :], **rest)  # type: ignore[arg-type]

@@ -45,7 +45,7 @@ module vi_bifurcation_study
       key_type('parameter', a_word, words=parameter_words, takes=parameter_takes, &
       meaning='parameter that changes'), &
       key_type('list', least=2, most=1000000, may_miss=.true., takes='two or more increasing &
-      &numbers in the range of the parameter', unit=of_parameter, &
+      &or decreasing numbers in the range of the parameter', unit=of_parameter, &
       meaning='values of the parameter, if they are not evenly spaced'), &
       key_type('low', never='list', takes=range_takes, option='values', &
       unit=of_parameter, meaning='first value of the parameter'), &

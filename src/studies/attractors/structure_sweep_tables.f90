@@ -1,7 +1,7 @@
 !> Sweeps of structures along a parameter: their keys, and their tables in a result.
 module vi_structure_sweep_tables
    use vi_chains, only: chains_type, settle_chains
-   use vi_common_keys, only: check_product, most_numbers
+   use vi_common_keys, only: check_product, most_numbers, turn_upwards
    use vi_kinds, only: wp
    use vi_progress, only: is_stopped
    use vi_simulated_motion, only: cell_type, examination_type, simulated_motion_type
@@ -25,7 +25,7 @@ module vi_structure_sweep_tables
       key_type('values', a_whole, low=2.0_wp, high=1.0e6_wp, never='list', option='values', &
       meaning='number of values, evenly spaced'), &
       key_type('list', least=2, most=1000000, may_miss=.true., takes='two or more increasing &
-      &numbers in the range of the parameter', &
+      &or decreasing numbers in the range of the parameter', &
       meaning='values of the parameter, if they are not evenly spaced'), &
       key_type('sweep', a_word, default='''both''', words='up down both', &
       meaning='up, down, or up and then down; the state is carried from value to value')]
@@ -92,6 +92,7 @@ contains
       !> Number of coordinates.
       integer, intent(in) :: coordinates
 
+      call turn_upwards(study, 'list', [character(1) ::])
       if (study%has('list')) then
          associate (list => study%numbers('list'))
             if (any(list(2:) <= list(:size(list) - 1))) call study%refuse('list')

@@ -2,7 +2,7 @@
 module vi_chart_study
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use vi_branch_study, only: check_plane_start
-   use vi_common_keys, only: most_numbers, cycles_key, symmetric_key, window_keys
+   use vi_common_keys, only: cycles_key, most_numbers, symmetric_key, turn_upwards, window_keys
    use vi_curve_point, only: curve_type
    use vi_family, only: can_be_symmetric
    use vi_kinds, only: two_pi, wp
@@ -40,7 +40,8 @@ module vi_chart_study
       meaning='walls of the impacts in order, for example RRL'), &
       cycles_key, &
       key_type('r', most=most_points, low=window_keys(1)%low, high=window_keys(1)%high, &
-      may_miss=.true., option='r-list', takes='increasing numbers with 1e-6 <= r <= 1e6', &
+      may_miss=.true., option='r-list', &
+      takes='increasing or decreasing numbers with 1e-6 <= r <= 1e6', &
       unit='omega', meaning='the frequency ratios, if they are not evenly spaced'), &
       key_type('r_min', low=window_keys(1)%low, high=window_keys(1)%high, never='r', &
       option='r', unit='omega', meaning='first frequency ratio'), &
@@ -50,7 +51,7 @@ module vi_chart_study
       option='r', meaning='number of frequency ratios'), &
       key_type('clearance', most=most_points, low=window_keys(3)%low, high=window_keys(3)%high, &
       may_miss=.true., option='clearance-list', unit='F0/K', &
-      takes='increasing numbers with 1e-12 <= clearance <= 1e12', &
+      takes='increasing or decreasing numbers with 1e-12 <= clearance <= 1e12', &
       meaning='the clearances d K/F0 (d is the whole travel of m), if not evenly spaced'), &
       key_type('clearance_min', low=window_keys(3)%low, high=window_keys(3)%high, unit='F0/K', &
       never='clearance', option='clearance', &
@@ -75,8 +76,8 @@ module vi_chart_study
 
    !> Largest number of points along an axis of a structure.
    integer, parameter :: most_lines = 129
-   character(*), parameter :: increasing = 'increasing numbers from one end of the range to the &
-      &other'
+   character(*), parameter :: increasing = 'increasing or decreasing numbers from one end of the &
+      &range to the other'
    type(key_type), parameter :: structure_keys(*) = [ &
       key_type('x_values', least=2, most=most_lines, may_miss=.true., takes=increasing, &
       option='x-list', meaning='the values of x, if they are not evenly spaced'), &
@@ -182,6 +183,8 @@ contains
          call case%study%refuse('sides')
          return
       end if
+      call turn_upwards(case%study, 'r', [character(1) ::])
+      call turn_upwards(case%study, 'clearance', [character(1) ::])
       points = real(points_of(case%study, 'r'), wp)*points_of(case%study, 'clearance')
       if (points > most_points) then
          call case%study%refuse(points_key(case%study, 'clearance'), trim(points_key(case%study, &
@@ -212,6 +215,7 @@ contains
       real(wp), allocatable :: values(:)
       integer :: i
 
+      call turn_upwards(study, name//'_values', [character(1) ::])
       if (len(study%fault) > 0 .or. .not. study%has(name//'_values')) return
       values = study%numbers(name//'_values')
       do i = 2, size(values)

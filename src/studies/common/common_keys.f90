@@ -10,7 +10,8 @@ module vi_common_keys
    private
 
    public :: check_parameter, check_product, check_start, check_window, &
-      half_gap, parameter_of, parameter_place, parameter_range, parameter_values, state_of
+      half_gap, parameter_of, parameter_place, parameter_range, parameter_values, state_of, &
+      turn_upwards
 
    real(wp), parameter, public :: least_r = 1.0e-6_wp, most_r = 1.0e6_wp, least_gap = 1.0e-12_wp, &
       most_gap = 1.0e12_wp
@@ -104,6 +105,7 @@ contains
       if (.not. case%study%has('parameter') .or. len(case%study%fault) > 0) return
       place = findloc(parameters == case%study%word('parameter'), .true., 1)
       if (case%study%has('list')) then
+         call turn_upwards(case%study, 'list', [character(9) :: 'r', 'clearance'])
          call check_list(case, place)
          return
       end if
@@ -127,6 +129,28 @@ contains
          end if
       end associate
    end subroutine check_parameter
+
+   !> Reverses a list that falls throughout, so that a case does not depend on its direction.
+   pure subroutine turn_upwards(study, name, others)
+      !> The group.
+      type(values_type), intent(inout) :: study
+      !> The key of the list.
+      character(*), intent(in) :: name
+      !> Keys with one number for each of its values, which are reversed together with it.
+      character(*), intent(in) :: others(:)
+      real(wp), allocatable :: list(:), other(:)
+      integer :: i
+
+      if (len(study%fault) > 0 .or. .not. study%has(name)) return
+      list = study%numbers(name)
+      if (size(list) < 2 .or. any(list(2:) >= list(:size(list) - 1))) return
+      call study%set(name, list(size(list):1:-1))
+      do i = 1, size(others)
+         if (others(i) == name .or. .not. study%has(trim(others(i)))) cycle
+         other = study%numbers(trim(others(i)))
+         if (size(other) == size(list)) call study%set(trim(others(i)), other(size(other):1:-1))
+      end do
+   end subroutine turn_upwards
 
    !> Checks a list of values of a parameter.
    subroutine check_list(case, place)

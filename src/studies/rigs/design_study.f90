@@ -7,7 +7,7 @@ module vi_design_study
    use vi_common_keys, only: least_gap, least_r, most_gap, most_r
    use vi_kinds, only: wp
    use vi_study, only: a_whole, a_word, case_type, column_type, key_type, of_oscillator, &
-      result_type, study_type, truths, verdicts, wholes, words
+      of_target, result_type, study_type, truths, verdicts, wholes, words
    use vi_text, only: lower
    implicit none (type, external)
    private
@@ -35,7 +35,7 @@ module vi_design_study
       words='attenuation displacement rms acceleration force damping', &
       meaning='what is minimised (max|X|/A, max|X|, rms, acceleration, force on the base), or&
       & maximised (damping)'), &
-      key_type('limit', low=tiny_value, may_miss=.true., takes='a number > 0', &
+      key_type('limit', low=tiny_value, may_miss=.true., takes='a number > 0', unit=of_target, &
       meaning='required value of the target'), &
       key_type('quantile', default='0.99', low=0.5_wp, high=1.0_wp, &
       meaning='share of the units that must reach it; the search uses the same share'), &
@@ -51,7 +51,7 @@ module vi_design_study
       key_type('free_clearance', least=2, most=2, low=least_gap, high=most_gap, may_miss=.true., &
       unit='F0/K', takes='two numbers from 1e-12 to 1e12, the lower one first', &
       meaning='range from which d K/F0 is chosen'), &
-      key_type('free_mu', least=2, most=2, low=0.0_wp, high=1.0e6_wp, may_miss=.true., &
+      key_type('free_mu', least=2, most=2, low=0.0_wp, high=1.0e6_wp, may_miss=.true., unit='M', &
       takes='two numbers from 0 to 1e6, the lower one first', &
       meaning='range from which the mass ratio m/M is chosen'), &
       key_type('free_xi', least=2, most=2, low=0.0_wp, high=1.0_wp, below=.true., &

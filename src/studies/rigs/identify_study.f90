@@ -14,6 +14,9 @@ module vi_identify_study
    !> Quantities of which a record has channels.
    character(*), parameter :: channel_words = 'load acceleration velocity displacement none'
    character(*), parameter :: with_times = 'impact_times'
+   !> Known values of a rig that may be keys of &system instead.
+   character(14), parameter :: of_rig(3) = [character(14) :: 'primary_mass', 'spring', &
+      'load_amplitude'], of_system(3) = [character(14) :: 'mass', 'stiffness', 'force']
    real(wp), parameter :: tiny_value = 1.0e-12_wp, huge_value = 1.0e12_wp
 
    type(key_type), parameter :: identify_keys(*) = [ &
@@ -176,7 +179,14 @@ contains
       !> The case.
       type(case_type), intent(inout) :: case
 
+      integer :: i
+
       associate (study => case%study)
+         if (len(study%fault) > 0) return
+         do i = 1, size(of_rig)
+            if (case%system%has(trim(of_system(i)))) call study%forbid(trim(of_rig(i)), &
+               ' if '//trim(of_system(i))//' is given in &system: both are one value')
+         end do
          if (len(study%fault) > 0 .or. .not. study%has(with_times)) return
          associate (times => study%numbers(with_times))
             if (any(times(2:) <= times(:size(times) - 1))) call study%refuse(with_times)

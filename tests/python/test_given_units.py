@@ -1,0 +1,317 @@
+"""Values with units, wherever a number is taken: one reading, or an error that names what is missing."""
+
+import math
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from vibroimpact.base.errors import ParameterError, ParameterTypeError
+
+RIG = vi.Oscillator.from_dimensional(
+    M="2.7 kg", K="42 kN/m", xi="1.1 %", m="0.11 kg", restitution=0.75, F0="6 N"
+)
+UNITS = RIG.units()
+LENGTH = 6 / 42e3
+
+
+def ratio(hertz):
+    """The frequency ratio of the rig."""
+    return 2 * math.pi * hertz / math.sqrt(42e3 / 2.7)
+
+
+@pytest.mark.parametrize("make", [list, tuple, np.array, lambda x: np.array(x, dtype=object)])
+def test_lists_and_arrays_are_converted_one_by_one(make):
+    """A list of texts is the array of their values."""
+    given = make(["18 Hz", "1170 rpm"])
+    assert UNITS.frequency_ratio(given) == pytest.approx([ratio(18), ratio(19.5)], rel=1e-12)
+    assert UNITS.frequency_ratio(f=given) == pytest.approx([ratio(18), ratio(19.5)], rel=1e-12)
+    assert UNITS.clearance(make(["3 mm", "0.004 m"])) == pytest.approx(
+        [3e-3 / LENGTH, 4e-3 / LENGTH], rel=1e-12
+    )
+
+
+@pytest.mark.parametrize("given", ["-3 Hz", "0 Hz", ["19 Hz", "-1 Hz"]])
+def test_frequencies_are_positive(given):
+    """A frequency that is not positive is an error that shows it, also with a unit."""
+    with pytest.raises(ParameterError, match=r"Hz.*must be"):
+        UNITS.frequency_ratio(given)
+
+
+def test_half_a_range_with_a_unit_is_refused():
+    """A range of which one end has a unit is refused with both; 0 needs no unit."""
+    for call in (
+        lambda: UNITS.frequency_ratio(["18 Hz", 19]),
+        lambda: UNITS.clearance([3, "4 mm"]),
+        lambda: vi.bifurcation_diagram(RIG, "r", ("20 Hz", 21), points=3, clearance="4 mm"),
+        lambda: vi.zone(RIG, "RL", ("20 Hz", 1.1), ("2 mm", "6 mm")),
+        lambda: vi.design(RIG, r=("20 Hz", "21 Hz"), free={"clearance": ("2 mm", 6)}),
+    ):
+        with pytest.raises(ParameterError, match=r"has one and .* has none"):
+            call()
+    plane = vi.basins(
+        RIG, "19.5 Hz", "4 mm", (("x", 0, "1 mm", 2), ("z_dot", "-10 mm/s", 0, 2)), cycles=4
+    )
+    assert plane.keys["high"][0] == pytest.approx(1e-3 / LENGTH, rel=1e-12)
+
+
+class Almost:
+    """It has the attributes by which quantities of pint are known, and nothing else."""
+
+    magnitude, units = 3, "mm"
+
+
+def test_what_only_resembles_a_quantity_is_refused():
+    """The message says what a quantity must have."""
+    with pytest.raises(ParameterTypeError, match=r"d = .*Almost.* to_base_units"):
+        UNITS.clearance(Almost())
+
+
+def test_degrees_a_second_are_angles():
+    """360 degrees of pint are one revolution."""
+    pint = pytest.importorskip("pint")
+    turn = pint.UnitRegistry().Quantity(7020, "degree/second")
+    assert UNITS.frequency_ratio(turn) == pytest.approx(ratio(19.5), rel=1e-12)
+
+
+def test_an_oscillator_takes_units():
+    """The class takes what `from_dimensional` does; a free mass needs M."""
+    own = vi.Oscillator(xi="1.1 %", mu="110 g", restitution=0.75, M="2.7 kg", K="42 kN/m", F0="6 N")
+    assert own == RIG
+    assert own.units() == UNITS
+    with pytest.raises(ParameterError, match="mu = 110 g"):
+        vi.Oscillator(xi=0.1, mu="110 g", restitution=0.75)
+    assert RIG.structure("4 mm").gaps == RIG.structure(4e-3 / LENGTH).gaps
+
+
+def test_results_take_units():
+    """Methods of results of a rig take values with units, and give the same as for numbers."""
+    zone = vi.zone(RIG, "RL", ("20 Hz", "22 Hz"), ("2 mm", "6 mm"), symmetric=True)
+    assert zone.contains(["20.5 Hz", "21 Hz"], "4 mm").tolist() == [
+        *zone.contains([ratio(20.5), ratio(21)], 28.0)
+    ]
+    motion = zone.motion("21 Hz", "4 mm")
+    assert motion.r == pytest.approx(ratio(21), rel=1e-12)
+    physical = zone.physical("mm N s")
+    assert physical.contains(21, 4.0) == zone.contains("21 Hz", "4 mm")
+    assert physical.motion(21, 4.0).clearance == pytest.approx(4.0, rel=1e-12)
+    run = vi.simulate(RIG, "19.5 Hz", "4 mm", 10)
+    times = np.array([0.1, 0.2]) / UNITS.time
+    np.testing.assert_allclose(run.sample(["0.1 s", "200 ms"]).X, run.sample(times).X, rtol=1e-9)
+    assert run.quantities(window=("0.1 s", "0.3 s")).duration == pytest.approx(0.2 / UNITS.time)
+    assert "0.512821 s" in repr(run)
+    np.testing.assert_allclose(motion.sample("10 ms").X, motion.sample(0.01 / UNITS.time).X)
+    with pytest.raises(ParameterError, match="must be a time"):
+        run.sample("4 mm")
+
+
+def test_shares_and_masses():
+    """A damping ratio may be in %, and a mass ratio the free mass."""
+    motion = vi.equispaced(RIG, "20.6 Hz", "3.5 mm")[0]
+    path = vi.branch(motion, "xi", ("1.2 %", "1 %"))
+    assert [min(path.values), max(path.values)] == pytest.approx([0.01, 0.012])
+    quick = {"evaluations": 8, "searches": 1, "samples": 0, "specimens": 1, "nodes": 2}
+    with pytest.raises(ParameterError, match="a mass, or a ratio"):
+        vi.design(RIG, r=("20 Hz", "21 Hz"), free={"mu": ("1 N", "2 N")}, clearance="4 mm", **quick)
+    found = vi.design(
+        RIG, r=("20 Hz", "21 Hz"), free={"mu": ("0.05 kg", "200 g")}, clearance="4 mm", **quick
+    )
+    assert found.ranges["mu"] == pytest.approx((0.05 / 2.7, 0.2 / 2.7), rel=1e-12)
+
+
+def test_uncertain_values_with_units_are_factors():
+    """A range of clearances at one nominal clearance is that of its factors."""
+    few = {"samples": 5, "rng": 1}
+    limit = {"displacement": "4 mm"}
+    first, second = (
+        vi.limit_probability(RIG, "20 Hz", "4 mm", {"clearance": one, "xi": xi}, limit, **few)
+        for one, xi in (((0.95, 1.05), (0.01, 0.012)), (("3.8 mm", "4.2 mm"), ("1 %", "1.2 %")))
+    )
+    assert repr(first) == repr(second)
+    with pytest.raises(ParameterError, match="must be factors of the nominal clearance"):
+        vi.limit_probability(
+            RIG, "20 Hz", ["4 mm", "5 mm"], {"clearance": ("3.8 mm", "4.2 mm")}, limit, **few
+        )
+    line = vi.limit_probability(
+        RIG, ("20 Hz", "21 Hz"), "4 mm", {"xi": ("1 %", "1.2 %")}, limit, points=3, **few
+    )
+    assert line.r == pytest.approx([ratio(20), ratio(20.5), ratio(21)], rel=1e-12)
+
+
+def test_sensors_take_units():
+    """Rate, bandwidth, delay, range and noise with units are those in SI."""
+    t = np.arange(50) / 1000
+    known = {"units": {"load": "kN"}}
+    found = vi.SensorRecord(
+        "1 kHz", load=t, acceleration=t, bandwidth="400 Hz", delay="2 ms", range={"load": "1 kN"},
+        noise={"acceleration": "1 mm/s^2"}, start="3 ms", **known,
+    )  # fmt: skip
+    plain = vi.SensorRecord(
+        1000, load=t, acceleration=t, bandwidth=400, delay=0.002, range={"load": 1},
+        noise={"acceleration": 1e-3}, start=0.003, **known,
+    )  # fmt: skip
+    for name in ("rate", "bandwidth", "delay", "range", "noise", "start"):
+        assert getattr(found, name) == getattr(plain, name), name
+    with pytest.raises(ParameterError, match="bandwidth"):
+        vi.SensorRecord(1000, load=t, acceleration=t, bandwidth="4 mm")
+
+
+def case_in(tmp_path, system, study):
+    """The only case of a namelist."""
+    path = tmp_path / "case.nml"
+    path.write_text(f"&system restitution = .75, xi = 0.011, {system} /\n&{study} /\n", "utf-8")
+    (case,) = vi.read_namelist(path)
+    return case
+
+
+TEXTS = "mass = '2.7 kg', stiffness = '42 kN/m', force = '6 N', free_mass = '0.11 kg'"
+NUMBERS = "units = 'mm N s', mass = 0.0027, stiffness = 42, force = 6, free_mass = 0.00011"
+DESIGN = (
+    "design band = '20 Hz', '21 Hz', free_clearance = '2 mm', '6 mm', target = '{}', limit = {}"
+)
+
+
+@pytest.mark.parametrize(
+    ("target", "bare", "text", "wanted"),
+    [
+        ("displacement", "3", "'3 mm'", 3e-3 / LENGTH),
+        ("rms", "3", "'0.003 m'", 3e-3 / LENGTH),
+        ("acceleration", "5e4", "'50 m/s^2'", 50 / (6 / 2.7)),
+        ("force", "100", "'0.1 kN'", 100 / 6),
+        ("attenuation", "0.5", "'50 %'", 0.5),
+    ],
+)
+def test_the_limit_of_a_design_has_the_unit_of_its_target(tmp_path, target, bare, text, wanted):
+    """A limit is read in the unit of the target, and refused where it has two readings."""
+    for system, limit in ((NUMBERS, bare), (NUMBERS, text), (TEXTS, text)):
+        study = DESIGN.format(target, limit)
+        if "units" in system:
+            study = study.replace("'2 mm', '6 mm'", "2, 6")
+        case = case_in(tmp_path, system, study)
+        assert case.keys["limit"] == pytest.approx(wanted, rel=1e-12), limit
+    if target == "attenuation":
+        assert case_in(tmp_path, TEXTS, DESIGN.format(target, bare)).keys["limit"] == 0.5
+        return
+    with pytest.raises(ParameterError, match=r"limit = .* in two ways"):
+        case_in(tmp_path, TEXTS, DESIGN.format(target, bare))
+    with pytest.raises(ParameterError, match="its unit is not that of"):
+        case_in(tmp_path, TEXTS, DESIGN.format(target, "'3 s'"))
+
+
+def test_a_free_mass_in_a_design(tmp_path):
+    """The range of m/M may be given as that of m; numbers are always m/M."""
+    study = "design band = 1, 1.02, clearance = '4 mm', free_mu = {}"
+    found = case_in(tmp_path, TEXTS, study.format("'0.05 kg', '200 g'")).keys["free_mu"]
+    assert found == pytest.approx([0.05 / 2.7, 0.2 / 2.7], rel=1e-12)
+    assert case_in(tmp_path, TEXTS, study.format("0.02, 0.1")).keys["free_mu"] == [0.02, 0.1]
+
+
+def test_both_ends_of_a_range_have_units_in_a_namelist(tmp_path):
+    """Low and high must both have a unit, or neither."""
+    study = "bifurcation parameter = 'r', values = 3, clearance = '4 mm', low = {}, high = {}"
+    for ends in (("'20 Hz'", "21"), ("1", "'21 Hz'")):
+        with pytest.raises(ParameterError, match="low and high must both have a unit"):
+            case_in(tmp_path, TEXTS, study.format(*ends))
+    case = case_in(tmp_path, TEXTS, study.format("'20 Hz'", "'21 Hz'"))
+    assert [case.keys["low"], case.keys["high"]] == pytest.approx([ratio(20), ratio(21)])
+
+
+def test_lists_may_fall(tmp_path):
+    """A list that falls is the same case as the list that rises, with what belongs to each value."""
+    chart = "chart sides = 'RL', r = {}, clearance = {}"
+    falls = case_in(tmp_path, "mu = 0.04", chart.format("1.1, 1.05, 1.02", "30, 20"))
+    assert (
+        falls.text == case_in(tmp_path, "mu = 0.04", chart.format("1.02, 1.05, 1.1", "20, 30")).text
+    )
+    line = "bifurcation parameter = 'clearance', list = {}, r = {}"
+    falls = case_in(tmp_path, "mu = 0.04", line.format("40, 25, 20", "1.1, 1.2, 1.3"))
+    rises = case_in(tmp_path, "mu = 0.04", line.format("20, 25, 40", "1.3, 1.2, 1.1"))
+    assert falls.text == rises.text
+    with pytest.raises(ParameterError, match="list = 20, 40, 25"):
+        case_in(tmp_path, "mu = 0.04", line.format("20, 40, 25", "1.1, 1.2, 1.3"))
+
+
+@pytest.mark.parametrize("micro", ["\N{MICRO SIGN}", "\N{GREEK SMALL LETTER MU}", "u"])
+def test_micro_in_names_of_units(tmp_path, micro):
+    """Both letters for micro are read in &system and in &output."""
+    system = TEXTS + f", units = '{micro}m N {micro}s', r = 0.98"
+    case = case_in(
+        tmp_path, system, f"simulate clearance = 4000, cycles = 1 /\n&output units = '{micro}m N s'"
+    )
+    assert case.keys["clearance"] == pytest.approx(4e-3 / LENGTH, rel=1e-12)
+    assert case.osc.unit_names == "um N us"
+    assert case.keys["units"] == "um N s"
+
+
+def test_known_values_are_in_the_units_of_the_system(tmp_path):
+    """Known values of &identify are numbers in `units` too; one value in two places is refused with both."""
+    study = "identify impact_times = 0, 0.5, frequency = 19.5, travel = {}, free_mass = {}"
+    plain = "units = 'mm N s', mass = 0.0027, stiffness = 42, mu = 0.04"
+    case = case_in(tmp_path, plain, study.format("4", "1.1e-4"))
+    assert [case.keys["travel"], case.keys["free_mass"]] == pytest.approx([0.004, 0.11], rel=1e-12)
+    with pytest.raises(
+        ParameterError, match=r"primary_mass = 2.6: must be left out if mass is given"
+    ):
+        case_in(tmp_path, plain, study.format("4", "1.1e-4, primary_mass = 2.6"))
+
+
+def test_unit_names_beside_units_leaves_no_number_without_one(tmp_path):
+    """Numbers are dimensionless beside `unit_names` only if all of &system are numbers, as in a result."""
+    plain = "unit_names = 'mm N s', mass = 0.0027, stiffness = 42, force = 6, mu = 0.04, r = {}"
+    study = "simulate clearance = {}, cycles = 1"
+    assert case_in(tmp_path, plain.format("0.98"), study.format("4")).keys["clearance"] == 4
+    with pytest.raises(ParameterError, match=r"clearance = 4: .* in two ways"):
+        case_in(tmp_path, plain.format("'19.5 Hz'"), study.format("4"))
+    found = case_in(tmp_path, plain.format("'19.5 Hz'"), study.format("'4 mm'"))
+    assert found.keys["clearance"] == pytest.approx(28, rel=1e-12)
+    for system in (TEXTS, plain.format("0.98").replace("unit_names = 'mm N s', ", "")):
+        either = system.replace("r = 0.98", "r = 0.5") + ", units = 'dimensionless'"
+        either += "" if "r = " in either else ", r = 0.5"
+        assert case_in(tmp_path, either, study.format("4")).keys["clearance"] == 4
+
+
+def test_signals_take_units():
+    """Times, frequencies and amplitudes of signals with units are those in SI."""
+    shock = vi.half_sine("50 m/s^2", duration="11 ms", step="0.1 ms", end="0.05 s")
+    np.testing.assert_array_equal(shock, vi.half_sine(50.0, 0.011, 1e-4, 0.05))
+    sweep = vi.swept_sine("6 N", ("15 Hz", "25 Hz"), "1 s", "1 ms")
+    np.testing.assert_array_equal(sweep, vi.swept_sine(6.0, (15.0, 25.0), 1.0, 1e-3))
+    assert vi.Load("19.5 Hz", sine=[1]).frequency == pytest.approx(2 * math.pi * 19.5, rel=1e-14)
+    assert vi.Record("1 ms", [[0.0], [1.0]]).step == 1e-3
+    with pytest.raises(ParameterError, match="amplitude = '5 mm'"):
+        vi.half_sine("5 mm", 0.011, 1e-4)
+
+
+def test_a_decay_needs_no_load():
+    """Without F0 the amplitude is the unit of length."""
+    bare = vi.Oscillator.from_dimensional(M=2.7, K=42e3, xi=0.011, m=0.11, restitution=0.75)
+    found = vi.decay(bare, ["2 mm", "4 mm"], amplitude="2 mm", cycles=3)
+    np.testing.assert_allclose(found.clearance, [1, 2], rtol=1e-12)
+    assert found.physical("mm N s").clearance == pytest.approx([2, 4], rel=1e-12)
+    with pytest.raises(ParameterError, match=r"amplitude = 1.0: must have a unit"):
+        vi.decay(bare, "2 mm")
+
+
+def test_the_output_of_a_structure_is_designed():
+    """A design may judge an output; of one coordinate it is the same as that coordinate."""
+
+    def host(clearance, load, r):
+        gaps = [vi.Gap([-1, 1], clearance, 0.7), vi.Gap([1, -1], clearance, 0.7)]
+        structure = vi.Structure([1, 0.1], [0.02, 0], [1, 0], gaps, outputs={"tip": [1, 0]})
+        return structure, vi.Load(r, sine=[load, 0])
+
+    asked = {
+        "r": (1.0, 1.02), "free": {"clearance": (5, 20)}, "samples": 0, "evaluations": 8, "searches": 1,
+        "nodes": 2, "specimens": 1, "settling": 20, "keep": 4,
+    }  # fmt: skip
+    for target in ("displacement", "acceleration"):
+        tip, first = (vi.design(host, target=target, coordinate=one, **asked) for one in ("tip", 0))
+        assert tip.level == pytest.approx(first.level, rel=1e-3)
+        assert f"{target} of tip <= " in repr(tip)
+    with pytest.raises(
+        ParameterError, match="coordinate = 'top': must be 0 to 1, or the output 'tip'"
+    ):
+        vi.design(host, target="displacement", coordinate="top", **asked)
+    pytest.importorskip("matplotlib")
+    labels = [panel.get_xlabel() + panel.get_ylabel() for panel in tip.plot()]
+    assert any("acceleration of tip" in label for label in labels)
+    assert not any("F_0" in label for label in labels)
