@@ -121,7 +121,7 @@ def test_impact_times_alone_tell_the_clearance():
         assert found.d == pytest.approx(0.006, rel=1e-6)
         assert list(found.errors) == ["d"]
         assert " mm" in repr(found)
-        assert repr(found).startswith("<Identification LLR/1 at 19.5 Hz (r = 0.982362): d = 6.000")
+        assert repr(found).startswith("<Identification LLR/1 at 19.5 Hz (r = 0.982362): d = 6")
     some = {name: known[name] for name in ("M", "K", "m", "xi")} | {"d": 0.006}
     found = vi.identify(impact_times=times, impact_sides="LLR", frequency=19.5, known=some)
     assert f": undetermined: {', '.join(found.undetermined)}>" in repr(found)
