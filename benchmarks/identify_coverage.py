@@ -10,7 +10,7 @@ drawn alike for all: rates of 2 to 50 kHz, noise of 20 to 50 dB, contacts of 0.0
 harmonics of the load, R(v), sensors that are exact or off by 1 %. A kind is a generator with periodic or with
 chaotic motions. M, K and, of periodic records, m are known.
 
-The table has, of each kind, the records that are identified without a doubt, those that are refused or doubted,
+The table has, of each kind, the records that are identified without a doubt, those that are rejected or in doubt,
 those that are wrong (another pattern), and the shares of true values within the 68 % and the 95 % interval and
 beyond five errors. Parameters of one record depend on each other: the errors of the shares are by drawing records
 again (bootstrap). Parameters that are undetermined are not counted.
@@ -123,7 +123,7 @@ def shares(each):
 def main(count=60, first=0, *generators):
     """The table."""
     print(
-        "| generator | motions | right | refused or doubted | wrong | within 68 % | within 95 % | beyond five |"
+        "| generator | motions | right | rejected or in doubt | wrong | within 68 % | within 95 % | beyond five |"
     )
     print("|---|---|---|---|---|---|---|---|")
     rows = []

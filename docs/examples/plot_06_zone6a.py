@@ -2,7 +2,7 @@
 The zone of Figure 6a
 =====================
 
-The zone in which two equally spaced impacts a cycle are stable and admissible. Its boundary is one closed
+The zone in which two equally spaced impacts per cycle are stable and admissible. Its boundary is one closed
 curve; each piece of it is named after the condition that ends the zone there.
 """
 

@@ -2,8 +2,8 @@
 The impact pair, mu = 0
 =======================
 
-With mu = 0 the free mass does not affect the primary mass. Its motions are those of a ball between two
-walls that move harmonically. The same functions compute them.
+With mu = 0 the free mass does not affect the primary mass. It moves like a ball between two walls that
+oscillate harmonically. The same functions compute them.
 """
 
 import vibroimpact as vi

@@ -32,7 +32,7 @@ print(f"{1e3 * found.work:.2f} mJ = {1e3 * found.damping_loss:.2f} mJ in the das
 print(f"       + {1e3 * found.impact_loss:.2f} mJ in the impacts")
 
 # %%
-# Where two impacts in a load cycle are stable, over the frequency and the clearance for 6 N.
+# The zone in which two impacts per load cycle are stable, over the frequency and the clearance for 6 N.
 
 zone = vi.zone(rig, "RL", r=(0.94, 1.1), clearance=(10, 100))
 zone.plot()

@@ -17,8 +17,8 @@ print(proof)
 ax = proof.plot()
 
 # %%
-# What is proven of a point, and of one motion there: that it exists and is the only one near its numbers, that it
-# meets no other wall, and bounds of its multipliers and of max\|X\|/A.
+# The verdict at a point, and the statements proven for one motion there: it exists and is unique near its numbers,
+# it hits no wall between its impacts, and its multipliers and max\|X\|/A are bounded.
 
 print(proof.decide(1.2, 12.0), proof.decide(1.2, 30.0))
 motion = vi.equispaced(osc, r=1.2, clearance=12.0)[0]

@@ -14,9 +14,9 @@ gears = vi.Structure(mass=[1], damping=[0], stiffness=[0], gaps=teeth)
 load = vi.Load(0.8, constant=[0.1], cosine=[0.03])
 
 # %%
-# With the teeth in contact at the start, the response jumps where they begin to separate while the frequency
-# rises, and jumps back where they stay in contact again. While it falls, the separation lasts down to a lower
-# frequency:
+# With the teeth in contact at the start, the response jumps at the frequency at which they begin to separate as
+# the frequency rises, and jumps back where they remain in contact again. As it falls, the separation persists down
+# to a lower frequency:
 
 response = vi.response(gears, load, (0.4, 1.4), points=101, state=([1.1], [0.0]))
 response.plot()

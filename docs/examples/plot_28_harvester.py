@@ -2,8 +2,8 @@
 An energy harvester with soft stops
 ===================================
 
-A coil converts the motion of a magnet on a spring. Soft stops limit its travel, and they make the band of the
-harvester wider: while the frequency rises, the motion stays large far above the resonance. All quantities are
+A coil converts the motion of a magnet on a spring. Soft stops limit its travel and widen the band of the
+harvester: as the frequency rises, the motion remains large far above the resonance. All quantities are
 divided by those of the magnet and the spring, lengths by the distance to the stops.
 """
 

@@ -12,12 +12,12 @@ from .shared import ROOT
 
 #: Functions of other modules for the same study.
 FUNCTIONS = {"simulate": ("simulate_bundle",)}
-#: What a &motion of a structure does, and its functions.
+#: The meaning of a &motion of a structure, and its functions.
 OF_STRUCTURE = (
     "compute a periodic motion of a structure from its phases, or simulate until it repeats",
     ("periodic", "exact"),
 )
-#: What has no group.
+#: Studies without a group.
 IN_PYTHON = {
     "give the probability that motions are stable where parameters are uncertain": ("uncertainty",),
     "compute how far the boundaries of a zone move where parameters are uncertain": (

@@ -105,7 +105,7 @@ def bifurcations():
             largest[kind][name] = max(largest[kind][name], value)
     flip, fold = largest["flip"], largest["fold"]
     head = (
-        "| curve | rows | published value that is kept | load amplitude F | approach speed | multiplier "
+        "| curve | rows | published value that is used | load amplitude F | approach speed | multiplier "
         "| F where the multiplier is exactly −1 or 1 |"
     )
     return [

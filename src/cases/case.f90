@@ -29,7 +29,7 @@ module vi_case
       !! then its load, if it has one.
       integer :: coordinates = 0
       type(values_type), allocatable :: parts(:)
-      !> The group that asks for the result, and the name of its study.
+      !> The group that requests the result, and the name of its study.
       type(values_type) :: study, output
       !> The &sweep after it, which makes a campaign of the case; without a name if there is none.
       type(values_type) :: sweep
@@ -117,7 +117,7 @@ contains
          spread(system%number('restitution'), 1, 2))
    end subroutine check_system
 
-   !> Reads &system with what it says of units.
+   !> Reads &system and the units that it declares.
    pure subroutine read_system(group, system, units)
       !> The group as read from the file.
       type(group_type), intent(in) :: group

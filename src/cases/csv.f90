@@ -16,7 +16,7 @@ module vi_csv
 
    public :: cell_count, csv_header, csv_rows, has_rows, row_count
 
-   !> How the meaning of a frequency ratio begins, and the unit of columns of several units.
+   !> The first words of the meaning of a frequency ratio, and the unit of columns of several units.
    character(*), parameter :: ratio = 'frequency ratio', mixed = 'mixed'
 
 contains
@@ -95,7 +95,7 @@ contains
       !> The factor of its numbers, and their unit.
       real(wp), intent(out) :: scale
       character(:), allocatable, intent(out) :: unit
-      !> Whether the factor is that of rows named clearance alone.
+      !> Whether the factor applies only to rows named clearance.
       logical, intent(out) :: by_row
       character(:), allocatable :: own
       logical :: is_ratio

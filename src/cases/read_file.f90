@@ -1,6 +1,6 @@
 !> Reads files, also one file in several threads.
 !!
-!! Fortran connects a file to one unit at a time, and a second thread that opens it is refused; the
+!! Fortran connects a file to one unit at a time, so that a second thread could not open it; the
 !! streams of the C library are independent.
 module vi_read_file
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_int, c_null_char, c_ptr, c_size_t

@@ -56,8 +56,8 @@ module vi_units
       unit_type('rpm', pi, 30.0_wp, [0, 0, -1], .true.), &
       unit_type('%', 1.0_wp, 1.0e2_wp, [0, 0, 0])]
 
-   !> How a number that is written without a unit is read: it is dimensionless, it is in the units
-   !! of the &system, or it must not be, since the &system does not say which.
+   !> How a number without a unit is read: it is dimensionless, it is in the units of the &system,
+   !! or it is rejected because the &system leaves both possible.
    integer, parameter, public :: dimensionless = 0, in_units = 1, undecided = 2
 
    !> What the dimensionless numbers of a case are in physical units.

@@ -260,8 +260,8 @@ contains
       real(wp), allocatable, intent(out) :: numbers(:)
       !> The value of a word or list of words, spelled as in the table of keys.
       type(line_type), allocatable, intent(out) :: words(:)
-      !> Allocated if the key does not accept it: empty, or what else is to be said, from a
-      !! semicolon on.
+      !> Allocated if the key does not accept it: empty, or the end of the message, which starts
+      !! with a semicolon.
       character(:), allocatable, intent(out) :: why
       !> The units of its numbers.
       character(*), intent(in), optional :: own(:)
@@ -303,7 +303,7 @@ contains
       type(units_type), intent(in), optional :: units
       !> In: if they are no texts, the numbers. Out: in the units of the key.
       real(wp), intent(inout) :: numbers(:)
-      !> Allocated if one has another unit: what is to be said of it, from a semicolon on.
+      !> Allocated if one has another unit: the end of the message, from a semicolon on.
       character(:), allocatable, intent(out) :: why
       character(:), allocatable :: reason
       integer :: i

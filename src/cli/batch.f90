@@ -18,7 +18,7 @@ module vi_batch
 
    public :: done, failed, log_type, run_file, wrong
 
-   !> What is added to the flag that stops a study (see vi_progress) while cases are read, and while
+   !> Numbers added to the flag that stops a study (see vi_progress) while cases are read, and while
    !! a file is written: a signal then does not stop a study.
    integer, parameter :: reading = -8
    integer, parameter, public :: writing = 2

@@ -179,18 +179,18 @@ contains
       end if
    end subroutine print_keys
 
-   !> Checks the folder of -o: a name that looks like that of a file is refused, unless it exists or
-   !! ends with a slash.
+   !> Checks the folder of -o: a name that looks like that of a file is rejected, unless it exists
+   !! or ends with a slash.
    subroutine check_folder(folder, status)
       !> The argument after -o.
       character(*), intent(in) :: folder
-      !> Out: `wrong` if it is refused; otherwise not changed.
+      !> Out: `wrong` if it is rejected; otherwise not changed.
       integer, intent(inout) :: status
       character(*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyz'
       character(:), allocatable :: name, suffix
       logical :: there
 
-      inquire (file=folder, exist=there)                ! a file of this name is refused later on
+      inquire (file=folder, exist=there)                ! a file of this name is rejected later
       if (.not. there) there = is_folder(folder)    ! not all compilers inquire about folders
       name = lower(folder(index(folder, '/', back=.true.) + 1:))
       suffix = name(index(name, '.', back=.true.) + 1:)

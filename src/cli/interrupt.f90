@@ -55,7 +55,7 @@ contains
       end do
    end subroutine catch_signals
 
-   !> The signal handler. The flag that stops the study also tells what the program does, see
+   !> The signal handler. The flag that stops the study also shows what the program is doing, see
    !! vi_batch.
    subroutine stop_study(number) bind(c)
       !> Number of the signal.

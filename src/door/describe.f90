@@ -16,7 +16,7 @@ module vi_describe
 
    public :: describe_all, describe_group, list_groups
 
-   !> How the models are called, from `every_model` on.
+   !> The names of the models, from `every_model` on.
    character(10), parameter :: models(0:2) = [character(10) :: '', 'oscillator', 'structure']
 
 contains

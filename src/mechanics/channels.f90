@@ -6,8 +6,8 @@
 !! f'''', prove that most rows stay within their limits. A row in doubt is searched by steps that
 !! cannot jump over a zero, up to the first event found so far in the cell.
 !!
-!! Groups of rows that a certificate keeps away from their limits for the time of the cell need no
-!! look, with the same result (vi_watch).
+!! Groups of rows that, by a certificate, stay away from their limits during the cell are skipped,
+!! with the same result (vi_watch).
 !!
 !! A row in doubt is evaluated by its Taylor series about the beginning of the cell, as far as the
 !! omitted terms are below rounding (vi_series).

@@ -44,9 +44,9 @@ contains
 
    !> Finds the pairs of a structure.
    !!
-   !! What is as small as its rounding error counts as 0. The entries of the matrices may be sums of
-   !! larger terms, as where a closed gap holds both ends of a spring: then their own size tells
-   !! nothing of their errors.
+   !! Entries as small as their rounding errors count as 0. The entries of the matrices may be sums
+   !! of larger terms, as where a closed gap holds both ends of a spring: then their own size does
+   !! not indicate their errors.
    pure subroutine decouple(mass, damping, stiffness, decoupled, status, terms)
       !> (n, n) Symmetric matrices M (positive definite), C and K (semidefinite).
       real(wp), intent(in) :: mass(:, :), damping(:, :), stiffness(:, :)
@@ -254,7 +254,7 @@ contains
       end do
    end subroutine find_zeros
 
-   !> Turns the modes of frequency 0 and the others so that the stiffness has no effect on the
+   !> Corrects the modes of frequency 0 and the others so that the stiffness has no effect on the
    !! former.
    !!
    !! The eigenvalue solver leaves errors in proportion to the ratio of the stiffnesses. With them
@@ -553,7 +553,7 @@ contains
       end do
    end function are_separate
 
-   !> The pair of two eigenvalues that nearly coincide, and whose eigenvectors do, too: x and v are
+   !> The pair of two eigenvalues that nearly coincide, and whose eigenvectors also do: x and v are
    !! coordinates in the plane that is spanned by both.
    !!
    !! The span of two vectors tends to the plane if they are multiplied again and again by the

@@ -1,7 +1,7 @@
 !> Integrals over a flight or a rest of a structure in closed form.
 !!
 !! All signals are linear in one vector b: the pairs (x, v), the cosines and sines of the harmonics
-!! of the load, 1, and the time t since the beginning. It obeys b' = A b, and b(t) = F(t) b(0) is
+!! of the load, 1, and the time t since the beginning. It obeys b' = A b, and b(t) = F(t) b(0) in
 !! closed form. The integral W of b b^T follows from its Taylor series for a short time, where
 !! W'' = A W' + W' A^T, and from W(2t) = W(t) + F(t) W(t) F(t)^T; those of b e^(-i k Omega t)
 !! likewise. Nothing is divided by differences of exponents: pairs may be damped in any way, have

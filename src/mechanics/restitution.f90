@@ -1,4 +1,4 @@
-!> What happens where a gap closes: the coefficient of restitution R as a function of the approach
+!> The law of a gap that closes: the coefficient of restitution R as a function of the approach
 !! speed v, or an elastic stop; and the levels of dry friction.
 !!
 !! Power law: R(v) = R0 (1 + (v/v0)^k)^(-p/k). Far below the speed v0 it tends to R0, and far above

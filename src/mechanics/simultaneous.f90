@@ -7,7 +7,7 @@
 !!
 !!     p >= 0,   w + R v <= 0,   p.(w + R v) = 0
 !!
-!! A gap without an impulse may part faster than by R. These are the conditions of the least p.A.p/2
+!! A gap without an impulse may open faster than by R. These are the conditions of the least p.A.p/2
 !! - (1 + R) v.p over p >= 0, which the method of C. L. Lawson and R. J. Hanson (Solving least
 !! squares problems, 1974, chapter 23) finds by exchange of the gaps with an impulse.
 module vi_simultaneous

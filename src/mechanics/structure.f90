@@ -1,12 +1,12 @@
-!> A linear structure with gaps and elastic stops under a load, and its motion while given ones are
-!! closed.
+!> A linear structure with gaps and elastic stops under a load, and its motion while a given set of
+!! them is closed.
 !!
 !! M q'' + C q' + K q = f(t) + g with q in R^n; all bodies are treated alike. Gap j stays open: e_j
 !! - G_j.q >= 0. While a set of gaps is at rest, G_j.q = e_j for each of them, the structure has one
 !! coordinate fewer for each, and each pushes back with a force p_j >= 0. A stop is a gap that can
-!! be less than closed: it adds k G_j G_j^T to K and c G_j G_j^T to C while it presses.
+!! be compressed beyond closure: it adds k G_j G_j^T to K and c G_j G_j^T to C while it presses.
 !!
-!! Dry friction stands in the same lists. Along D_j, with s = D_j.q' - V, the force -h sgn(s) D_j
+!! Dry friction is in the same lists. Along D_j, with s = D_j.q' - V, the force -h sgn(s) D_j
 !! acts while it slips; while it sticks, D_j.q' = V, a force of at most H holds it. The place D_j.q,
 !! which moves with the belt, is then one more pair of frequency 0. Along a gap at rest, friction
 !! without a belt holds too: the gap pushes with p >= -H.
@@ -1200,8 +1200,8 @@ contains
       end do
    end subroutine set_rows
 
-   !> Adds the motions of walls to the rows: they are distances to the walls where these are on
-   !! average, less the motions of the walls, and what accelerates the walls presses.
+   !> Adds the motions of walls to the rows: these are the distances to the mean positions of the
+   !! walls, less the motions of the walls; the acceleration of a wall adds to the contact force.
    pure subroutine add_walls(structure, forces, regime)
       !> The structure.
       type(structure_type), intent(in) :: structure

@@ -1,9 +1,9 @@
-!> Which rows of a structure cannot come near a limit for some time, so that they need no look.
+!> Rows of a structure that cannot come near a limit for some time, and need not be evaluated.
 !!
 !! A certificate of a group of rows is a time up to which they stay away from their limits by more
 !! than a distance, and a bound on their rates. It follows from their values and rates and a bound
 !! on their second derivatives. An impulse adds a motion of its own: certificates keep their times,
-!! and their distances shrink by a bound on that motion. Rows far from the impulse hardly notice it,
+!! and their distances shrink by a bound on that motion. Rows far from the impulse hardly change,
 !! as the first derivatives of that motion are 0.
 module vi_watch
    use, intrinsic :: iso_fortran_env, only: int64
@@ -107,7 +107,7 @@ contains
       end associate
    end subroutine begin_watch
 
-   !> Whether the certificate of a group tells that none of its rows comes near a limit in a cell.
+   !> Whether the certificate of a group shows that none of its rows comes near a limit in a cell.
    !!
    !! The Bernstein coefficients of the cell differ from a value of the row within it by at most a
    !! third of its largest rate times the length, and by a share of the fourth derivative.

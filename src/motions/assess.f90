@@ -24,10 +24,10 @@ module vi_assess
    !> The residual that the 1983 paper accepted for N > 2.
    real(wp), parameter, public :: paper_acceptance = 0.03_wp
 
-   !> A leading multiplier this near to the unit circle is on it, to rounding.
+   !> A leading multiplier this close to the unit circle is on it, to rounding.
    real(wp), parameter :: neutral = 1000*epsilon(1.0_wp)
 
-   !> For an exact motion with a leading multiplier this near to the unit circle, the effect of
+   !> For an exact motion with a leading multiplier this close to the unit circle, the effect of
    !! rounding on its modulus is estimated; `stable` is given only if `reserve` times that effect
    !! does not reach the circle.
    real(wp), parameter :: near_circle = 1.0e-3_wp, reserve = 10.0_wp
@@ -63,12 +63,12 @@ contains
          + spread_of_orders(motion, abs(motion%multipliers(1))), motion)
    end subroutine assess_linear
 
-   !> Refuses an exact motion of which rounding leaves too few digits.
+   !> Rejects an exact motion that has lost too many digits to rounding.
    !!
    !! Near a fold or a pitchfork, where a multiplier is near 1, positions are uncertain by nature;
    !! there `modulus_doubt` decides about the verdict.
    pure subroutine refuse_rounding(motion)
-      !> With the verdicts of `assess_exact`; out: `stat%lost_digits` where it is refused.
+      !> With the verdicts of `assess_exact`; out: `stat%lost_digits` where it is rejected.
       type(motion_type), intent(inout) :: motion
 
       if (motion%status /= stat%ok .or. motion%stable == unknown) return

@@ -130,7 +130,7 @@ contains
       d(0) = d(0) + dot_product(of_x, x) + dot_product(of_v, v)
    end subroutine forced_row
 
-   !> What the periodic responses of a pair need of the pair and the period.
+   !> The numbers of a pair and a period that its periodic responses depend on.
    elemental type(periodic_pair_type) function periodic_pair(stiffness, damping, period) &
       result(pair)
       !> omega^2 and sigma of the pair, and the period.

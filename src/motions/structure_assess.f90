@@ -35,12 +35,12 @@ module vi_structure_assess
       integer :: consistent = unknown, admissible = unknown, stable = unknown
    end type structure_verdicts_type
 
-   !> Agreement that is asked of times and speeds of the search for contacts with those of the
+   !> The required agreement of times and speeds of the search for contacts with those of the
    !! motion, relative to the period and the largest speed.
    real(wp), parameter :: agreement = 1.0e-8_wp
-   !> A leading multiplier this near to the unit circle is compared with the effect of rounding.
+   !> A leading multiplier this close to the unit circle is compared with the effect of rounding.
    real(wp), parameter :: near_circle = 1.0e-3_wp
-   !> How near to 1 the multiplier of a free phase must be.
+   !> How close to 1 the multiplier of a free phase must be.
    real(wp), parameter :: trivial = 1.0e-7_wp
 
 contains

@@ -94,7 +94,7 @@ def test_a_huge_grid(tmp_path):
     assert 0 < found._done() <= 12
     assert f": {found._done()} of 1000000000000 cases finished" in repr(found)
     assert found[0].to_dict()
-    with pytest.raises(vi.OutOfMemoryError, match=r"10{12} cases takes more memory"):
+    with pytest.raises(vi.OutOfMemoryError, match=r"10{12} cases needs more memory"):
         found.values("motions", "attenuation")
 
 

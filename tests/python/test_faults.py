@@ -107,7 +107,7 @@ def undisturbed(nursery, tmp_path_factory):
     status, output = nursery.run(store)
     seconds = time.monotonic() - begin
     assert (status, output.splitlines()[0]) == (1, "sweep: 80 of 80 cases of motion finished")
-    assert "sweep: 8 refused or failed; " in output
+    assert "sweep: 8 rejected or failed; see " in output
     return files_of(store), seconds
 
 

@@ -162,12 +162,12 @@ def test_events_that_do_not_fit_into_memory(monkeypatch):
         raise MemoryError("Unable to allocate 3 GiB")
 
     monkeypatch.setattr(np, "empty", none)
-    message = "by max_events: takes more memory than there is; Unable to allocate 3 GiB"
+    message = "by max_events: needs more memory than is available; Unable to allocate 3 GiB"
     with pytest.raises(vi.OutOfMemoryError, match=message):
         vi.simulate(wall, vi.Load(1.0, cosine=[3.0]), cycles=5)
     with pytest.raises(vi.OutOfMemoryError, match=message):
         vi.simulate(vi.Oscillator(xi=0.01, mu=0.05, restitution=0.7), 1.0, 20.0, 5)
-    with pytest.raises(vi.OutOfMemoryError, match="a sample at the times t: takes more memory"):
+    with pytest.raises(vi.OutOfMemoryError, match="a sample at the times t: needs more memory"):
         run.sample([0.0])
 
 

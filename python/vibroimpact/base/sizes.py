@@ -92,14 +92,14 @@ def memory_for(what: str) -> Iterator[None]:
     >>> with memory_for("all of it"):
     ...     raise MemoryError("Unable to allocate 1 PiB")
     Traceback (most recent call last):
-    vibroimpact.OutOfMemoryError: all of it: takes more memory than there is; Unable to allocate 1 PiB
+    vibroimpact.OutOfMemoryError: all of it: needs more memory than is available; Unable to allocate 1 PiB
     """
     try:
         yield
     except VibroimpactError:
         raise
     except MemoryError as error:
-        raise OutOfMemoryError(f"{what}: takes more memory than there is; {error}") from None
+        raise OutOfMemoryError(f"{what}: needs more memory than is available; {error}") from None
 
 
 def unpacked(data: Any) -> int:

@@ -93,7 +93,7 @@ class Campaign:
     def __repr__(self) -> str:
         return (
             f"<Campaign of {self.study}: {self._done()} of {self.size} cases finished, "
-            f"{self._store.failed()} refused>"
+            f"{self._store.failed()} rejected>"
         )
 
     def __len__(self) -> int:
@@ -114,8 +114,8 @@ class Campaign:
             return np.full(self.size, value)
         except MemoryError:
             raise OutOfMemoryError(
-                f"store = {str(self._store.folder)!r}: one number for each of {self.size} cases takes more memory "
-                "than there is; read its parts in results.zarr"
+                f"store = {str(self._store.folder)!r}: one number for each of {self.size} cases needs more memory "
+                "than is available; read its parts in results.zarr"
             ) from None
 
     @property

@@ -127,7 +127,7 @@ def campaign(
     >>> sweep = vi.Sweep(case, {"r": [0.9, 1.0], "clearance": [10.0, 20.0, 30.0]})
     >>> store = pathlib.Path(tempfile.mkdtemp()) / "store"
     >>> vi.campaign(sweep, store)
-    <Campaign of motion: 6 of 6 cases finished, 0 refused>
+    <Campaign of motion: 6 of 6 cases finished, 0 rejected>
     """
     plan = cases if isinstance(cases, Sweep) else CaseList(_iterable(cases))
     study = study_of(plan.text(0))

@@ -91,5 +91,7 @@ def describe(found: Campaign, name: str) -> int:
     done, refused = found._done(), found._store.failed()
     print(f"{name}: {done} of {found.size} cases of {found.study} finished")
     if refused:
-        print(f"{name}: {refused} refused or failed; {found.failures} holds them, with the reasons")
+        print(
+            f"{name}: {refused} rejected or failed; see {found.failures} for these cases and the reasons"
+        )
     return 1 if refused or done < found.size else 0

@@ -1,4 +1,4 @@
-"""What was tried on records that no fit describes, the best of it, and what would help, for the message."""
+"""The attempts on records that no fit describes, the best of them, and possible remedies, for the message."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from .fit import Fit
 from .known import HINT
 from .steps import Step, cycles_of
 
-#: Samples of the median flight, load cycles of a record, and noise over the motion, from which on more rate, a
-#: longer record or less noise is hardly what is missing.
+#: Samples of the median flight, load cycles of a record, and noise over the motion, beyond which a higher rate, a
+#: longer record or less noise would hardly help.
 SAMPLES, CYCLES, QUIET = 40, 100.0, 0.03
-#: What the attempts are called in messages.
+#: The names of the attempts in messages.
 CALLED = {
     "as it is": "the impacts of the record",
     "other walls": "weak impacts on the other wall",
@@ -32,8 +32,7 @@ class NotTriedError(SingularError):
 
 
 class Attempt(NamedTuple):
-    """What became of one attempt: its pattern or period, its misfit (NaN without a fit), and why it was
-    refused."""
+    """One attempt: its pattern or period, its misfit (NaN without a fit), and why it was rejected."""
 
     name: str
     pattern: str
@@ -52,7 +51,7 @@ class Attempts:
         self.all: list[Attempt] = []
 
     def refused(self, name: str, steps: Sequence[Step], error: SingularError) -> None:
-        """Note an attempt that led to no fit; with the misfit of its flights alone, if it came so far."""
+        """Note an attempt that led to no fit, with the misfit of its flights alone if these were fitted."""
         if isinstance(error, NotTriedError):
             return
         free = steps[0].free
@@ -68,7 +67,7 @@ class Attempts:
         self.all.append(Attempt(name, pattern_of(steps), misfit, why))
 
     def said(self, steps: Sequence[Step], shared: Mapping[str, float]) -> str:
-        """What was tried, the best of it, and what would help."""
+        """The attempts, the best of them, and possible remedies, as a text."""
         texts = []
         if self.all:
             texts.append("tried: " + "; ".join(map(str, self.all)))
@@ -85,7 +84,7 @@ class Attempts:
 
 
 def short(error: SingularError) -> str:
-    """The reason of an error, without what may be wrong in general."""
+    """The reason of an error, without the general hint."""
     return str(error).removesuffix(HINT).rstrip("; :")
 
 
@@ -102,7 +101,7 @@ def pattern_of(steps: Sequence[Step]) -> str:
 
 
 def helping(step: Step, shared: Mapping[str, float]) -> list[str]:
-    """What would help most with a record, the likeliest first."""
+    """Changes that would help most with a record, the most effective first."""
     found: list[str] = []
     record = step.record
     if record is None:

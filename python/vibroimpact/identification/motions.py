@@ -40,7 +40,7 @@ FARTHEST = 0.3
 
 class Impacting(NamedTuple):
     """The impacts of a period: angles Omega t, jumps of the velocity of the primary mass, approach speeds,
-    coefficients of restitution; and the derivatives of angles and jumps by all parameters (2, N, P)."""
+    coefficients of restitution; derivatives of angles and jumps with respect to all parameters (2, N, P)."""
 
     angles: _Array
     jumps: _Array

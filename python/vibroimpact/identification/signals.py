@@ -30,8 +30,8 @@ RESTING = 0.3
 #: Smallest share of repeating impacts in a periodic record.
 REPEATED = 0.9
 #: Least number of periods in a record; parts of a load cycle whose means are compared; standard deviations by
-#: which the scatter of a part without impacts may be larger; scatter beyond which a sample is left out; ratio of
-#: scatters that are alike; largest scatter of a periodic record over its power; blocks of a record that are
+#: which the scatter of a part without impacts may be larger; scatter beyond which a sample is left out; largest
+#: ratio of similar scatters; largest scatter of a periodic record over its power; blocks of a record that are
 #: compared.
 BLOCKS = 8
 #: Number of parts of a load cycle over which noise is summed.
@@ -256,9 +256,9 @@ def period_of(values: _Array, rate: float, omega: float) -> Repetition:
 def left_of(
     values: _Array, turns: _Array, part: NDArray[np.int64], cycle: NDArray[np.int64], k: int
 ) -> tuple[_Array, NDArray[np.bool_]]:
-    """What the mean over periods of k load cycles leaves of a signal, and which samples tell its scatter."""
+    """The residual of a signal about its mean over periods of k load cycles, and the samples for its scatter."""
     off = unrepeated(values, turns % k, k)
-    # without the parts in which impacts are
+    # without the parts that contain impacts
     squares = np.bincount(part, off**2, PARTS) / np.maximum(np.bincount(part, minlength=PARTS), 1)
     quiet: NDArray[np.bool_] = (
         squares <= (1 + QUIET * math.sqrt(2 * PARTS / values.size)) * np.median(squares)
@@ -362,7 +362,7 @@ def excess(
 
 def rhythm(cycles: _Array, signs: _Array, span: float, k: int) -> Rhythm:
     """The pattern of impacts at given times, in load cycles, within a record of a given number of cycles that
-    repeats " "after k."""
+    repeats after k."""
     if cycles.size < LEAST_PICKS * span:
         return no_rhythm("no impacts")
     run = accumulates(cycles, signs)

@@ -218,7 +218,7 @@ def twice_as_long(
     """The fit of motions of twice the period to a record whose impacts, by its single flights, repeat, although no
     motion of the period that was found describes it; None if there is none.
 
-    Where the two halves of a period are nearly alike, a short record tells them apart only by its flights.
+    Where the two halves of a period are nearly equal, only the flights of a short record distinguish them.
     """
     step = copy(steps[0])
     if len(steps) > 1 or step.data is None or step.record is None or not again(single[0][0]):
@@ -227,7 +227,7 @@ def twice_as_long(
     if cycles_of(step.record, step.Omega) < FEWEST_PERIODS * k:
         return None
     values: _Array = getattr(step.record, step.quantity)
-    # what the halves of a period differ by is no scatter
+    # the difference between the halves of a period is not scatter
     step.noise = max(
         scatter_after(values, step.record.rate, step.Omega, k),
         step.record.noise.get(step.quantity, 0.0),
@@ -279,7 +279,7 @@ def identified_by(
         attempts = ["as it is", "apart"]
 
     def aperiodic() -> bool:
-        """Whether single flights tell all parameters, and have impacts that do not repeat."""
+        """Whether single flights determine all parameters, and have impacts that do not repeat."""
         nonlocal single
         if single is None:
             report, steps[0].report = steps[0].report, silent
@@ -335,7 +335,7 @@ def identified_by(
         except SingularError as error:
             failed = failed or error
             tried.refused(attempt, others, error)
-            # what no motion describes, and has impacts that do not repeat, is not periodic
+            # a record that no motion describes, with impacts that do not repeat, is not periodic
             ask = single is not None or attempt == "as it is"
             if len(measured) == len(steps) == 1 and ask and aperiodic() and single is not None:
                 return because(single, str(failed))
@@ -365,7 +365,7 @@ def identified_by(
 def explained(
     found: tuple[list[Step], Fit | None, Law], tried: Attempts, shared: Mapping[str, float]
 ) -> tuple[list[Step], Fit | None, Law]:
-    """What was found; without a fit, with a note of what was tried and of what would help."""
+    """The result; without a fit, with a note of the attempts and of possible remedies."""
     steps, fit_of_all, _ = found
     if fit_of_all is None and any(several(step) for step in steps):
         steps[0].notes.append(f"nothing is fitted; {tried.said(steps, shared)}")
@@ -435,7 +435,7 @@ def again(step: Step) -> bool:
 
 
 def clear(found: Fit | None) -> bool:
-    """Whether single flights tell all parameters."""
+    """Whether single flights determine all parameters."""
     return found is not None and max(found.misfits) < DOUBTFUL and not found.undetermined
 
 

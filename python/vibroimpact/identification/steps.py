@@ -181,7 +181,7 @@ def of_record(
         step.notes += filter(None, [steadiness(force, rate, step.load)])
         step.growth, step.growth_size = growth_of(force, rate, step.load)
         passes = float(abs(record.response("load", Omega / (2 * math.pi))))
-        # white noise leaves this error in an amplitude
+        # white noise causes this error of an amplitude
         least = record.noise.get("load", 0.0) * math.sqrt(2 / len(record))
         step.load = step.load._replace(errors=np.maximum(step.load.errors, least))
         step.F0, step.F0_error = (
@@ -517,7 +517,7 @@ def growth_of(force: _Array, rate: float, load: Tones) -> tuple[float, float]:
     off = middles - middles.mean()
     slope = float(off @ sizes) / float(off @ off)
     left = sizes - sizes.mean() - slope * off
-    # by the noise beside the harmonics, or by what a straight line leaves
+    # from the noise beside the harmonics, or from the residual of a straight line
     error = max(
         float(np.median(load.errors[2:])) * math.sqrt(off.size),
         math.sqrt(float(left @ left) / max(1, off.size - 2)),

@@ -42,7 +42,7 @@ def of_known(
         leans[name] = dict(zip(names, by.tolist(), strict=True))
         own = g - U[:, known] @ along[known]
         size = float(own @ own)
-        # what the fitted parameters imitate cannot be told
+        # an effect that the fitted parameters can imitate cannot be detected
         if size > 1e-12 * float(g @ g):
             change = -float(own @ f) / size
             strains[name] = Strain(change * math.sqrt(size / spread), change)
@@ -75,7 +75,7 @@ def held_strains(
         lean = -covariance @ cross[i]
         leans[name] = dict(zip(places, lean.tolist(), strict=True))
         left = float(own[i, i] + cross[i] @ lean)
-        # what the fitted parameters imitate cannot be told
+        # an effect that the fitted parameters can imitate cannot be detected
         if left > 1e-9 * own[i, i]:
             strains[name] = Strain(
                 float(slope[i]) / math.sqrt(left * spread), float(slope[i]) / left
@@ -107,15 +107,15 @@ def strains_of(
 
 
 def trends_of(flown: Flown) -> dict[str, Strain]:
-    """By how much natural frequency, damping ratio, load and its phase would change from the start of a record to
-    its end if they could: score tests by what single flights leave."""
+    """The changes of natural frequency, damping ratio, load and its phase from the start of a record to its end,
+    by score tests on the residuals of single flights."""
     slope, own, cross = flown.trends
     covariance = np.linalg.inv(flown.weights)
     found = {}
     for i, name in enumerate(TRENDS):
         shared = cross[i, flown.free]
         left = float(own[i] - shared @ covariance @ shared)
-        # what the fitted parameters imitate cannot be told
+        # an effect that the fitted parameters can imitate cannot be detected
         if left > 1e-9 * own[i]:
             size = float(slope[i]) / math.sqrt(left * flown.colour)
             found[name] = Strain(size, float(slope[i]) / left)

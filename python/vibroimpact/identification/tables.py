@@ -321,20 +321,20 @@ def growth_of_load(step: Step) -> str:
 
 
 def borne(step: Step) -> bool:
-    """Whether a periodic motion stays the same while the load grows in its channel, by less than the calibration
-    of the sensors is uncertain."""
+    """Whether a periodic motion stays the same while the load in its channel grows by less than the uncertainty of
+    the calibration."""
     if step.data is None or step.rhythm.status != "periodic" or step.restless:
         return False
     return abs(step.growth) < math.sqrt(12) * step.data.calibration
 
 
 def drifts_of(step: Step, found: Fit) -> list[str]:
-    """What seems to change during a record, the clearest change first."""
+    """The quantities that seem to change during a record, the clearest change first."""
     texts: list[tuple[float, str]] = []
     grown = growth_of_load(step)
     if grown and not borne(step):
         texts.append((abs(step.growth_size), f"{grown}, but is taken as constant"))
-    # what one wall does, both seem to do by half
+    # a change of one wall looks like half that change of both
     walls = [name for name in found.drifts if name.startswith("drift")]
     worst = [max(walls, key=lambda name: abs(found.drifts[name].size))] if walls else []
     for name in [*worst, *(name for name in found.drifts if name not in walls)]:

@@ -91,9 +91,9 @@ class Flown(NamedTuple):
     every_turned: _Array
     every_weight: _Array
     slope: _Array
-    #: Variance of what is left in the first quarters of flights over that in their second halves.
+    #: Variance of the residuals in the first quarters of flights over that in their second halves.
     early: float
-    #: By linear changes of the common parameters during the record: slope, weight, and what they share with these.
+    #: Of linear changes of the common parameters during the record: slope, weight, and cross terms with these.
     trends: tuple[_Array, _Array, _Array]
 
 
@@ -205,8 +205,8 @@ class Windows:
         return states, inverse, turned, left, weights, G.T @ left[trusted]
 
     def by_common(self, common: _Array, each: _Array, waves: list[Any], load: Any) -> _Array:
-        """Derivatives of the samples that are used by the common parameters, at fixed states `each` of flights;
-        `waves` are the pole and the waves of `self.waves`."""
+        """Derivatives of the used samples with respect to the common parameters, at fixed states `each` of
+        flights; `waves` are the pole and the waves of `self.waves`."""
         since, (omega, xi), pole = self.since[self.used], common[:2].tolist(), waves[0]
         rate = math.sqrt(1 - xi**2)
         C = each[:, 0] + 1j * each[:, 1]
@@ -224,9 +224,9 @@ class Windows:
     def trends(
         self, states: _Array, inverse: _Array, left: _Array
     ) -> tuple[_Array, _Array, _Array]:
-        """What a linear change of each common parameter from the start of the record to its end, about its value
-        in the middle, would do: minus half the slope of the sum of squares by it, its weight, and that which it
-        shares with the common parameters."""
+        """The effect of a linear change of each common parameter from the start of the record to its end, about
+        its value in the middle: minus half the derivative of the sum of squares, the weight, and the cross
+        terms with the common parameters."""
         own, flight = self.used, self.flight[self.used]
         none = np.empty(0)
         omega, xi, static, phase = self.common[:4].tolist()
@@ -672,8 +672,8 @@ class Windows:
         return f"not resolved are {each}; what would help most: {helps[order[0]]}"
 
     def early_share(self, left: _Array) -> float:
-        """Variance of what is left in the first quarters of flights over that in their second halves: 1 within
-        chance, more where something rings after impacts that no mode describes."""
+        """Variance of the residuals in the first quarters of flights over that in their second halves: 1 within
+        chance, more if ringing after impacts is not described by any mode."""
         soon, late = np.zeros(left.size, dtype=bool), np.zeros(left.size, dtype=bool)
         for i, a, b in zip(self.own.tolist(), *self.edges.tolist(), strict=True):
             soon[a : a + (b - a) // 4] = late[b - (b - a) // 2 : b] = i > 0
@@ -752,8 +752,8 @@ class Windows:
 
 
 def unfound_ringing(early: float) -> str:
-    """What it means that flights leave `early` times the variance just after impacts that they leave later; empty
-    if it is nothing."""
+    """The message about residuals whose variance just after impacts is `early` times that later; empty if there is
+    none."""
     if early < RINGS:
         return ""
     return (

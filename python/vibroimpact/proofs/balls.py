@@ -1,4 +1,4 @@
-"""Numbers of proofs: balls of python-flint, which are a midpoint with a bound of its error, and exact texts."""
+"""Numbers for proofs: balls of python-flint (a midpoint with an error bound), and exact numbers as text."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ HEX = re.compile(r"(-?)0x([0-9a-f]+)p(-?\d+)")
 
 
 def flint() -> Any:
-    """python-flint, or an error that says how to get it."""
+    """The module of python-flint, or an error that says how to install it."""
     try:
         import flint as module
     except ImportError:
@@ -25,7 +25,7 @@ def flint() -> Any:
 
 
 def decimal(value: float) -> str:
-    """The shortest decimal text that gives a double: the number that a proof takes for it."""
+    """The shortest decimal text that converts to a double; proofs use this decimal number."""
     return repr(float(value))
 
 
@@ -59,7 +59,7 @@ def rational(number: Any) -> Fraction:
 
 
 def upward(value: Any, digits: int = 6) -> Fraction:
-    """A decimal number of few digits that is not below a ball."""
+    """A decimal number of few digits that is an upper bound of a ball."""
     bound = rational(value.upper())
     if bound <= 0:
         raise ParameterError(f"value = {value}: must be above 0")

@@ -1,8 +1,8 @@
-"""Proofs for all parameters in a box: the unknowns as Taylor models, Krawczyk's operator around them, verdicts.
+"""Proofs for all parameters in a box: unknowns as Taylor models, Krawczyk's operator around them, verdicts.
 
-Given the phase theta of the steady motion A sin(theta) at an impact of a motion with one flight in half a
-period, everything else follows from linear equations, the clearance too. In units of A cos(theta) all lengths and
-speeds, and [Q], are polynomials of tan(theta). So `tangent` may be a parameter, with the clearance in these units
+Given the phase theta of the steady motion A sin(theta) at an impact of a motion with one flight in half a period,
+everything else, including the clearance, follows from linear equations. In units of A cos(theta) all lengths,
+speeds and [Q] are polynomials of tan(theta). So `tangent` may be a parameter, with the clearance in these units
 as an unknown.
 """
 
@@ -28,28 +28,29 @@ from .verdicts import approximate_inverse, between_walls, inside_all
 _Array = NDArray[np.float64]
 #: Parameters of a system beside the coefficients of restitution.
 PARAMETERS = ("xi", "mu", "r", "clearance", "load")
-#: The degree of the polynomials by the number of parameters that vary, 1 where it is not here.
+#: The degree of the polynomials, by the number of parameters that vary; 1 for other numbers.
 DEGREES = {1: 5, 2: 3, 3: 2, 4: 2}
-#: The same of r and `tangent`.
+#: The degree in r and `tangent`.
 EXPLICIT_DEGREE = 5
-#: The radius of the box of uniqueness at first, relative to the unknowns.
+#: The initial radius of the box of uniqueness, relative to the unknowns.
 UNIQUE = (2.0**-7, 2.0**-11, 2.0**-16)
-#: Parts of that radius that are stated if they are enough for what is proven: other methods than this one enclose
-#: the derivatives in a box less closely.
+#: Fractions of that radius that are stated if they are enough for the proof: other methods than this one give
+#: wider enclosures of the derivatives in a box.
 STATED = (2.0**-6, 2.0**-4, 2.0**-2)
 #: Steps of Newton's method, and the relative step after which it has converged.
 NEWTON, CLOSE = 8, 1e-13
-#: What proofs refuse.
+#: Why motions with rest are rejected.
 WITHOUT_REST = "must be without rest, which proofs do not support"
-#: What a box may lack.
+#: Reasons why a box is not decided.
 NO_MOTION = "Newton's method does not contract in a box around it (near a fold, pitchfork or graze)"
-NEAR_CIRCLE = "stability: a multiplier is too near to the unit circle"
+NEAR_CIRCLE = "stability: a multiplier is too close to the unit circle"
+NO_ORDER = "the order of the impacts in time is not proven"
 NO_SPEED = "stability: an impact may have no approach speed"
-NO_REBOUND = "R = 0: an impact does not part the masses"
+NO_REBOUND = "R = 0: the masses do not separate after an impact"
 
 
 def sizes_of(states: _Array) -> _Array:
-    """The size of each unknown of an impact: 1 of the phases, the largest one of the others."""
+    """The size of each unknown of an impact: 1 for the phases, the largest magnitude for the others."""
     largest = np.abs(states).max(axis=0)
     largest[0] = 1.0
     return np.tile(largest, len(states))
@@ -69,7 +70,7 @@ class Family:
     Attributes
     ----------
     values : dict of str
-        The texts of xi, mu, r, clearance, load; of those that vary at the start.
+        The texts of xi, mu, r, clearance, load; for those that vary, the initial value.
     walls : tuple of str
         The texts of the coefficients of restitution of all impacts.
     sides, cycles, symmetric
@@ -84,12 +85,12 @@ class Family:
 
     @classmethod
     def of(cls, motion: Motion) -> Family:
-        """That of a motion.
+        """The family of a motion.
 
         Raises
         ------
         ParameterError
-            If its equations are others: motions of structures, with rest, or without a load.
+            If the equations do not apply: the motion is of a structure, has rest, or has no load.
         """
         if motion.of_structure:
             raise ParameterError(
@@ -113,7 +114,7 @@ class Family:
         return self.sides[: len(self.sides) // 2] if self.symmetric else self.sides
 
     def system(self, values: Mapping[str, Any], steady: Any = None) -> System:
-        """The system at numbers, or models, of what varies."""
+        """The system at values, or models, of the parameters that vary."""
         known = {name: ball(text) for name, text in self.values.items()} | dict(values)
         walls = []
         for side, text in zip(self.word, self.walls, strict=False):
@@ -148,7 +149,7 @@ class Family:
 
 @dataclass
 class Box:
-    """Intervals of some parameters, and what is proven for all of their values.
+    """Intervals of some parameters, and the statements proven for all values in them.
 
     Attributes
     ----------
@@ -157,7 +158,7 @@ class Box:
     centre : ndarray (4 impacts, monomials)
         The polynomials around which the unknowns lie.
     radius : list of float
-        The distance within which there is one and only one motion.
+        The distance within which there is exactly one motion.
     radii : list of list of float
         All such distances that are proven, in ascending order.
     error : list
@@ -167,7 +168,7 @@ class Box:
     effects : ndarray
         The largest change by each parameter, relative to the sizes of the unknowns.
     depth : int
-        How often a box was halved to get this one.
+        The number of halvings that led to this box.
     start : ndarray
         Unknowns near those at the middle.
     """
@@ -190,11 +191,11 @@ class Box:
 
     @property
     def decided(self) -> bool:
-        """Whether nothing is left open."""
+        """Whether all verdicts are decided."""
         return self.exists is False or None not in (self.exists, self.admissible, self.stable)
 
     def halves(self) -> tuple[Box, Box]:
-        """Both halves along the parameter that matters most."""
+        """Both halves along the parameter that has the largest effect."""
         names = list(self.span)
         place = int(np.argmax(self.effects)) if len(self.effects) else self.depth % len(names)
         low, high = self.span[names[place]]
@@ -209,7 +210,7 @@ class Box:
         return one, two
 
     def record(self, width: int = 4) -> dict[str, Any]:
-        """The box of a certificate, with so many unknowns of an impact."""
+        """The box as an item of a certificate; `width` is the number of unknowns of an impact."""
         spans = {name: [str(low), str(high)] for name, (low, high) in self.span.items()}
         found: dict[str, Any] = {"parameters": spans}
         if self.centre is not None:
@@ -243,7 +244,7 @@ class Problem:
     def _system(family: Family, values: dict[str, Any], facing: int) -> System:
         """The system at values of the parameters."""
         tangent = values.pop("tangent", None)
-        # the phases count from the impact
+        # the phases are measured from the impact
         steady = None if tangent is None else (facing, tangent * facing)
         return family.system(values, steady)
 
@@ -257,7 +258,7 @@ class Problem:
         return system, [values[k : k + 4] for k in range(0, len(values), 4)]
 
     def left(self, system: System, unknowns: Sequence[Any]) -> list[Any]:
-        """What is left of the equations."""
+        """The residuals of the equations."""
         system, states = self.states(system, unknowns)
         return residuals(system, states, flights(system, states))
 
@@ -273,7 +274,7 @@ class Problem:
         return matrix
 
     def newton(self, start: _Array) -> tuple[_Array, Any] | None:
-        """The unknowns at the middle from some near them, and the inverse of the derivative there."""
+        """The unknowns at the middle, from a nearby guess, and the inverse of the derivative there."""
         module = flint()
         values = start
         for _ in range(NEWTON):
@@ -295,7 +296,7 @@ class Problem:
         return None
 
     def models(self, centre: _Array, radius: Sequence[Any] | None = None) -> list[Any]:
-        """Polynomials, widened."""
+        """Polynomials, widened by a radius."""
         arb = flint().arb
         found = [Model(self.space, [arb(one) for one in row]) for row in centre.tolist()]
         if radius is None:
@@ -303,7 +304,7 @@ class Problem:
         return [one.widened(size) for one, size in zip(found, radius, strict=True)]
 
     def layers(self, matrix: Sequence[Sequence[Any]]) -> list[Any]:
-        """A matrix of models as one of balls for each monomial."""
+        """A matrix of models as one matrix of balls for each monomial."""
         rows = [[coefficients(one, self.space) for one in row] for row in matrix]
         return [
             flint().arb_mat([[one[k] for one in row] for row in rows])
@@ -316,7 +317,7 @@ class Problem:
         system, states = self.states(self.system, self.models(box.centre, box.error))
         found = flights(system, states)
         if not all(span(flight.tau) > 0 for flight in found):
-            box.exists, box.centre, box.reason = None, None, "the order of the impacts in time"
+            box.exists, box.centre, box.reason = None, None, NO_ORDER
             return
         box.admissible, largest, box.reason = between_walls(system, found)
         if box.admissible and bounds:
@@ -341,7 +342,7 @@ def bound_of(layers: Sequence[Any]) -> Any:
 
 
 def enclose(problem: Problem, box: Box, sizes: _Array) -> bool:
-    """Prove that there is one and only one motion near the start of a box for all of its parameters."""
+    """Prove that there is exactly one motion near the start of a box, for all of its parameters."""
     module = flint()
     assert box.start is not None
     found = problem.newton(box.start)
@@ -368,7 +369,7 @@ def enclose(problem: Problem, box: Box, sizes: _Array) -> bool:
     identity = module.arb_mat(n, n, [int(k % (n + 1) == 0) for k in range(n * n)])
 
     def contracts(radius: Sequence[float], strictly: bool = True) -> bool:
-        """Whether Krawczyk's operator leads from a distance from the polynomials to a shorter one."""
+        """Whether Krawczyk's operator maps a distance from the polynomials to a smaller one."""
         stated = module.arb_mat([[module.arb(one)] for one in radius])
         image = shift + moved * stated
         pairs = [(image[k, 0], stated[k, 0]) for k in range(n)]
@@ -419,7 +420,7 @@ def cover(
     start: Callable[[Box], _Array] | None = None,
     told: Callable[[float], None] | None = None,
 ) -> list[Box]:
-    """Boxes that are proven, in order, with those that are not after so many halvings or boxes.
+    """Proven boxes in order, and those not proven after the given numbers of halvings and boxes.
 
     `told` is called with the share of the box that is done.
     """
@@ -447,7 +448,7 @@ def cover(
 def prove_over(
     family: Motions, box: Box, sizes: _Array, bounds: bool = True, facing: int = 1
 ) -> None:
-    """Fill in what can be proven of a box."""
+    """Prove as much as possible about a box, and store the verdicts in it."""
     if any(low <= 0 for name, (low, _) in box.span.items() if is_restitution(name)):
         box.reason = NO_REBOUND
         return
@@ -468,7 +469,7 @@ def is_restitution(name: str) -> bool:
 
 
 def bound_in_box(polynomial: Sequence[Any], mirrored: bool) -> str | None:
-    """A number that max|lambda| does not reach in a box."""
+    """A strict upper bound of max|lambda| in a box."""
     middle = [float(flint().arb(at_middle(one)).mid()) for one in polynomial]
     largest = float(np.max(np.abs(np.roots(middle[::-1])))) ** (2 if mirrored else 1)
     for share in (0.02, 0.1, 0.3, 0.6):

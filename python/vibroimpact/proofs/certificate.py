@@ -1,4 +1,4 @@
-"""Certificates: what is proven about motions, with the exact numbers from which anyone can check it."""
+"""Certificates: proven statements about motions, with the exact numbers needed to check them independently."""
 
 from __future__ import annotations
 
@@ -85,14 +85,14 @@ class Certificate:
     seconds: float = 0.0
 
     def _all(self, name: str) -> Any:
-        """The value that all boxes have; None if it is not one, or not proven in all."""
+        """The value that all boxes share; None if it differs between boxes or is not proven in all of them."""
         values = [box.get(name) for box in self.boxes]
         same = values and values.count(values[0]) == len(values)
         return values[0] if same else None
 
     @property
     def exists(self) -> bool | None:
-        """True: there is one and only one motion within the radii, for all parameters. None: not decided."""
+        """True: there is exactly one motion within the radii, for all parameters. None: not decided."""
         found: bool | None = self._all("exists")
         return found
 
@@ -104,7 +104,7 @@ class Certificate:
 
     @property
     def stable(self) -> bool | None:
-        """Whether all multipliers lie inside the unit circle, or (False) one outside: proven, or None."""
+        """True: all multipliers lie inside the unit circle. False: one lies outside. None: not decided."""
         found: bool | None = self._all("stable")
         return found
 
@@ -119,15 +119,15 @@ class Certificate:
         return self.kind == "all" and not any("times" in item for item in self.undecided)
 
     def _bound(self, name: str) -> float | None:
-        """The largest bound, by the double next to it."""
+        """The largest bound of the boxes, rounded to a double."""
         texts: list[Any] = [box.get(name) for box in self.boxes]
         return max(map(float, texts)) if texts and None not in texts else None
 
     @cached_property
     def _plane(self) -> Any:
-        """The plane of a certificate of a zone."""
+        """The boxes of a certificate of a zone, in the plane (r, d K/F0)."""
         if self.kind != "zone":
-            raise AttributeError(f"kind = {self.kind!r}: only certificates of zones have it")
+            raise AttributeError(f"kind = {self.kind!r}: only certificates of zones have this")
         return ACTIONS["plane_of"](self)
 
     def decide(self, r: float, clearance: float) -> bool | None:
@@ -142,12 +142,12 @@ class Certificate:
         return found
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw a certificate of a zone: proven inside, proven outside, and what is not decided."""
+        """Draw a certificate of a zone: the areas proven inside, proven outside and not decided."""
         return ACTIONS["draw"](self, ax)
 
     @property
     def multiplier_bound(self) -> float | None:
-        """An upper bound of max|lambda| of a stable motion; it is not reached."""
+        """A strict upper bound of max|lambda| of a stable motion."""
         return self._bound("multipliers_below")
 
     @property

@@ -1,4 +1,4 @@
-"""Proofs that certain motions are all those of some words at a point: the times between impacts are searched."""
+"""Proofs that a list of motions is complete for some words at a point, by a search of times between impacts."""
 
 from __future__ import annotations
 
@@ -25,27 +25,27 @@ from .verdicts import approximate_inverse
 
 __all__ = ["prove_all"]
 
-#: What `prove_all` takes.
+#: The largest numbers of impacts and load cycles that `prove_all` accepts.
 MOST_IMPACTS, MOST_CYCLES = 3, 4
 #: Sizes of boxes around a solution in which it is the only one, as in the attempts of a proof.
 SIZES = (2.0**-34, 2.0**-42)
-#: How far the times that are not decided reach beyond those that were searched in vain.
+#: The margin by which the stated undecided times exceed the boxes left undecided by the search.
 MARGIN = 2.0**-20
 #: Why a box of times is not decided.
-NOT_EXCLUDED = "whether there is another motion (near a fold, pitchfork or graze)"
-#: Boxes of a word at most, and the width of a part of the period below which a box is given up.
+NOT_EXCLUDED = "other motions are not excluded (near a fold, pitchfork or graze)"
+#: The most boxes of a word, and the width, as a part of the period, below which a box is abandoned.
 MOST_BOXES, NARROWEST = 20_000, 2.0**-34
-#: A box that Newton's operator shrinks to less than this is tried again before it is halved.
+#: A box that Newton's operator shrinks to less than this share is tried again before it is halved.
 WORTH = 0.6
-#: How much wider than what is left of a box the one is in which a motion is sought.
+#: The factor by which the box in which a motion is sought is wider than the remainder of the searched box.
 WIDER = 0.25
-#: The width of a part of the period below which the angle theta is searched, too, and what 1 rad counts.
+#: The width, as a part of the period, below which the angle theta is also searched, and the weight of 1 rad.
 NEARLY, OF_ANGLE = 2.0**-7, 2.0**-8
-#: How often bounds of the unknowns are improved.
+#: The number of times that bounds of the unknowns are improved.
 PASSES = 3
 #: Steps of Newton's method to narrow a solution.
 REFINED = 12
-#: Rounding of the solution of linear equations in doubles.
+#: A bound of the rounding errors of linear equations solved in doubles.
 SLACK, TINY = 1 + 2.0**-40, 1e-30
 
 
@@ -141,14 +141,14 @@ def words_of(impacts: int, cycles: int) -> list[tuple[str, int]]:
 
 
 def rotations(word: str) -> list[str]:
-    """A word from each of its impacts on."""
+    """The rotations of a word, which start at each of its impacts."""
     return [word[k:] + word[:k] for k in range(len(word))]
 
 
 def motions_of(
     family: Family, told: Callable[[float], None]
 ) -> tuple[list[tuple[dict[str, Any], str]], list[list[list[str]]]]:
-    """The boxes of a certificate of all motions of a word, with reasons, and the times that may hold others."""
+    """The boxes of a certificate of all motions of a word, with reasons, and times that may have others."""
     signs = [1 if side == "R" else -1 for side in family.sides]
     xi, mu, r, clearance, load = (ball(family.values[name]) for name in PARAMETERS)
     walls = [ball(text) for text in family.walls]
@@ -177,13 +177,13 @@ def motions_of(
 
 
 def around(family: Family, states: Any, size: float) -> dict[str, Any]:
-    """A box of a certificate of a size around some states; an empty one without a proof."""
+    """A box of a certificate of a given size around some states; empty if nothing is proven."""
     box, _ = attempt(family.system({}), states, size, False)
     return box
 
 
 def box_states(box: dict[str, Any]) -> list[list[Any]]:
-    """The balls in which a certificate says that there is only one motion."""
+    """The balls in which a certificate states that there is only one motion."""
     arb = flint().arb
     return [
         [ball(middle) + arb(0, 1) * ball(size) for (middle,), size in zip(*row, strict=True)]
@@ -192,7 +192,7 @@ def box_states(box: dict[str, Any]) -> list[list[Any]]:
 
 
 def within(states: Sequence[Sequence[Any]], box: dict[str, Any]) -> bool:
-    """Whether states lie where a certificate says that there is only one motion."""
+    """Whether states lie where a certificate states that there is only one motion."""
     turn = 2 * flint().arb.pi()
     for k, (row, centre, radius) in enumerate(
         zip(states, box["centre"], box["radius"], strict=True)
@@ -207,7 +207,7 @@ def within(states: Sequence[Sequence[Any]], box: dict[str, Any]) -> bool:
 
 
 def texts_of(times: Sequence[Any]) -> list[list[str]]:
-    """Intervals around balls as exact texts, so wide that another search finds boxes in them."""
+    """Intervals around balls as exact texts, wide enough to contain those of another search."""
     margin = Fraction(MARGIN)
     ends = (map(Fraction, ends_of(one)) for one in times)
     return [[str(low - margin), str(high + margin)] for low, high in ends]
@@ -223,13 +223,13 @@ class Found:
 
 @dataclass
 class Search:
-    """What a search of all times of a word has shown.
+    """The results of a search of all times of a word.
 
     Attributes
     ----------
     found : list of Found
     open : list
-        Boxes of times about which nothing is decided.
+        Boxes of times that are not decided.
     boxes : int
     """
 
@@ -239,7 +239,7 @@ class Search:
 
 
 def search(word: Word, told: Callable[[float], None] | None = None) -> Search:
-    """All motions of a word: those with an approach at each impact."""
+    """All motions of a word that approach the wall at each impact."""
     result, done = Search(), 0.0
     module = flint()
     waiting = [([module.arb(0).union(module.arb(1))] * (word.n - 1), 1.0)]
@@ -252,7 +252,7 @@ def search(word: Word, told: Callable[[float], None] | None = None) -> Search:
             if len(left) == word.n:
                 widths[-1] *= OF_ANGLE
             elif singular and max(widths) < NEARLY:
-                # the angle is searched, too
+                # the angle is also searched
                 left.append(module.arb(0, 1) * module.arb.pi())
                 widths.append(1.0)
             if result.boxes < MOST_BOXES and max(widths) > NARROWEST:
@@ -283,10 +283,10 @@ def ends_of(ball: Any) -> tuple[float, float]:
 
 
 def reduced(word: Word, box: list[Any], found: list[Found]) -> tuple[list[Any] | None, bool]:
-    """A part of a box that holds all of its motions that are not found yet, and whether the linear equations may
+    """The part of a box that contains all of its motions not found so far, and whether the linear equations may
     be singular in it; None if there are none.
 
-    A motion that is found is added.
+    Motions that are found are added to the search.
     """
     while True:
         if not possible(word, box):
@@ -310,7 +310,7 @@ def reduced(word: Word, box: list[Any], found: list[Found]) -> tuple[list[Any] |
 
 
 def settle(word: Word, box: list[Any], found: list[Found]) -> bool:
-    """Whether all motions in a box are those found: one that is the only one in a box around it."""
+    """Whether the only motion in a box has been found, or none exists; a motion that is found is added."""
     arb = flint().arb
     wide = [one + arb(0, 1) * (one.rad() * WIDER) for one in box]
     values = linear(word, wide)
@@ -321,7 +321,7 @@ def settle(word: Word, box: list[Any], found: list[Found]) -> bool:
         return shrunk is NONE
     if not shrunk.regular:
         return False
-    # there is at most one solution in it
+    # the box contains at most one solution
     if any(holds(wide, one) for one in found):
         return True
     if not shrunk.inner:
@@ -333,7 +333,7 @@ def settle(word: Word, box: list[Any], found: list[Found]) -> bool:
 
 
 def narrowed(word: Word, times: list[Any], values: list[Any]) -> Found | None:
-    """A solution in a box as narrow as the digits give it; None if an impact is met from the wrong side."""
+    """A solution in a box, as narrow as the precision allows; None if an impact occurs from the wrong side."""
     for _ in range(REFINED):
         inside = linear(word, times)
         if inside is NONE:
@@ -362,12 +362,12 @@ def holds(box: Sequence[Any], one: Found) -> bool:
     return any(box[-1].contains(turn) for turn in turns)
 
 
-#: No motion is there.
+#: The result where a box contains no motion.
 NONE: Any = object()
 
 
 def possible(word: Word, box: Sequence[Any]) -> bool:
-    """Whether the times may be those of flights: positive, and long enough between two walls."""
+    """Whether flights may have these times: positive, and long enough for those from wall to wall."""
     times = box[: word.n - 1]
     last = 1 - sum(times[1:], times[0])
     for k, part in enumerate([*times, last]):
@@ -388,7 +388,7 @@ def linear(word: Word, box: Sequence[Any]) -> Any:
     size = word.n + 2
     given: list[Any] = []
     if len(box) == word.n:
-        # p and q are known, and stand on the right
+        # p and q are known and are moved to the right-hand side
         size, given = word.n, [*box[-1].sin_cos()]
     matrix = np.array([[float(one.mid()) for one in row[:size]] for row in thin.matrix.tolist()])
     if not np.all(np.isfinite(matrix)):
@@ -444,7 +444,7 @@ def dot(one: Sequence[Any], two: Sequence[Any]) -> Any:
 
 
 def fixed_bound(matrix: Sequence[Sequence[Any]], right: Sequence[Any]) -> list[Any] | None:
-    """A bound of |y| for all y = right - matrix y; None if there may be none.
+    """A bound of |y| for all y = right - matrix y; None if there may be no bound.
 
     |y| <= |right| + |matrix| |y| and a bound that exceeds |right| + |matrix| bound: the spectral radius of
     |matrix| is then below 1, and |y| <= bound.
@@ -469,14 +469,14 @@ def fixed_bound(matrix: Sequence[Sequence[Any]], right: Sequence[Any]) -> list[A
 
 
 def cut(one: Any, two: Any) -> Any:
-    """A ball around what two have in common; None if there is nothing."""
+    """A ball around the intersection of two balls; None if it is empty."""
     return one.intersection(two) if one.overlaps(two) else None
 
 
 @dataclass
 class Step:
-    """What Newton's operator leaves of a box, whether that lies inside the box, and whether the derivative is
-    regular in it."""
+    """The result of Newton's operator on a box: the part that is left, whether it lies inside the box, and whether
+    the derivative is regular in the box."""
 
     left: list[Any]
     values: list[Any]
@@ -485,8 +485,8 @@ class Step:
 
 
 def newton(word: Word, box: Sequence[Any], values: Sequence[Any]) -> Any:
-    """Krawczyk's operator for what a box holds and the other unknowns; None where the derivative is singular,
-    NONE without a solution."""
+    """Krawczyk's operator for the variables of a box and the other unknowns; None where the derivative may be
+    singular, NONE if there is no solution."""
     module = flint()
     n, times = word.n, word.n - 1
     wide = word.equations(box[:times])

@@ -1,7 +1,8 @@
 """The equations of a periodic motion in balls.
 
-The unknowns are, at each impact, the load phase psi and, just after it, X, X' and Z'. Between impacts all is in
-closed form. A motion that is its own mirror image half a period later has the impacts of that half.
+The unknowns are, at each impact, the load phase psi and, just after it, X, X' and Z'. Between impacts the
+motion is known in closed form. A motion that is its own mirror image half a period later is described by the
+impacts of that half.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ class System:
         Whether the impacts are those of half a period, which ends in the mirror image of its beginning: X, X', Z'
         with the other sign, on the other wall.
     steady : (sine, cosine), optional
-        The steady motion without impacts, if it does not come from r and the load.
+        The steady motion without impacts, if it is not computed from r and the load.
     """
 
     xi: Any
@@ -74,7 +75,7 @@ class System:
 
 @dataclass
 class Flight:
-    """A flight: its duration, the free part of the motion at its beginning, and all just before its end."""
+    """A flight: its duration, the free part of the motion at its beginning, and the state just before its end."""
 
     start: State
     before: int
@@ -130,7 +131,7 @@ def after_impact(system: System, place: int, v: Any, speed: Any) -> tuple[Any, A
 
 
 def residuals(system: System, states: Sequence[State], found: Sequence[Flight]) -> list[Any]:
-    """What is left of the four equations of each flight."""
+    """The residuals of the four equations of each flight."""
     left: list[Any] = []
     for i, flight in enumerate(found):
         last = i + 1 == len(found)
@@ -153,7 +154,7 @@ def residuals(system: System, states: Sequence[State], found: Sequence[Flight]) 
 
 
 def slopes(system: System, flight: Flight) -> tuple[list[Any], list[Any], Any, Any]:
-    """Derivatives of x and x' before the impact by psi, X, X' at the beginning, and by psi at the end."""
+    """Derivatives of x and x' before the impact with respect to psi, X, X' at the start and psi at the end."""
     x_end = flight.v / system.r
     v_end = (flight.free[2] + flight.landing[2]) / system.r
     _, speed, acceleration = flight.forced
@@ -171,7 +172,7 @@ def slopes(system: System, flight: Flight) -> tuple[list[Any], list[Any], Any, A
 
 
 def jacobian(system: System, found: Sequence[Flight]) -> list[list[Any]]:
-    """The derivative of `residuals` by the unknowns."""
+    """The derivative of `residuals` with respect to the unknowns."""
     n = len(found)
     matrix = [[0] * (4 * n) for _ in range(4 * n)]
     for i, flight in enumerate(found):
@@ -197,7 +198,7 @@ def jacobian(system: System, found: Sequence[Flight]) -> list[list[Any]]:
 
 
 def impact_map(system: System, place: int, flight: Flight) -> list[list[Any]]:
-    """The derivative of (psi, X, X', Z') after the impact that ends a flight by that at its beginning."""
+    """The derivative of (psi, X, X', Z') after the impact that ends a flight with respect to that at its start."""
     x, v, x_end, v_end = slopes(system, flight)
     speed = flight.start[3]
     # the free mass meets the wall: X + s d/2 + Z' tau = x + s' d/2
@@ -222,7 +223,7 @@ def impact_map(system: System, place: int, flight: Flight) -> list[list[Any]]:
 
 
 def period_map(system: System, found: Sequence[Flight]) -> list[list[Any]]:
-    """[P], the derivative of the period; of a mirrored motion [Q], that of half a period and the mirror."""
+    """[P], the derivative over a period; for a mirrored motion [Q], that over half a period and the mirror."""
     product: Any = None
     for i, flight in enumerate(found):
         matrix = impact_map(system, (i + 1) % len(found), flight)
@@ -249,7 +250,7 @@ def determinant(system: System) -> Any:
 def characteristic(matrix: list[list[Any]], last: Any) -> list[Any]:
     """Coefficients c_0 ... c_4 of the characteristic polynomial of a 4 by 4 matrix with the determinant `last`.
 
-    By the principal minors: powers of the matrix have terms of high degree in the phase, which cancel.
+    Principal minors are used because powers of the matrix contain terms of high degree in the phase that cancel.
     """
     m, second, third = matrix, 0, 0
     one = sum(m[i][i] for i in range(4))

@@ -1,7 +1,7 @@
 """Proofs for all values of one parameter of a structure: the equations of `structures` for Taylor models.
 
-What a motion differs from the steady vibration by, and a constant, follow u' = A u with the same A for all values,
-so exp(A t) is Taylor's polynomial of the duration t alone.
+The difference between a motion and the steady vibration, together with a constant, obeys u' = A u with the same A
+for all values, so exp(A t) is a Taylor polynomial of the duration t alone.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from numpy.typing import NDArray
 from ..base.errors import ParameterError
 from ..motions.motion import Motion
 from .balls import ball, decimal, flint
-from .boxes import DEGREES, NEAR_CIRCLE, Box, Problem, bound_in_box
+from .boxes import DEGREES, NEAR_CIRCLE, NO_ORDER, Box, Problem, bound_in_box
 from .equations import characteristic
 from .models import Model, at_middle, space, span
 from .structures import System, gaps_stay_open, mirror_of, record_of
 from .verdicts import inside_all
 
 _Array = NDArray[np.float64]
-#: What may vary beside the opening and the restitution of single gaps.
+#: The parameters that may vary, in addition to the opening and the restitution of single gaps.
 VARIED = ("frequency", "load", "constant", "opening", "restitution")
 
 
@@ -61,11 +61,11 @@ class StructureFamily:
     Attributes
     ----------
     system : dict
-        That of a certificate, where factors of the load are 1.
+        The system of a certificate, in which the factors of the load are 1.
     cycles : int
         As of a certificate.
     mirror : list of int, or None
-        Of symmetric motions the gaps that -q closes.
+        For symmetric motions, the gap that -q closes for each gap that q closes.
     """
 
     system: Mapping[str, Any]
@@ -74,7 +74,7 @@ class StructureFamily:
 
     @classmethod
     def of(cls, motion: Motion, parameter: str, start: tuple[Any, Any]) -> StructureFamily:
-        """That of a motion of a branch, whose structure and load at its start are given."""
+        """The family of a motion of a branch, given the structure and the load at the start of the branch."""
         record = record_of(motion)
         gaps = len(record["gaps"])
         single = [f"{name}_{gap}" for name in VARIED[3:] for gap in range(gaps)]
@@ -219,7 +219,7 @@ class VariedSystem:
             power = step if power is None else power * step
             matrix = matrix * flow / k
             layers = [old + matrix * c for old, c in zip(layers, power.c, strict=True)]
-        # Lagrange's form of what is left out, entry by entry
+        # Lagrange's form of the remainder, entry by entry
         tail = matrix * flow * (flow * reach).exp() / (of.degree + 1)
         for _ in range(of.degree + 1):
             tail = tail * reach
@@ -280,7 +280,7 @@ class VariedSystem:
         return left
 
     def jacobian(self, found: Sequence[VariedFlight]) -> list[list[Any]]:
-        """The derivative of `residuals` by the unknowns."""
+        """The derivative of `residuals` with respect to the unknowns."""
         n = self.n
         size, count = 2 * n + 1, len(found)
         zero = flint().arb(0)
@@ -302,7 +302,7 @@ class VariedSystem:
         return matrix
 
     def period_map(self, found: Sequence[VariedFlight]) -> list[list[Any]]:
-        """As `System.period_map`; of a symmetric motion that of half a period and the mirror."""
+        """As `System.period_map`; for a symmetric motion, the map of half a period and the mirror."""
         n = self.n
         zero, total = flint().arb(0), None
         for i, flight in enumerate(found):
@@ -348,7 +348,7 @@ class VariedSystem:
         return states
 
     def determinant(self) -> Any:
-        """As `System.determinant`, in the time of the map."""
+        """As `System.determinant`, over the time of the map."""
         value = (self.length * -self.loss).exp()
         for gap in self.ends:
             value = value * self.restitution[gap] * self.restitution[gap]
@@ -404,13 +404,13 @@ class StructureProblem(Problem):
         return [list(unknowns[k : k + self.width]) for k in range(0, len(unknowns), self.width)]
 
     def left(self, system: Any, unknowns: Sequence[Any]) -> list[Any]:
-        """What is left of the equations."""
+        """The residuals of the equations."""
         states = self.rows(unknowns)
         found: list[Any] = system.residuals(states, system.flights(states))
         return found
 
     def slopes(self, system: Any, unknowns: Sequence[Any]) -> list[list[Any]]:
-        """Their derivatives."""
+        """The derivatives of the residuals."""
         found: list[list[Any]] = system.jacobian(system.flights(self.rows(unknowns)))
         return found
 
@@ -420,7 +420,7 @@ class StructureProblem(Problem):
         system = self.system
         found = system.flights(self.rows(self.models(box.centre, box.error)))
         if not all(span(flight.duration) > 0 for flight in found):
-            box.exists, box.centre, box.reason = None, None, "the order of the impacts in time"
+            box.exists, box.centre, box.reason = None, None, NO_ORDER
             return
         box.admissible, box.reason = gaps_stay_open(system, found)
         polynomial = polynomial_of(system.period_map(found), system.determinant())

@@ -1,4 +1,4 @@
-"""The form of a certificate that is read: every item has its type, and every text is an exact number."""
+"""Checks of a certificate read from a file: the type of every item, and every text an exact number."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ VERDICTS = ("exists", "admissible", "stable")
 BOUNDS = ("multipliers_below", "multipliers_above", "attenuation_below")
 #: Texts of the parameters of an oscillator; a structure has matrices.
 TEXTS = ("xi", "mu", "r", "clearance", "load", "restitution")
-#: Decimal numbers and fractions, with powers that do not take all memory.
+#: Decimal numbers and fractions, with exponents too small to exhaust memory.
 NUMBER = re.compile(r"-?\d+(\.\d+)?(e[-+]?\d{1,4})?|-?\d+/0*[1-9]\d*")
 LONGEST_POWER = 6
 
 
 def check_form(data: dict[str, Any]) -> None:
-    """ParameterError or ParameterTypeError that names the first item that a certificate cannot have.
+    """Raise ParameterError or ParameterTypeError for the first invalid item of a certificate.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def check_form(data: dict[str, Any]) -> None:
 
 
 def check_box(label: str, box: Any, sheets: int) -> None:
-    """The same of a box."""
+    """Check a box in the same way."""
     wanted(label, box, "a dict", isinstance(box, dict))
     place = box.get("sheet")
     good = type(place) is int and 0 <= place < sheets
@@ -93,7 +93,7 @@ def check_box(label: str, box: Any, sheets: int) -> None:
 
 
 def intervals(label: str, spans: Any) -> None:
-    """Intervals of parameters."""
+    """Check intervals of parameters."""
     good = isinstance(spans, dict) and all(
         isinstance(ends, list) and len(ends) == 2 for ends in spans.values()
     )
@@ -103,7 +103,7 @@ def intervals(label: str, spans: Any) -> None:
 
 
 def numbers(label: str, texts: Any) -> None:
-    """Texts of exact numbers."""
+    """Check texts of exact numbers."""
     for text in texts if isinstance(texts, Iterable) else [texts]:
         good = False
         if isinstance(text, str):
@@ -113,6 +113,6 @@ def numbers(label: str, texts: Any) -> None:
 
 
 def wanted(label: str, value: Any, allowed: str, good: bool) -> None:
-    """ParameterError unless a value is good."""
+    """Raise ParameterError unless a value is good."""
     if not good:
         raise ParameterError(f"{label} = {value!r:.80}: must be {allowed}")

@@ -1,6 +1,6 @@
 """All motions of a word at a point, by the times between their impacts.
 
-Given these times everything is linear: the primary mass moves as the steady motion A sin(r t + theta) and the
+Given these times, everything is linear: the primary mass moves as the steady motion A sin(r t + theta) and the
 periodic responses to the impulses J of the impacts, the free mass with the velocity W in each flight, and
 J = mu (W before - W after). With p = sin(theta), q = cos(theta) the flights and the impact law of N impacts are
 2 N linear equations for W_1 ... W_N, p and q, and p^2 + q^2 = 1 is one more. So N - 1 times, as parts u of the
@@ -21,7 +21,7 @@ TERMS, SMALL = 24, 1.5
 
 @dataclass(frozen=True)
 class Equations:
-    """The matrix M of the linear equations M (W, p, q) = right, and its derivatives by each u."""
+    """The matrix M of the linear equations M (W, p, q) = right, and its derivatives with respect to each u."""
 
     matrix: Any
     right: Any
@@ -29,7 +29,7 @@ class Equations:
 
 
 def divided(rate: Any, time: Any) -> tuple[Any, Any]:
-    """(exp(rate t) - 1)/t and its derivative by t, also at t = 0."""
+    """(exp(rate t) - 1)/t and its derivative with respect to t, also at t = 0."""
     module = flint()
     z = rate * time
     if not abs(z) < SMALL:
@@ -81,13 +81,13 @@ class Word:
         self.turn = module.acb(0, r)
         distance, damping = 1 - r * r, 2 * xi * r
         self.amplitude = load / (distance * distance + damping * damping).sqrt()
-        #: What the steady motion lags the load.
+        #: The phase by which the steady motion lags the load.
         self.lag = module.arb.atan2(damping, distance)
         self.d = clearance / self.amplitude
         self.shortest = self._shortest(xi, load, eta)
 
     def _shortest(self, xi: Any, load: Any, eta: Any) -> Any:
-        """A part of the period that no flight between two walls is shorter than.
+        """A lower bound of the duration of a flight from wall to wall, as a part of the period.
 
         The work of the load in a period is at most f^2 T/(16 xi) more than damping takes, and each impact takes
         mu (1 - R^2) e^2/(2 (1 + mu)) with its approach speed e. That bounds e, W (of mean 0) and x'.

@@ -1,6 +1,6 @@
 """Taylor models: polynomials of parameters in [-1, 1] whose coefficients are balls.
 
-What a polynomial of low degree leaves out is a ball in its constant coefficient.
+The remainder of a polynomial of low degree is a ball in its constant coefficient.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ Number = Any
 
 
 class Space:
-    """The monomials of some parameters up to a degree, by degrees, and which pairs of them give which."""
+    """The monomials of some parameters up to a degree, sorted by degree, and the table of their products."""
 
     def __init__(self, parameters: int, degree: int) -> None:
         self.parameters, self.degree = parameters, degree
@@ -55,7 +55,7 @@ def space(parameters: int, degree: int) -> Space:
 
 
 class Model:
-    """A function of the parameters within a polynomial with balls as coefficients."""
+    """A function of the parameters, enclosed by a polynomial with balls as coefficients."""
 
     __slots__ = ("_sizes", "c", "space")
 
@@ -84,7 +84,7 @@ class Model:
         return found + arb(0, size.upper())
 
     def at(self, places: Sequence[Any]) -> Any:
-        """The same function of other models, of as many parameters, in place of its own."""
+        """The function with its parameters replaced by as many other models."""
         found: Any = self.c[0]
         powers: dict[tuple[int, ...], Any] = {}
         for power, one in zip(self.space.monomials[1:], self.c[1:], strict=True):
@@ -95,7 +95,7 @@ class Model:
         return found
 
     def widened(self, radius: Any) -> Model:
-        """The functions within a distance."""
+        """A model of all functions within a distance of this one."""
         return Model(self.space, [self.c[0] + flint().arb(0, radius), *self.c[1:]])
 
     def __add__(self, other: Number) -> Model:

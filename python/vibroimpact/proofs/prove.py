@@ -23,7 +23,17 @@ from ..studies.find import find
 from ..systems.oscillator import Oscillator, Pattern, pattern_of
 from ..systems.verbs import physical_arguments
 from .balls import decimal, decimal_text, flint, hexadecimal, upward
-from .boxes import NEAR_CIRCLE, NO_MOTION, NO_SPEED, WITHOUT_REST, Box, Family, cover, sizes_of
+from .boxes import (
+    NEAR_CIRCLE,
+    NO_MOTION,
+    NO_ORDER,
+    NO_SPEED,
+    WITHOUT_REST,
+    Box,
+    Family,
+    cover,
+    sizes_of,
+)
 from .certificate import Certificate
 from .equations import System, characteristic, determinant, flights, period_map
 from .families import StructureFamily
@@ -34,18 +44,18 @@ __all__ = ["prove_box", "prove_branch", "prove_motion"]
 
 #: (lowest, highest), or one value.
 Interval = tuple[float, float] | float
-#: How often a box of `prove_box` is halved at most.
+#: The largest number of halvings of a box of `prove_box`.
 HALVINGS = 24
 #: Impacts and load cycles of the motions that `find` looks for.
 MOST_IMPACTS, MOST_CYCLES = 12, 8
 
 _Array = NDArray[np.float64]
 
-#: Parameters along which branches are proven, and the most boxes of a part of one.
+#: Parameters along which branches are proven, and the largest number of boxes for a part of a branch.
 BRANCHED = ("r", "clearance", "xi", "mu", "R1", "R2", "restitution")
 MOST_BOXES = 2_000
-#: Why a box of a branch is not decided where its neighbour is.
-NOT_LINKED = "whether the motion is the same as in the box before"
+#: Why a box of a branch is not decided although its neighbour is.
+NOT_LINKED = "the motion is not proven to be the same as in the previous box"
 #: Bits of the mantissa, and the sizes of the boxes relative to 1 or to the size of an unknown, in turn.
 ATTEMPTS = ((64, 2.0**-34), (64, 2.0**-42), (128, 2.0**-56), (256, 2.0**-120))
 
@@ -64,7 +74,7 @@ def prove_motion(motion: Motion) -> Certificate:
 
 
 def best_attempt(family: Family, start: _Array) -> tuple[dict[str, Any], str]:
-    """As `attempt`, with as many digits as it takes."""
+    """As `attempt`, with as many digits as necessary."""
     box: dict[str, Any] = {}
     reason = ""
     module = flint()
@@ -81,7 +91,7 @@ def best_attempt(family: Family, start: _Array) -> tuple[dict[str, Any], str]:
 def attempt(
     system: System, states: _Array, size: float, refined: bool
 ) -> tuple[dict[str, Any], str]:
-    """A box of a certificate, and what is not decided in it; an empty one where existence is not proven."""
+    """A box of a certificate, empty if existence is not proven, and the reason for undecided items."""
     module = flint()
     centre = [[module.arb(value) for value in row] for row in states.tolist()]
     largest = np.abs(states).max(axis=0)
@@ -101,7 +111,7 @@ def attempt(
         return {}, NO_MOTION
     found = flights(system, enclosed)
     if not all(flight.tau > 0 for flight in found):
-        return {}, "the order of the impacts in time"
+        return {}, NO_ORDER
     box: dict[str, Any] = {
         "sheet": 0, "parameters": {}, "centre": [[[hexadecimal(one)] for one in row] for row in centre],
         "radius": [[hexadecimal(module.arb(one)) for one in row] for row in radii],
@@ -127,7 +137,7 @@ def attempt(
 
 
 def summary(boxes: Sequence[Box]) -> list[dict[str, Any]]:
-    """What is not decided in boxes, those side by side with one reason as one."""
+    """The undecided items of boxes; adjacent boxes with the same reason are joined."""
     found: list[dict[str, Any]] = []
     for box in boxes:
         if box.decided:
@@ -144,16 +154,16 @@ def summary(boxes: Sequence[Box]) -> list[dict[str, Any]]:
 
 
 def link(boxes: Sequence[Box]) -> None:
-    """Say of neighbours along one parameter if they may hold different motions at the value that they share."""
+    """Mark neighbours along one parameter that may contain different motions at the value that they share."""
     for one, two in pairwise(boxes):
         if one.centre is None or two.centre is None:
             continue
         signs = (-1.0) ** np.arange(two.centre.shape[1])
         apart = np.abs(one.centre.sum(axis=1) - two.centre @ signs)
         error = np.array([float(value) for value in one.error])
-        # 1e-9 of them is far above what these sums are rounded by
+        # 1e-9 of them is far above the rounding errors of these sums
         far = (apart + error) * (1 + 1e-9)
-        # twice that, if possible, so that another enclosure of the motion is near enough, too
+        # twice that, if possible, so that another enclosure of the motion is also near enough
         held = [one for one in two.radii if np.all(far < np.array(one) * (1 - 1e-9))]
         clear = [one for one in held if np.all(2 * far < np.array(one))]
         two.radius = next(iter(clear or held[-1:]), two.radius)

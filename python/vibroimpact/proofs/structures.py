@@ -18,7 +18,7 @@ from ..motions.likeness import is_symmetric
 from ..motions.motion import Motion
 from ..systems.structure import Gap
 from .balls import ball, decimal, decimal_text, flint, hexadecimal
-from .boxes import NEAR_CIRCLE, NO_SPEED
+from .boxes import NEAR_CIRCLE, NO_ORDER, NO_SPEED
 from .certificate import Certificate
 from .models import span
 from .verdicts import above, approximate_inverse, inside, multiplier_bound
@@ -26,28 +26,28 @@ from .verdicts import above, approximate_inverse, inside, multiplier_bound
 #: Bits of the mantissa, and the sizes of the boxes relative to the largest unknown of a kind, in turn.
 LEAST_BITS = 64
 ATTEMPTS = ((LEAST_BITS, 2.0**-34), (128, 2.0**-42), (256, 2.0**-44))
-#: What a box may lack: a free mass without impacts may be anywhere, and then no motion is the only one.
+#: Why existence is not proven. The position of a free mass without impacts is arbitrary: no motion is unique.
 NO_MOTION = (
     "Newton's method does not contract in a box around it (near a fold, pitchfork or graze, or with a free mass "
     "that meets no wall)"
 )
 #: Steps of Newton's method with more digits.
 NEWTON = 8
-#: How often a piece of a flight is halved, and coordinates at most.
+#: The largest numbers of halvings of a piece of a flight, and of coordinates.
 MOST_HALVINGS, MOST_COORDINATES = 40, 8
 
 
 def texts(values: Any) -> Any:
-    """The decimal texts of an array, nested as it is."""
+    """The numbers of an array as decimal texts, nested in the same way."""
     return [texts(one) for one in values] if np.ndim(values) else decimal(values)
 
 
 def check_structure(of: Any, structure: Any, rests: int) -> None:
-    """ParameterError if the equations of a motion or branch are others."""
+    """Raise ParameterError if proofs do not support a motion or branch of a structure."""
     for name, refused in (
         ("stops", not all(isinstance(gap, Gap) for gap in structure.gaps)),
         ("friction", bool(structure.friction)),
-        ("walls that move", bool(structure._moves)),
+        ("moving walls", bool(structure._moves)),
         ("rests", bool(rests)),
         (f"more than {MOST_COORDINATES} coordinates", structure.coordinates > MOST_COORDINATES),
         (
@@ -63,7 +63,7 @@ def check_structure(of: Any, structure: Any, rests: int) -> None:
 
 
 def record_of(motion: Motion) -> dict[str, Any]:
-    """The system of a certificate; ParameterError if the equations of the motion are others."""
+    """The system of a certificate; ParameterError if proofs do not support the motion."""
     structure, load = motion.structure, motion.load
     check_structure(motion, structure, len(motion.rests))
     if motion.self_excited:
@@ -85,7 +85,7 @@ def record_of(motion: Motion) -> dict[str, Any]:
 
 
 def mirror_of(motion: Motion, system: dict[str, Any]) -> list[int] | None:
-    """The gap that -q closes where q closes each one, of a motion that is -q half a period later; else None."""
+    """For each gap the gap that -q closes when q closes it, if the motion is -q half a period later; else None."""
     even = [*system["sine"][1::2], *system["cosine"][1::2], system["constant"]]
     if motion.cycles % 2 == 0 or any(float(one) for row in even for one in row):
         return None
@@ -103,7 +103,7 @@ def mirror_of(motion: Motion, system: dict[str, Any]) -> list[int] | None:
 
 
 class System:
-    """The balls of the system of a certificate; with the `mirror` of its gaps for half a period."""
+    """The system of a certificate in balls; with `mirror`, the map of its gaps, over half a period."""
 
     def __init__(
         self, system: dict[str, Any], cycles: int, mirror: Sequence[int] | None = None
@@ -189,7 +189,7 @@ class System:
         return found
 
     def residuals(self, states: Sequence[Sequence[Any]], found: Sequence[Flight]) -> list[Any]:
-        """What is left of the equations: q and q' after each impact, and the contact."""
+        """The residuals of the equations: q and q' after each impact, and the contact."""
         n, left = self.n, []
         for i, flight in enumerate(found):
             last = i + 1 == len(found)
@@ -208,7 +208,7 @@ class System:
         return product
 
     def jacobian(self, found: Sequence[Flight]) -> Any:
-        """The derivative of `residuals` by the unknowns."""
+        """The derivative of `residuals` with respect to the unknowns."""
         n = self.n
         size = 2 * n + 1
         matrix = flint().arb_mat(size * len(found), size * len(found))
@@ -231,7 +231,7 @@ class System:
         return matrix
 
     def period_map(self, found: Sequence[Flight]) -> Any:
-        """[P] by flights and saltation matrices, or that of half a period and the mirror."""
+        """[P] as a product of flights and saltation matrices, or the same over half a period with the mirror."""
         module, n = flint(), self.n
         product = module.arb_mat(
             2 * n, 2 * n, [int(i == j) for i in range(2 * n) for j in range(2 * n)]
@@ -256,8 +256,8 @@ class System:
         return product * self.turn
 
     def states_in(self, flight: Flight) -> Callable[[float, float, int], tuple[Any, Any, Any]]:
-        """A function for pieces of a flight: q and q' at a time after the impact, and q'' within a width of it, of
-        a piece that was halved so often."""
+        """A function of pieces of a flight: q and q' at a time after the impact, and q'' within a width of it;
+        `depth` is the number of halvings that led to the piece."""
         n = self.n
         powers: dict[int, Any] = {}
 
@@ -327,7 +327,7 @@ def newton(system: System, centre: list[list[Any]]) -> list[list[Any]]:
 
 
 def is_inside(coefficients: Sequence[Any]) -> bool | None:
-    """As `verdicts.inside`, also where the product of all zeros has the modulus 1, as without damping and loss."""
+    """As `verdicts.inside`, also if the product of all zeros has the modulus 1, as without damping and losses."""
     found = inside(coefficients)
     if found is None:
         even, odd = sum(coefficients[::2]), sum(coefficients[1::2])
@@ -339,7 +339,7 @@ def is_inside(coefficients: Sequence[Any]) -> bool | None:
 
 def gaps_stay_open(system: Any, found: Sequence[Any]) -> tuple[bool | None, str]:
     """Whether each impact has an approach speed and all gaps stay open in flights, for all parameters where the
-    numbers are models; the reason if not proven."""
+    numbers are models; and the reason if this is not proven."""
     for i, flight in enumerate(found):
         speed = span(flight.speed)
         if speed < 0:
@@ -349,13 +349,13 @@ def gaps_stay_open(system: Any, found: Sequence[Any]) -> tuple[bool | None, str]
     for i, flight in enumerate(found):
         clear = flight_is_open(system, flight)
         if clear is not True:
-            what = "closes a gap" if clear is False else "comes too near to a wall"
+            what = "closes a gap" if clear is False else "comes too close to a wall"
             return clear, f"flight {i} {what}"
     return True, ""
 
 
 def flight_is_open(system: Any, flight: Any) -> bool | None:
-    """The same of one flight: on each piece a gap is open, or opens from or closes to the impact at its end."""
+    """The same for one flight: on each piece a gap is open, or opens from or closes to the impact at its end."""
     arb, dot = flint().arb, System.dot
     duration, states = span(flight.duration), system.states_in(flight)
     whole, shortest = above(float(duration.upper())), -above(-float(duration.lower()))
@@ -388,7 +388,7 @@ def flight_is_open(system: Any, flight: Any) -> bool | None:
 
 
 def attempt(system: System, states: Any, size: float) -> tuple[dict[str, Any], str]:
-    """A box of a certificate, and what is not decided in it; an empty one where existence is not proven."""
+    """A box of a certificate, empty if existence is not proven, and the reason for undecided items."""
     module, n = flint(), system.n
     largest = [1 / float(system.frequency), *([np.abs(states[:, 1 : n + 1]).max()] * n)]
     largest += [np.abs(states[:, n + 1 :]).max()] * n
@@ -400,7 +400,7 @@ def attempt(system: System, states: Any, size: float) -> tuple[dict[str, Any], s
     enclosed = krawczyk(system, centre, radii)
     if enclosed is None:
         return {}, NO_MOTION
-    # a motion within a box is within its image too, which holds more digits
+    # a motion within a box is also within its image, which is narrower
     middle = [[one.mid() for one in row] for row in enclosed]
     size_now = [
         module.arb(max(float(row[k].rad()) for row in enclosed) * 4 + 1e-300) for k in range(2 * n + 1)
@@ -408,7 +408,7 @@ def attempt(system: System, states: Any, size: float) -> tuple[dict[str, Any], s
     enclosed = krawczyk(system, middle, size_now) or enclosed
     found = system.flights(enclosed)
     if not all(flight.duration > 0 for flight in found):
-        return {}, "the order of the impacts in time"
+        return {}, NO_ORDER
     box: dict[str, Any] = {
         "sheet": 0, "parameters": {}, "centre": [[[hexadecimal(one)] for one in row] for row in centre],
         "radius": [[hexadecimal(one) for one in radii]] * len(centre),
@@ -430,7 +430,7 @@ def attempt(system: System, states: Any, size: float) -> tuple[dict[str, Any], s
 
 
 def prove_structure(motion: Motion) -> Certificate:
-    """As `Motion.prove`, of a structure."""
+    """As `Motion.prove`, for a structure."""
     begin = time.perf_counter()
     record = record_of(motion)
     mirror = mirror_of(motion, record)

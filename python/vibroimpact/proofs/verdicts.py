@@ -14,14 +14,14 @@ from .balls import flint
 from .equations import Flight, State, System, flights, jacobian, residuals
 from .models import at_middle, span
 
-#: Pieces of a flight at first, and how often a piece is halved.
+#: The initial number of pieces of a flight, and the largest number of halvings of a piece.
 PIECES, MOST_HALVINGS = 20, 24
-#: How far the proven bound of max|X| may lie above the greatest value that was met, and the halvings for that.
+#: The allowed excess of the proven bound of max|X| over the largest value found, and the halvings to reach it.
 LOOSE, MOST_FOR_BOUND = 1.0001, 6
 
 
 def approximate_inverse(matrix: Any) -> Any:
-    """A matrix of doubles near the inverse of the midpoints."""
+    """An approximate inverse of the midpoints, in doubles."""
     module = flint()
     values = np.array([[float(one.mid()) for one in row] for row in matrix.tolist()])
     return module.arb_mat(np.linalg.inv(values).tolist())
@@ -52,7 +52,7 @@ def krawczyk(
     moved = (identity - inverse * derivative) * module.arb_mat([[one] for one in spread])
     image = moved - inverse * middle
     shifts = [image[i, 0] for i in range(n)]
-    # the radius of a ball is rounded up, that of the statement is exact
+    # the radius of a ball is rounded up, whereas that of the statement is exact
     stated = [module.arb(radius) for row in radii for radius in row]
     if not all(abs(shift) < radius for shift, radius in zip(shifts, stated, strict=True)):
         return None
@@ -86,9 +86,9 @@ def inside_all(coefficients: Sequence[Any]) -> bool | None:
     """Whether all zeros of a polynomial of even degree lie inside the unit circle for all of its parameters.
 
     False: one lies outside for each. The number inside changes only where p(1), p(-1) or the product of
-    1 - x_i x_j over all pairs of zeros vanishes, so one place decides where
-    these do not. If one of them is negative, not all zeros are inside. Above the degree 4 that product has too
-    many terms, and the recursion of `inside` is proven for all parameters instead.
+    1 - x_i x_j over all pairs of zeros vanishes; where none of them does, one set of parameters decides for all.
+    If one of them is negative, not all zeros are inside. Above degree 4 that product has too many terms, and the
+    recursion of `inside` is proven for all parameters instead.
     """
     if len(coefficients) > 5:
         return inside_recursively(coefficients)
@@ -130,7 +130,7 @@ def conditions_of(coefficients: Sequence[Any]) -> list[Any]:
 
 
 def multiplier_bound(coefficients: Sequence[Any], stable: bool, power: int = 1) -> Fraction | None:
-    """A decimal number that max|x|^power of the zeros is proven not to reach, or, if not `stable`, to exceed."""
+    """A decimal bound of max|x|^power of the zeros: a strict upper bound if `stable`, otherwise a lower bound."""
     values = [float(one.mid()) if hasattr(one, "mid") else float(one) for one in coefficients]
     roots = np.roots(values[::-1])
     largest = Fraction(float(np.max(np.abs(roots))) ** power)
@@ -148,7 +148,7 @@ def multiplier_bound(coefficients: Sequence[Any], stable: bool, power: int = 1) 
 
 
 class Path:
-    """The relative position and X in a flight, at exact times, with bounds of the third derivative."""
+    """The relative position and X in a flight at exact times, with bounds of their third derivatives."""
 
     def __init__(self, system: System, flight: Flight) -> None:
         self.system, self.flight = system, flight
@@ -194,23 +194,23 @@ def between_walls(system: System, found: Sequence[Flight]) -> tuple[bool | None,
     for i, flight in enumerate(found):
         clear, bound = flight_between_walls(system, flight)
         if clear is not True:
-            what = "closes a gap" if clear is False else "comes too near to a wall"
+            what = "closes a gap" if clear is False else "comes too close to a wall"
             return clear, None, f"flight {i} {what}"
         largest = bound if largest is None else largest.max(bound)
     return True, largest, ""
 
 
 def above(value: float) -> float:
-    """A double above what a double, rounded twice, stands for."""
+    """A double that is an upper bound of the number that a twice rounded double represents."""
     return math.nextafter(math.nextafter(value, math.inf), math.inf)
 
 
 def flight_between_walls(system: System, flight: Flight) -> tuple[bool | None, Any]:
-    """The same of one flight.
+    """The same for one flight.
 
-    It is cut in pieces, and within h of a midpoint Taylor's polynomial of order 2 holds up to third h^3/6. A piece
-    is good if |Y| < d/2 on it, or if Y' has one sign on it and Y is within the walls at both ends. The first and
-    the last piece end at a wall.
+    It is divided into pieces; within h of a midpoint, Taylor's polynomial of order 2 holds up to third h^3/6. A
+    piece is good if |Y| < d/2 on it, or if Y' has one sign on it and Y is within the walls at both ends. The first
+    and the last piece end at a wall.
     """
     module = flint()
     path, duration = Path(system, flight), span(flight.tau)

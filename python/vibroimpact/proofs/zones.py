@@ -1,7 +1,7 @@
 """Proofs of zones of symmetric motions with two impacts: where a stable, admissible one exists, where none does.
 
-The plane is that of r and tan(theta), in which d K/F0 is explicit, so that boxes which fill it leave no motion
-out.
+In the plane of r and tan(theta), d K/F0 is an explicit function, so that boxes which fill the plane cover all
+motions.
 """
 
 from __future__ import annotations
@@ -30,18 +30,18 @@ from .verdicts import between_walls, conditions_of, inside, inside_all
 __all__ = ["prove_zone"]
 
 _Array = NDArray[np.float64]
-#: The largest |tan(theta)|: beyond it d is 2 A, nearly, and the impacts have hardly any approach speed.
+#: The largest |tan(theta)|: beyond it d is nearly 2 A, and the approach speeds are close to zero.
 STEEPEST = 4096
-#: Largest part in r of a box that is tried, and where the tangents are cut at first.
+#: The largest width in r of a box that is tried, and the tangents at which the plane is first divided.
 WIDEST, CUTS = Fraction(1, 100), (1, 4, 16, 64, 256, 1024)
-#: How many times less a condition must leave out than it varies, before parts of a box use it.
+#: The least ratio of the variation of a condition to its remainder for the model to be used in parts of a box.
 SHARP = 50
-#: How wide, relative to the tolerance, the place of a zero in a model may be.
+#: The largest uncertainty of a zero of a model, relative to the tolerance.
 BLUR = 0.25
-#: How far a cut lies beside the places of a zero in a strip, relative to their distance; how often, and how
-#: narrow, a part between cuts is halved.
+#: The distance of a cut from the range of a zero in a strip, relative to the width of that range; the largest
+#: number of halvings of a part between cuts, and its smallest width.
 BESIDE, MOST_HALVINGS, NARROWEST = 0.1, 12, 2.0**-14
-#: What the boxes of the sheets have in common.
+#: The sign that the motions of each sheet have in common.
 FACINGS = (1, -1)
 
 
@@ -80,7 +80,7 @@ def prove_zone(
 
 
 def family_of(zone: Zone) -> Family:
-    """The motions of a zone whose clearance is explicit."""
+    """The family of the motions of a zone, whose clearance is explicit."""
     if (
         zone.of_structure or zone.pattern.sides != "RL" or zone.pattern.cycles % 2 == 0
         or zone.symmetric is not True or zone.osc.restitution[0] != zone.osc.restitution[1]
@@ -96,11 +96,11 @@ def family_of(zone: Zone) -> Family:
 
 
 def record(box: Box) -> dict[str, Any]:
-    """The box of a certificate, with its reason."""
+    """A box as an item of a certificate, with the reason if it is undecided."""
     spans = {name: [str(low), str(high)] for name, (low, high) in box.span.items()}
     verdicts = {name: getattr(box, name) for name in ("exists", "admissible", "stable")}
     if box.exists is False:
-        # of motions that are not in the window nothing is stated
+        # nothing is stated about motions outside the window
         verdicts |= {"admissible": None, "stable": None}
     reason = "" if decision(vars(box)) is not None else box.reason
     return {"parameters": spans} | verdicts | {"reason": reason}
@@ -148,7 +148,7 @@ def cover_zone(
 
 
 class Window:
-    """The window of a zone in one sheet, in doubles, which decide only where boxes are cut.
+    """The window of a zone in one sheet, in doubles, which only determine where boxes are cut.
 
     Parameters
     ----------
@@ -175,20 +175,20 @@ class Window:
         self.numbers = xi, mu, float(family.walls[0]), family.cycles
 
     def parts(self, box: Box) -> tuple[float, float]:
-        """The parts of the window in r and in log D that a box takes, nearly."""
+        """The approximate shares of the window in r and in log D that a box covers."""
         (left, right), (lower, upper) = box.span["r"], box.span["tangent"]
-        # d/A = |2 t + delta|/sqrt(1 + t^2) changes by hardly more than t does, or 1/t
+        # d/A = |2 t + delta|/sqrt(1 + t^2) changes hardly more than t or 1/t
         far = max(0.5, min(abs(float(lower)), abs(float(upper)))) if lower * upper > 0 else 0.5
         return float(right - left) / self.width, 4 * float(upper - lower) / far**2 / self.height
 
     def is_small(self, box: Box) -> bool:
-        """Whether a box is not halved any more: in r and log D, or as a narrow strip."""
+        """Whether a box is too small to be halved again, in r and log D or as a narrow strip."""
         along, across = self.parts(box)
         small = self.tolerance
         return (across < small and along < 4 * small) or along * across < small**2 / 64
 
     def longest(self, box: Box, conditions: Sequence[Any] | None) -> str:
-        """The parameter to halve a box along: that of most of the high terms of the conditions."""
+        """The parameter along which to halve a box: that with the largest high-order terms in the conditions."""
         if not conditions:
             along, across = self.parts(box)
             return "r" if along > across else "tangent"
@@ -203,7 +203,7 @@ class Window:
         return "r" if sizes[0] > sizes[1] else "tangent"
 
     def cut(self, box: Box) -> list[Box]:
-        """Parts of a box, some of whose ends lie where d K/F0 leaves the window."""
+        """Parts of a box, cut where d K/F0 leaves the window."""
         (left, right), (lower, upper) = box.span["r"], box.span["tangent"]
         cuts = {Fraction(sign * one) for one in CUTS for sign in (1, -1)}
         amplitudes, deltas = explicit(self.numbers, np.array([float(left), float(right)]))
@@ -235,14 +235,14 @@ class Window:
 
 
 def share_of(box: Box, width: float) -> float:
-    """The part of a sheet, in r and theta, that a box takes."""
+    """The share of a sheet, in r and theta, that a box covers."""
     (left, right), (lower, upper) = box.span["r"], box.span["tangent"]
     turned = math.atan(float(upper)) - math.atan(float(lower))
     return float(right - left) / width * turned / (2 * math.atan(STEEPEST))
 
 
 def is_sharp(condition: Any) -> bool:
-    """Whether what a model leaves out is little beside how it varies, so that parts of its box can use it."""
+    """Whether the remainder of a model is small relative to its variation, so that parts of its box can use it."""
     return bool(condition.c[0].rad() * SHARP < sum(abs(one).upper() for one in condition.c[1:]))
 
 
@@ -274,7 +274,7 @@ def strips(box: Box, conditions: Sequence[Any], plane: Window) -> list[Box] | No
             ends_ = lower + (Fraction(a) + 1) * half, lower + (Fraction(b) + 1) * half
             part = Box({"r": (r[0], r[1]), "tangent": ends_}, exists=True, stable=verdict, depth=2)
             if verdict:
-                # one place decides where no multiplier crosses the circle
+                # one point decides if no multiplier crosses the unit circle
                 at = [ball((low + high) / 2), ball(Fraction(a + b) / 2)]
                 part.stable = inside([value(one, at) for one in conditions[3:7]] + [1])
             part.reason = NEAR_CIRCLE if part.stable is None else ""
@@ -283,7 +283,7 @@ def strips(box: Box, conditions: Sequence[Any], plane: Window) -> list[Box] | No
 
 
 def is_blurred(box: Box, fields: Sequence[Field], plane: Window) -> bool:
-    """Whether the models leave out so much that the zeros where stability ends are not known to the tolerance."""
+    """Whether the remainders of models are too large to locate the ends of stability within the tolerance."""
     (left, right), (lower, upper) = (tuple(map(float, box.span[name])) for name in ("r", "tangent"))
     for one in fields:
         others = [other for other in fields if other is not one]
@@ -300,7 +300,7 @@ def is_blurred(box: Box, fields: Sequence[Field], plane: Window) -> bool:
 
 
 def value(model: Any, at: Sequence[Any]) -> Any:
-    """A model at a place."""
+    """The value of a model at a point."""
     found = flint().arb(0)
     for (i, j), one in zip(model.space.monomials, model.c, strict=True):
         found = found + one * at[0] ** i * at[1] ** j
@@ -330,14 +330,14 @@ class Field:
         return thin, thin.derivative(), change
 
     def at(self, s: float, t: float) -> float:
-        """Nearly the value at a place."""
+        """The approximate value at a point."""
         powers = np.arange(self.degree + 1)
         return float(t**powers @ self.doubles @ s**powers)
 
     def zeros(self, s: float) -> list[tuple[float, float]]:
         """Zeros in the tangent at a value of r, with the distance within which they are known."""
         row = self.doubles @ s ** np.arange(self.degree + 1)
-        # terms of high degree, next to nothing, spoil the digits of the others
+        # negligible terms of high degree spoil the accuracy of the others
         kept = np.where(np.abs(row) > 1e-12 * np.abs(row).max(), row, 0.0)
         roots = np.roots(kept[::-1])
         value, slope = (np.polynomial.Polynomial(row).deriv(k) for k in (0, 1))
@@ -394,7 +394,7 @@ def pieces_of(
 
 
 def settle(family: Family, parts: Sequence[Box], box: Box, plane: Window) -> bool:
-    """Whether it is decided if the motions in those parts of a box that may be stable are admissible."""
+    """Whether admissibility is decided in the parts of a box that may be stable."""
     open_ = [part for part in parts if part.stable is not False]
     if not open_:
         return True
@@ -428,7 +428,7 @@ def judge_in_zone(
     try:
         problem = Problem(family, box, facing)
         if not enclose(problem, box, sizes):
-            box.reason = "the linear equations may be singular in a box"
+            box.reason = "the linear equations may be singular in the box"
             return None
         assert box.centre is not None
         system, states = problem.states(problem.system, problem.models(box.centre, box.error))
@@ -484,7 +484,7 @@ def explicit(numbers: tuple[float, float, float, int], r: _Array) -> tuple[_Arra
 
 
 class Plane:
-    """The boxes of a certificate of a zone as numbers."""
+    """The boxes of a certificate of a zone, as doubles."""
 
     def __init__(self, certificate: Certificate) -> None:
         self.certificate = certificate
@@ -515,7 +515,7 @@ class Plane:
         ends = [of(left), of(right), of(np.clip(turn, left, right))]
         both = np.stack([np.minimum.reduce(ends), np.maximum.reduce(ends)], axis=1)
         if value < 0:
-            # what lies beyond the steepest tangent
+            # the part beyond the steepest tangent is not decided
             edge = [abs(2 * t + delta) / math.hypot(1, t) for t in (STEEPEST, -STEEPEST)] + [2.0]
             both = np.vstack([both, [amplitude * min(edge), amplitude * max(edge)]])
         both = np.clip(both, self.window[0], self.window[1])
@@ -535,7 +535,7 @@ class Plane:
         return False if outside else None
 
     def lines(self, number: int) -> Iterator[tuple[float, _Array, _Array]]:
-        """Proven and not decided intervals on lines of constant r."""
+        """Proven and undecided intervals on lines of constant r."""
         ends = self.low.min(), self.high.max()
         for k in range(number):
             r = ends[0] + (ends[1] - ends[0]) * (k + 0.5) / number
@@ -556,12 +556,12 @@ class Plane:
         }
 
 
-#: How far from the edge of an image a clearance must be, relative to it: far above rounding of `explicit`.
+#: The least relative distance of a clearance from the edge of an image, far above rounding in `explicit`.
 MARGIN = 1e-9
 
 
 def union(intervals: _Array) -> _Array:
-    """Disjoint intervals in order."""
+    """The union of intervals, as disjoint intervals in order."""
     found: list[list[float]] = []
     for low, high in sorted(intervals.tolist()):
         if found and low <= found[-1][1] * (1 + 1e-12):
