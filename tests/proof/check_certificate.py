@@ -70,6 +70,7 @@ class Pair:
             set(sides) == {"R", "L"} and len(texts) == len(sides),
             "both walls, and R of each impact",
         )
+        need(len(set(zip(sides, map(exact, texts), strict=True))) == 2, "one R of each wall")
         if symmetric:
             # half a period leads to the mirror image
             need(sides[:half].translate({82: "L", 76: "R"}) == sides[half:], "a symmetric word")
@@ -314,10 +315,13 @@ def check_statements(data):
     for k, sheet in enumerate(sheets):
         own = [box for box in data["boxes"] if box["sheet"] == k]
         cover(spans(sheet), [spans(box["parameters"]) for box in own])
-    states = [check_box(data, box) for box in data["boxes"]]
-    for (one, two), (before, after) in zip(pairwise(data["boxes"]), pairwise(states), strict=True):
-        if len(one["parameters"]) == 1 and one["sheet"] == two["sheet"] and before and after:
-            check_link(before, two)
+    found = [(box, check_box(data, box)) for box in data["boxes"]]
+    if len(sheets[0]) == 1:
+        # neighbours along the parameter, whatever their order in the file
+        found.sort(key=lambda one: (one[0]["sheet"], *map(exact, *one[0]["parameters"].values())))
+        for (one, before), (two, after) in pairwise(found):
+            if one["sheet"] == two["sheet"] and before and after:
+                check_link(before, two)
 
 
 def check_zone(data, box, depth=0):

@@ -40,6 +40,9 @@ def check_form(data):
     need(kind not in ("motion", "box") or len(sheets) == 1, "one sheet")
     need(kind != "motion" or sheets == [{}], "a motion at one point")
     need(kind != "all" or data["symmetric"] is False, "all motions, symmetric or not")
+    need(
+        kind != "all" or all(set(one) == {"sides", "cycles"} for one in sheets), "one word a sheet"
+    )
     for box in boxes:
         check_box_form(box, kind, len(sheets))
     if kind == "zone":

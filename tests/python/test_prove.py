@@ -19,6 +19,7 @@ sys.path.insert(0, str(CHECKER.parent))
 import check_certificate as checker  # noqa: E402
 import form  # noqa: E402
 import search  # noqa: E402
+import series  # noqa: E402
 from check_certificate import exact  # noqa: E402
 from check_structure import check_structure  # noqa: E402
 
@@ -266,6 +267,77 @@ KINDS = {
         structures()[0], "frequency", bounds=(0.99, 1.01)
     ).prove(),
 }
+
+
+@pytest.mark.parametrize(("parameter", "bounds"), [("R1", (0.749, 0.751)), ("R2", (0.74, 0.76))])
+def test_branches_along_the_restitution_of_one_wall(parameter, bounds):
+    """The motion is symmetric at one point only, even if that is the middle: the certificate has both impacts."""
+    osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+    motion = vi.equispaced(osc, r=1.04, clearance=25.0)[0]
+    branch = vi.branch(motion, parameter, bounds=bounds)
+    proof = branch.prove()
+    assert not proof.symmetric
+    assert proof.exists
+    data = json.loads(proof.to_json())
+    checker.check(data)
+    for box in data["boxes"]:
+        low, high = (float(exact(end)) for end in box["parameters"][parameter])
+        for i in np.flatnonzero((branch.values >= low) & (branch.values <= high)).tolist():
+            at = (branch.values[i] - (low + high) / 2) / ((high - low) / 2)
+            found = [
+                sum(float(exact(text)) * at**k for k, text in enumerate(row))
+                for row in (box["centre"][n][j] for n in range(2) for j in (1, 2, 3))
+            ]
+            known = np.stack([branch.X, branch.X_dot_after, branch.Z_dot_after])[:, :, i].T.ravel()
+            assert np.abs(found - known).max() < 1e-3
+
+
+def two_branches():
+    """Certificates of two motions along one interval of the clearance, each in two boxes."""
+    found = []
+    for motion in vi.equispaced(TABLE1, 0.94, 37.0)[:2]:
+        data = json.loads(vi.branch(motion, "clearance", bounds=(36.5, 37.5)).prove().to_json())
+        checker.check(data)
+        (box,) = data["boxes"]
+        for half in series.halves(box, "clearance"):
+            texts = [[[str(one) for one in text] for text in row] for row in half["centre"]]
+            found.append((data, half | {"centre": texts}))
+    return found
+
+
+def test_boxes_of_two_branches_are_not_one_curve():
+    """Parts of two branches are no branch, in whatever order or on however many sheets they are listed."""
+    (data, first), _, _, (_, last) = two_branches()
+    both = copy.deepcopy(data) | {"boxes": [first, last]}
+    twice = copy.deepcopy(data) | {
+        "sheets": data["sheets"] * 2,
+        "boxes": [one | {"sheet": k} for one in (first, last) for k in (0, 1)],
+    }
+    low, high = (Fraction(end) for end in last["parameters"]["clearance"])
+    part = next(series.halves(last, "clearance"))
+    part |= {"centre": [[[str(one) for one in text] for text in row] for row in part["centre"]]}
+    open_ = {"sheet": 0, "parameters": {"clearance": [str((low + high) / 2), str(high)]}}
+    open_ |= dict.fromkeys(("exists", "admissible", "stable"))
+    apart = copy.deepcopy(data) | {
+        "boxes": [first, open_, part],
+        "undecided": [{"reason": "open", "parameters": open_["parameters"]}],
+    }
+    for false in (both, both | {"boxes": both["boxes"][::-1]}, twice, apart):
+        with pytest.raises(checker.RejectedError, match="neighbours may hold different"):
+            checker.check(false)
+
+
+def test_a_wall_has_one_restitution():
+    """Impacts on one wall with two coefficients belong to no oscillator."""
+    rrl = next(
+        one for one in vi.find(TABLE1, 1.0, 30.0, max_impacts=3) if len(one.pattern.sides) == 3
+    )
+    data = json.loads(rrl.prove().to_json())
+    checker.check(data)
+    side = next(side for side in "RL" if data["sides"].count(side) == 2)
+    data["system"]["restitution"][data["sides"].index(side)] = "0.750000000000000001"
+    with pytest.raises(checker.RejectedError, match="one R of each wall"):
+        checker.check(data)
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -30,7 +30,7 @@ UNITS = (
     "lengths are in F0/K (clearance: d K/F0), time in 1/omega, angles in radians, r = Omega/omega;\n"
     "values may also have units, such as '19.5 Hz' and '4 mm', with --mass, --stiffness and --force"
 )
-WITHOUT_UNITS = ("explore", "identify", "reproduce", "init", "doctor", "completion")
+WITHOUT_UNITS = ("explore", "identify", "prove", "reproduce", "init", "doctor", "completion")
 #: Commands that compute nothing that is saved.
 WITHOUT_FILES = ("explore", "init", "doctor", "completion")
 

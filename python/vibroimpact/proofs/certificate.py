@@ -8,6 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from ..base import checks
 from ..base.actions import ACTIONS
 from ..base.errors import ParameterError
 from ..base.files import place_for, write_text
@@ -133,7 +134,8 @@ class Certificate:
     def decide(self, r: float, clearance: float) -> bool | None:
         """For a zone: True if a stable, admissible motion is proven to exist at a point, False if none does; None
         if neither is proven, and outside the window."""
-        found: bool | None = self._plane.decide(r, clearance)
+        place = checks.finite(r, "r"), checks.finite(clearance, "clearance")
+        found: bool | None = self._plane.decide(*place)
         return found
 
     def shares(self) -> dict[str, float]:
@@ -201,7 +203,13 @@ class Certificate:
     def _repr_html_(self) -> str:
         """The representation in Jupyter."""
         words = {True: "proven", False: "refuted", None: "not decided"}
-        facts = {name: words[getattr(self, name)] for name in VERDICTS}
+        facts = {}
+        if self.kind == "zone":
+            facts = {name: f"{100 * share:.2f} %" for name, share in self.shares().items()}
+        elif self.kind == "all":
+            facts = {"motions": str(len(self.boxes)), "complete": words[self.complete or None]}
+        else:
+            facts = {name: words[getattr(self, name)] for name in VERDICTS}
         for name, symbol in (("multiplier_bound", "max|λ| <"), ("attenuation_bound", "max|x|/A <")):
             if (bound := getattr(self, name)) is not None:
                 facts[symbol] = f"{bound:.10g}"

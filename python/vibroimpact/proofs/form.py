@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from ..base.errors import ParameterError, ParameterTypeError
-from .balls import HEX
+from .balls import HEX, exact
 
 __all__ = ["check_form"]
 
@@ -19,7 +19,12 @@ ITEMS = {
 }  # fmt: skip
 KINDS = ("motion", "branch", "box", "zone", "all")
 VERDICTS = ("exists", "admissible", "stable")
-BOUNDS = ("multipliers_below", "multipliers_above", "attenuation_below")
+#: Bounds, each with the verdict that it requires, and its range.
+BOUNDS = {
+    "multipliers_below": ("stable", True, (0, 1)),
+    "multipliers_above": ("stable", False, (1, math.inf)),
+    "attenuation_below": ("admissible", True, (0, math.inf)),
+}
 #: Texts of the parameters of an oscillator; a structure has matrices.
 TEXTS = ("xi", "mu", "r", "clearance", "load", "restitution")
 #: Decimal numbers and fractions, with exponents too small to exhaust memory.
@@ -79,9 +84,12 @@ def check_box(label: str, box: Any, sheets: int) -> None:
         value = box.get(name)
         good = name in box and (value is None or isinstance(value, bool))
         wanted(f"{label}[{name!r}]", value, "True, False or None", good)
-    for name in BOUNDS:
+    for name, (verdict, value, allowed) in BOUNDS.items():
         if box.get(name) is not None:
             numbers(f"{label}[{name!r}]", [box[name]])
+            good = box[verdict] is value and allowed[0] <= exact(box[name]) <= allowed[1]
+            range_ = f"from {allowed[0]} to {allowed[1]}, with {verdict} = {value}"
+            wanted(f"{label}[{name!r}]", box[name], range_, good)
     for name, depth in (("centre", 2), ("radius", 1)):
         if name in box:
             texts: Any = [box[name]]

@@ -183,6 +183,9 @@ def family_of(branch: Branch) -> tuple[Family | StructureFamily, _Array]:
         names = ", ".join(BRANCHED)
         raise ParameterError(f"branch = {branch!r}: must be along one of {names}")
     of_pair = Family.of(branch[len(branch) // 2])
+    if branch.parameter in ("R1", "R2"):
+        # the walls differ everywhere but at one point
+        of_pair = replace(of_pair, symmetric=False)
     phases = branch.phases + (np.unwrap(branch.phases[0]) - branch.phases[0])
     states = np.stack([phases, branch.X, branch.X_dot_after, branch.Z_dot_after], axis=1)
     return of_pair, states[: len(of_pair.word)].reshape(-1, len(branch))
@@ -354,8 +357,8 @@ def prove_box(
 
 def ends_of(value: Any, name: str) -> tuple[Fraction, Fraction]:
     """The ends of an interval, or of a number."""
-    both = value if isinstance(value, (tuple, list)) else (value, value)
-    if len(both) != 2:
+    both = value if isinstance(value, (tuple, list, np.ndarray)) else (value, value)
+    if np.ndim(value) > 1 or len(both) != 2:
         raise ParameterError(f"{name} = {value!r}: must be a number or (lowest, highest)")
     kind = "restitution" if name in ("R1", "R2") else name
     low, high = (Fraction(decimal(checks.number(one, kind, name))) for one in both)

@@ -517,6 +517,8 @@ class Plane:
         if value < 0:
             # the part beyond the steepest tangent is not decided
             edge = [abs(2 * t + delta) / math.hypot(1, t) for t in (STEEPEST, -STEEPEST)] + [2.0]
+            if abs(delta) * STEEPEST < 2:  # the extremum is there too
+                edge.append(math.hypot(2, delta))
             both = np.vstack([both, [amplitude * min(edge), amplitude * max(edge)]])
         both = np.clip(both, self.window[0], self.window[1])
         return union(both[both[:, 1] > both[:, 0]])

@@ -161,6 +161,8 @@ class Followed(Noun, part=True):
 
     @property
     def resting(self) -> NDArray[np.int32]:
+        if not self.of_structure:
+            raise AttributeError(self._lack("resting", "pattern, whose rests are marked by *"))
         if "resting" not in self._result.tables[self._of_start].columns:
             return np.zeros(0, np.int32)
         return np.asarray(self._values(self._of_start, "resting")[0]).astype(np.int32)
