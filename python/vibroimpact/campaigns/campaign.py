@@ -105,7 +105,7 @@ class Campaign:
             yield int(name.partition("-")[0]), name
 
     def _done(self) -> int:
-        """How many cases are finished."""
+        """The number of finished cases."""
         return sum(min(self._chunk, self.size - first) for first, _ in self._chunks())
 
     def _array(self, value: Any) -> NDArray[Any]:

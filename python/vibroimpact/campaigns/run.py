@@ -59,16 +59,16 @@ class Workers(Protocol):
     """Threads or a cluster, on which tasks run."""
 
     def capacity(self) -> int:
-        """How many tasks they should have at a time."""
+        """The number of tasks to give to the workers at a time."""
 
     def submit(self, study: str, task: Task) -> Any:
         """Start a task."""
 
     def wait(self, futures: list[Any]) -> list[Any]:
-        """Those that have ended, after a short time."""
+        """The tasks that have ended, after a short wait."""
 
     def result(self, future: Any) -> Chunk:
-        """What a task has given, or its error: MemoryError if the task is to blame, and not the workers."""
+        """The result of a task, or its error: MemoryError if the task itself, not the workers, is the cause."""
 
     def stop(self) -> None:
         """Cancel all tasks."""
@@ -235,7 +235,7 @@ class Threads:
         self.ended: SimpleQueue[Future[Chunk]] = SimpleQueue()
 
     def capacity(self) -> int:
-        """How many tasks they should have at a time."""
+        """The number of tasks to give to the workers at a time."""
         return self.number * AHEAD
 
     def submit(self, study: str, task: Task) -> Future[Chunk]:
@@ -247,7 +247,7 @@ class Threads:
         return future
 
     def wait(self, futures: list[Any]) -> list[Any]:
-        """Those that have ended, after a short time."""
+        """The tasks that have ended, after a short wait."""
         ended = set()
         with contextlib.suppress(Empty):
             ended.add(self.ended.get(timeout=INTERVAL))
@@ -258,7 +258,7 @@ class Threads:
         return [future for future in futures if future in ended]
 
     def result(self, future: Future[Chunk]) -> Chunk:
-        """What a task has given."""
+        """The result of a task."""
         return future.result()
 
     def stop(self) -> None:
@@ -296,7 +296,7 @@ class Cluster:
             print(f"dashboard: {link}", file=sys.stderr)
 
     def capacity(self) -> int:
-        """How many tasks they should have at a time."""
+        """The number of tasks to give to the workers at a time."""
         with _trouble():
             threads: int = sum(self.client.nthreads().values())
         return AHEAD * max(1, threads)
@@ -309,7 +309,7 @@ class Cluster:
         return future
 
     def wait(self, futures: list[Any]) -> list[Any]:
-        """Those that have ended, after a short time."""
+        """The tasks that have ended, after a short wait."""
         from distributed import TimeoutError as Late
         from distributed import wait
 
@@ -320,7 +320,7 @@ class Cluster:
         return done
 
     def result(self, future: Any) -> Chunk:
-        """What a task has given."""
+        """The result of a task."""
         from distributed import CancelledError, KilledWorker
         from distributed.comm import CommClosedError
 

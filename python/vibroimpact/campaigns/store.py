@@ -233,7 +233,7 @@ class Store:
         write_whole(self.failures / f"case_{number}.nml", lines + text)
 
     def failed(self) -> int:
-        """How many cases were rejected or failed."""
+        """The number of cases that were rejected or failed."""
         return sum(1 for _ in self.failures.glob("case_*.nml"))
 
     def clear(self, numbers: Iterable[int]) -> None:
@@ -345,7 +345,7 @@ def codec() -> Any:
 
 
 def codecs(kind: str) -> list[dict[str, Any]]:
-    """How Zarr describes the packing of values of this type."""
+    """The packing of values of this type, as Zarr describes it."""
     order = {} if np.dtype(kind).itemsize == 1 else {"configuration": {"endian": "little"}}
     return [
         {"name": "bytes", **order},

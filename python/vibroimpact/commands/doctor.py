@@ -83,7 +83,7 @@ MISSING = "MISSING"
 
 
 def built() -> dict[str, str]:
-    """How the package was built."""
+    """The build of the package."""
     facts: dict[str, str] = import_module("vibroimpact._build").FACTS
     return {**facts, "compiler": re.sub(r"^gcc\b", "gfortran", facts["compiler"])}
 

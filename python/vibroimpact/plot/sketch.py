@@ -272,7 +272,7 @@ def _draw_row(
             own, side = boxes[int(pair[0])], int(np.sign(gap.direction[pair[0]]))
             beside = (own is last and side > 0) or (own is first and side < 0 and -1 not in walls)
             label, lines = _lines_of(gap), _lines_of(gap).count("\n")
-            # below what stands on the ground, in turns on two levels
+            # below the parts on the ground, alternately on two levels
             level = -1.33 - 0.4 * (own.coordinate in grounded) - 0.75 * (posts % 2)
             posts += not beside and lines > 0
             _stop(ax, own, side, label, beside, isinstance(gap, Stop), moves(gap), level)
@@ -502,7 +502,7 @@ def _label_of(gap: Gap | Stop) -> str:
 
 
 def _lines_of(gap: Gap | Stop) -> str:
-    """The same in short lines, where the two openings of a wall that moves make it long."""
+    """The same label in short lines if the two openings of a moving wall make it long."""
     return (
         _label_of(gap).replace(" to ", "\nto ").replace(", ", "\n")
         if moves(gap)

@@ -26,7 +26,7 @@ from .models import Model, Space, at_middle, coefficients, space, span
 from .verdicts import approximate_inverse, between_walls, inside_all
 
 _Array = NDArray[np.float64]
-#: Parameters of a system beside the coefficients of restitution.
+#: Parameters of a system other than the coefficients of restitution.
 PARAMETERS = ("xi", "mu", "r", "clearance", "load")
 #: The degree of the polynomials, by the number of parameters that vary; 1 for other numbers.
 DEGREES = {1: 5, 2: 3, 3: 2, 4: 2}
