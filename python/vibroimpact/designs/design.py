@@ -111,44 +111,53 @@ class Design(Noun, study="design", example=EXAMPLE):
 
     @property
     def values(self) -> dict[str, float]:
+        """The chosen values by name."""
         return dict(zip(self._list("chosen", "name"), self._list("chosen", "value"), strict=True))
 
     @property
     def ranges(self) -> dict[str, tuple[float, float]]:
+        """The range (low, high) from which each value was chosen, by name."""
         ends = zip(self._list("chosen", "low"), self._list("chosen", "high"), strict=True)
         return dict(zip(self._list("chosen", "name"), ends, strict=True))
 
     @property
     def target(self) -> str:
+        """Name of the quantity that was minimised; "damping" was maximised."""
         target: str = self._one("target")
         return target
 
     @property
     def limit(self) -> float | None:
+        """The limit of the target; None without one."""
         limit: float = self._one("limit")
         return None if math.isnan(limit) else limit
 
     @property
     def quantile(self) -> float:
+        """The share of the units, from 0 to 1, that must meet the limit."""
         quantile: float = self._one("quantile")
         return quantile
 
     @property
     def level(self) -> float:
+        """The quantile of the target over the units of the search, at the worst frequency."""
         level: float = self._one("level")
         return level
 
     @property
     def excess(self) -> float:
+        """The quantile of the largest ratio of a quantity to its limit; above 1, a limit is not met."""
         excess: float = self._one("excess")
         return excess
 
     @property
     def converged(self) -> bool | None:
+        """Whether the best of the independent searches ended at one level, within 2 %; None if not known."""
         return VERDICT[self._one("converged")]
 
     @property
     def searches(self) -> dict[str, NDArray[Any]]:
+        """For each search, the number of ``candidates`` and the best ``level``, each as an array (searches,)."""
         return {
             name: self._result.column("searches", name).decoded()
             for name in ("candidates", "level")
@@ -156,34 +165,41 @@ class Design(Noun, study="design", example=EXAMPLE):
 
     @property
     def worst(self) -> float:
+        """The worst target among the samples of the confirmation and the units of the search."""
         worst: float = self._one("worst")
         return worst
 
     @property
     def samples(self) -> int:
+        """Number of samples of the confirmation; 0 without one."""
         samples: int = self._one("samples")
         return samples
 
     @property
     def failed(self) -> int:
+        """Number of samples whose simulation was abandoned; they count as bad."""
         failed: int = self._one("failed")
         return failed
 
     @property
     def probability(self) -> float:
+        """Share of the samples within all limits, from 0 to 1; NaN without samples."""
         probability: float = self._one("probability")
         return probability
 
     @property
     def interval(self) -> tuple[float, float]:
+        """The 95 % confidence interval (low, high) of the probability (Clopper–Pearson)."""
         return self._one("low"), self._one("high")
 
     @property
     def feasible(self) -> bool | None:
+        """Whether the quantile is met in all parts of the band; None if the samples do not decide."""
         return VERDICT[self._one("feasible")]
 
     @property
     def bands(self) -> dict[str, NDArray[Any]]:
+        """The samples by parts of the band: arrays (parts,) by name, as the class lists them."""
         names = ("from", "to", "samples", "good", "probability", "low", "high", "worst")
         return {name: self._result.column("bands", name).decoded() for name in names}
 
@@ -218,11 +234,13 @@ class Design(Noun, study="design", example=EXAMPLE):
 
     @property
     def sensitivity(self) -> dict[str, float]:
+        """Derivative of the target of the worst unit with respect to each of its parameters, by name."""
         names = self._list("sensitivities", "name")
         return dict(zip(names, self._list("sensitivities", "slope"), strict=True))
 
     @property
     def candidates(self) -> NDArray[Any]:
+        """All candidates that were judged by all units: their values, ``nominal`` and ``level``, one row each."""
         values = self._result.column("candidates", "values").decoded()
         levels = [
             self._result.column("candidates", name).decoded() for name in ("nominal", "level")
@@ -234,6 +252,7 @@ class Design(Noun, study="design", example=EXAMPLE):
 
     @property
     def front(self) -> NDArray[Any]:
+        """The candidates that no other beats both in ``nominal`` and in ``level``, sorted by ``nominal``."""
         chosen = self.candidates[self._result.column("candidates", "front").decoded().astype(bool)]
         return np.sort(chosen, order="nominal")
 
@@ -290,8 +309,11 @@ class Design(Noun, study="design", example=EXAMPLE):
 
     @property
     def asked(self) -> list[str]:
-        """The requirements besides the limit of the target, as sentences: the band, tolerances and limits; only
-        the band for a host that is a function and was read from a file."""
+        """The requirements besides the limit of the target, as sentences.
+
+        These are the band, the tolerances and the limits; only the band for a host that is a function and was read
+        from a file.
+        """
         first, last = self.ends
         along = "Initial displacements" if self.target == "damping" else "Frequency ratios"
         osc = self.osc if self.case else None
@@ -344,6 +366,11 @@ class Design(Noun, study="design", example=EXAMPLE):
             Called a few times a second with the fraction done and the current task; by default a bar on a terminal
             or in a notebook.
 
+        Returns
+        -------
+        Design
+            The same values with the new samples; `worst` also covers the earlier units.
+
         Raises
         ------
         ParameterError, ParameterTypeError
@@ -369,22 +396,46 @@ class Design(Noun, study="design", example=EXAMPLE):
 
     @classmethod
     def computed(cls, case: Any, progress: door.Progress | None) -> Design:
-        """The result of a case."""
+        """The result of a case.
+
+        Parameters
+        ----------
+        case : Case
+            A case with a &design.
+        progress : callable or None
+            As in `design`.
+
+        Returns
+        -------
+        Design
+            The best design, confirmed by the samples of the case.
+        """
         return designed(*asked_by(case.osc, case.keys), case.text, progress)
 
     def plot(self, ax: Any = None, units: Units | str | None = None) -> Any:
-        """Draw the candidates, the share of good samples along the band, the sensitivities, and the history of the
-        searches (extra `plot`).
+        """Draw the candidates, the samples along the band, the sensitivities and the searches (extra `plot`).
 
-        Returns the five Axes; with `ax` only the share of good samples is drawn, and its Axes is returned.
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Axes for the share of good samples along the band, which alone is then drawn.
+        units : Units or str, optional
+            As in `Trajectory.plot`.
 
-        For the argument `units`, see `Trajectory.plot`.
+        Returns
+        -------
+        Axes, or an array of Axes
+            The five Axes; with `ax` this one.
         """
         return self._draw(ax, units=units)
 
     def report(self, path: Any) -> None:
-        """Write a page with the answer, the chosen values and the pictures; the extension sets the format (.pdf,
-        .png, .svg; extra `plot`).
+        """Write a page with the answer, the chosen values and the pictures (extra `plot`).
+
+        Parameters
+        ----------
+        path : str or Path
+            The file; its extension sets the format: .pdf, .png or .svg.
 
         Raises
         ------
@@ -563,6 +614,7 @@ def design(
     Returns
     -------
     Design
+        The best design that was found, with its confirmation.
 
     Raises
     ------

@@ -31,9 +31,19 @@ WORDS = np.asfortranarray(_NAMES.view(np.float64).reshape(3, 2, 11)[..., 1:5].T)
 class Sample(NamedTuple):
     """Time history of a motion; each array has the shape of the requested times.
 
-    Positions of the primary and the free mass, their velocities and accelerations, and the load. Velocities jump
-    at an impact; the accelerations do not include these impulses. The acceleration of the primary mass itself
-    jumps by ``-2 xi (X_dot_after - X_dot_before)`` at an impact.
+    Velocities jump at an impact; the accelerations do not include these impulses. The acceleration of the primary
+    mass itself jumps by ``-2 xi (X_dot_after - X_dot_before)`` at an impact.
+
+    Attributes
+    ----------
+    X, X_dot, X_ddot : ndarray
+        Position, velocity and acceleration of the primary mass.
+    Z, Z_dot, Z_ddot : ndarray
+        The same of the free mass.
+    Y : ndarray
+        Position of the free mass relative to the primary mass, Z - X.
+    load : ndarray
+        The load, in F0.
     """
 
     X: NDArray[np.float64]

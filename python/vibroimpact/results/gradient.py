@@ -64,6 +64,11 @@ class Gradient:
     def to_xarray(self) -> Any:
         """The derivatives as a dataset with the dimension `parameter` (extra `data`).
 
+        Returns
+        -------
+        xarray.Dataset
+            One variable for each quantity.
+
         Raises
         ------
         MissingExtraError

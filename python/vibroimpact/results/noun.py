@@ -87,9 +87,9 @@ class column:  # noqa: N801 (a descriptor, written as property is)
         return np.moveaxis(values, -1, 0) if self.first else values
 
 
-def key(*names: str) -> Any:
+def key(*names: str, meaning: str) -> Any:
     """The value of a key of the case as a read-only attribute, or a tuple of the values of several keys. If cases
-    of structures lack the key, an AttributeError is raised."""
+    of structures lack the key, an AttributeError is raised. `meaning` is the docstring of the attribute."""
 
     def value(noun: Noun) -> Any:
         if noun.of_structure:
@@ -100,7 +100,7 @@ def key(*names: str) -> Any:
         keys = noun.keys
         return keys[names[0]] if len(names) == 1 else tuple(keys[name] for name in names)
 
-    return property(value)
+    return property(value, doc=meaning)
 
 
 class Savable:
@@ -148,7 +148,18 @@ class Savable:
 
     @classmethod
     def of_result(cls: type[Self], result: Result) -> Self:
-        """The object with these tables."""
+        """The object with these tables.
+
+        Parameters
+        ----------
+        result : Result
+            The tables that the core or a file provides.
+
+        Returns
+        -------
+        object of this class
+            A view of the tables.
+        """
         raise NotImplementedError
 
     def _check_read(self) -> None:
@@ -184,6 +195,11 @@ class Savable:
         units : Units or str, optional
             Units of length, force and time, such as "mm N s" or "SI"; those of the oscillator by default.
 
+        Returns
+        -------
+        Physical
+            The same result; values with a dimension are in these units.
+
         Raises
         ------
         errors.ParameterError, errors.ParameterTypeError
@@ -192,34 +208,79 @@ class Savable:
         return ACTIONS["physical"](self, units)
 
     def to_dict(self) -> dict[str, Any]:
-        """The whole result as plain Python values, ready for JSON: complex numbers are [re, im], NaN is None."""
+        """The whole result as plain Python values, ready for JSON: complex numbers are [re, im], NaN is None.
+
+        Returns
+        -------
+        dict
+            Name of the class, the case, and the tables.
+        """
         found: dict[str, Any] = ACTIONS["to_dict"](self)
         return found
 
     @classmethod
     def from_dict(cls: type[Self], data: dict[str, Any]) -> Self:
-        """The inverse of `to_dict`; errors name the faulty item of the data."""
+        """The inverse of `to_dict`; errors name the faulty item of the data.
+
+        Parameters
+        ----------
+        data : dict
+            What `to_dict` returned.
+
+        Returns
+        -------
+        object of this class
+            The result, with the same bits.
+        """
         noun: Self = ACTIONS["from_dict"](cls, data)
         return noun
 
     def to_json(self) -> str:
-        """The result of `to_dict` as JSON text; numbers have all their digits."""
+        """The result of `to_dict` as JSON text; numbers have all their digits.
+
+        Returns
+        -------
+        str
+            One JSON object.
+        """
         text: str = ACTIONS["to_json"](self)
         return text
 
     @classmethod
     def from_json(cls: type[Self], text: str) -> Self:
-        """The inverse of `to_json`; all numbers are restored bit for bit."""
+        """The inverse of `to_json`; all numbers are restored bit for bit.
+
+        Parameters
+        ----------
+        text : str
+            What `to_json` returned.
+
+        Returns
+        -------
+        object of this class
+            The result, with the same bits.
+        """
         noun: Self = ACTIONS["from_json"](cls, text)
         return noun
 
     def to_xarray(self) -> Any:
-        """An xarray.Dataset with named dimensions, and with the unit and meaning of each variable (extra
-        `data`)."""
+        """The result as a dataset of xarray, with named dimensions (extra `data`).
+
+        Returns
+        -------
+        xarray.Dataset
+            Each variable has its unit and its meaning as attributes.
+        """
         return ACTIONS["to_xarray"](self)
 
     def to_pandas(self) -> Any:
-        """A pandas.DataFrame with the columns of the CSV (extra `data`)."""
+        """The result as a data frame of pandas, with the columns of the CSV (extra `data`).
+
+        Returns
+        -------
+        pandas.DataFrame
+            One row for each row of the CSV.
+        """
         return ACTIONS["to_pandas"](self)
 
     def save(self, path: str | Path, units: str | None = None) -> None:
@@ -306,6 +367,7 @@ class Solution(Savable):
 
     @property
     def of_structure(self) -> bool:
+        """Whether its system is a `Structure` with its load, and not an `Oscillator`."""
         try:
             object.__getattribute__(self, "osc")
         except AttributeError:
@@ -353,19 +415,50 @@ class Noun(Savable):
 
     @classmethod
     def of_result(cls: type[Self], result: Result) -> Self:
+        """The object with these tables.
+
+        Parameters
+        ----------
+        result : Result
+            The tables that the core or a file provides.
+
+        Returns
+        -------
+        object of this class
+            A view of the tables.
+        """
         return cls(result)  # type: ignore[call-arg]
 
     @classmethod
     def computed(cls: type[Self], case: Any, progress: Callable[[float, str], None] | None) -> Self:
-        """The result of a case, for studies that the Python package computes itself (`in_python`)."""
+        """The result of a case, for studies that the Python package computes itself (`in_python`).
+
+        Parameters
+        ----------
+        case : Case
+            The checked case.
+        progress : callable or None
+            Called with the fraction done and the current task; None for a bar on a terminal or in a notebook.
+
+        Returns
+        -------
+        object of this class
+            The result of the case.
+        """
         raise NotImplementedError
 
     def parts(self) -> list[Any]:
-        """The objects of which the result of a case consists; each is saved and drawn separately."""
+        """The objects of which the result of a case consists; each is saved and drawn separately.
+
+        Returns
+        -------
+        list
+            The result itself, unless it contains several objects.
+        """
         return [self]
 
     def require(self) -> None:
-        """Raises an error if the result is missing, for a case that requests a single result."""
+        """Raise an error if the result is missing, for a case that requests a single result."""
 
     def __reduce__(self) -> Any:
         return type(self), (self._result,)
@@ -382,24 +475,30 @@ class Noun(Savable):
 
     @property
     def case(self) -> str:
+        """The input of the study as a namelist."""
         return self._result.case
 
     @property
     def cut(self) -> str:
+        """How far the study got, if it was stopped early; "" if it is complete."""
         return self._result.cut
 
     @property
     def complete(self) -> bool:
+        """Whether the study ran to its end; `cut` otherwise says how far it got."""
         return not self._result.cut
 
     @property
     def of_structure(self) -> bool:
+        """Whether its system is a `Structure` with its load, and not an `Oscillator`."""
         return self._result.of_structure
 
     @property
     def keys(self) -> dict[str, Any]:
-        """The keys of the study and of &system with their values. A key that the case of a file lacks raises an
-        error that names it."""
+        """The keys of the study and of &system with their values.
+
+        A key that the case of a file lacks raises an error that names it.
+        """
         if self.of_structure:
             groups = parts_of(self.case) or [("", {})]
             return Found(groups[-1][1], "case")
@@ -449,5 +548,11 @@ class Noun(Savable):
         return ", ".join(own or dict.fromkeys(name for _, name in known))
 
     def to_namelist(self) -> str:
-        """The case as a namelist; from it the program, the command and Python compute identical digits."""
+        """The case as a namelist; from it the program, the command and Python compute identical digits.
+
+        Returns
+        -------
+        str
+            The groups of the case, with all defaults filled in.
+        """
         return self.case

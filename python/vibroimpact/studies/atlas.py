@@ -41,7 +41,15 @@ PART_OF_STRUCTURE = "a part of an atlas; only the case of the atlas finds it, by
 
 
 class SurveyPoint(NamedTuple):
-    """A point of the survey of an atlas with the pattern of the periodic motion on which a simulation settled."""
+    """A point of the survey of an atlas with the pattern of the periodic motion on which a simulation settled.
+
+    Attributes
+    ----------
+    r, clearance : float
+        Frequency ratio and d K/F0.
+    pattern : Pattern
+        Sides of the impacts and load cycles of the motion.
+    """
 
     r: float
     clearance: float
@@ -49,7 +57,15 @@ class SurveyPoint(NamedTuple):
 
 
 class SurveyMotion(NamedTuple):
-    """A point of the survey of an atlas of a structure, with impacts and load cycles of the motion found there."""
+    """A point of the survey of an atlas of a structure, with impacts and load cycles of the motion found there.
+
+    Attributes
+    ----------
+    x, y : float
+        Values of the two parameters.
+    impacts, cycles : int
+        Impacts and load cycles in a period of the motion.
+    """
 
     x: float
     y: float
@@ -231,15 +247,18 @@ class Atlas(OnPlane, study="atlas"):
 
     @property
     def attractors(self) -> list[Any]:
+        """The motions on which the survey settled, within the limits of impacts and cycles."""
         return self._attractors(self.survey.outcome == PERIODIC)
 
     @property
     def unexplained(self) -> list[Any]:
+        """The attractors of the survey that lie in no zone of their pattern."""
         explained = self._result.tables["points"].columns["explained"].decoded()
         return self._attractors((self.survey.outcome == PERIODIC) & ~explained)
 
     @property
     def beyond(self) -> list[Any]:
+        """Stable periodic motions that the survey found beyond the limits of impacts and cycles."""
         return self._attractors(self.survey.outcome == BEYOND)
 
     def _attractors(self, chosen: NDArray[np.bool_]) -> list[Any]:
@@ -270,20 +289,40 @@ class Atlas(OnPlane, study="atlas"):
         return WithoutImpacts(self.osc, self.r, self.clearance)
 
     def at(self, x: float, y: float) -> list[Zone]:
-        """The zones that contain a point (r and clearance, or both parameters): the stable motions with impacts
-        there.
+        """The zones that contain a point: those of the stable motions with impacts there.
 
         `without_impacts.contains` says whether the motion without impacts also exists there.
 
         If an open boundary leaves open whether a zone contains the point, `Zone.contains` warns, and the zone is
         not in the list; attractors of the survey there are in `unexplained`.
+
+        Parameters
+        ----------
+        x, y : float
+            Values of the two parameters; for an oscillator r and d K/F0.
+
+        Returns
+        -------
+        list of Zone
+            In the order of `zones`; empty if there are none.
         """
         x = checks.to_float(x, self.x_parameter, "a number")
         y = checks.to_float(y, self.y_parameter, "a number")
         return [zone for zone in self.zones if bool(zone.contains(x, y))]
 
     def explains(self, attractor: SurveyPoint) -> bool:
-        """For an oscillator: whether an attractor of the survey lies in a zone of its pattern."""
+        """For an oscillator: whether an attractor of the survey lies in a zone of its pattern.
+
+        Parameters
+        ----------
+        attractor : SurveyPoint
+            An item of `attractors`.
+
+        Returns
+        -------
+        bool
+            False for the items of `unexplained`.
+        """
         if self.of_structure:
             raise AttributeError(self._lack("explains", "unexplained"))
         checks.instance(attractor, "attractor", SurveyPoint)
@@ -297,7 +336,18 @@ class Atlas(OnPlane, study="atlas"):
 
     @classmethod
     def load(cls, path: str | Path) -> Atlas:
-        """Read an atlas that `save` wrote; see `vibroimpact.load`."""
+        """Read an atlas that `save` wrote; see `vibroimpact.load`.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file.
+
+        Returns
+        -------
+        Atlas
+            The atlas, with the same bits.
+        """
         return cls._load(path)
 
     @property
@@ -318,9 +368,19 @@ class Atlas(OnPlane, study="atlas"):
     def plot(self, ax: Any = None, inverse: bool = False, units: Units | str | None = None) -> Any:
         """Draw all zones, each with its name, and the points of the survey that no zone explains.
 
-        Returns the Axes.
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Axes to draw on; by default those of a new figure.
+        inverse : bool
+            For an oscillator: draw F0/(d K) on the vertical axis instead of d K/F0.
+        units : Units or str, optional
+            As in `Trajectory.plot`.
 
-        For the argument `units`, see `Trajectory.plot`.
+        Returns
+        -------
+        Axes
+            The Axes with the picture.
         """
         return self._draw(ax, inverse, units=units)
 
@@ -421,12 +481,12 @@ def atlas(
     Parameters
     ----------
     osc : Oscillator
+        The oscillator, without its r and clearance.
     structure, load : Structure, Load
         In place of `osc`.
     x, y : (parameter, (float, float))
         For a structure, in place of r and clearance: each a parameter, as in `branch`, with its lowest and highest
-        value; the value of the structure lies between them. If the parameter is a function, `x_at` or `y_at` is
-        its value for the structure.
+        value; the value of the structure lies between them.
     r, clearance : (float, float)
         The window, as in `zone`: ranges (lo, hi) of the frequency ratio and of d K/F0.
     max_impacts, max_cycles : int
@@ -445,10 +505,13 @@ def atlas(
     progress : callable, optional
         Called with the fraction done and the current task; by default a bar on a terminal or in a
         notebook.
+    x_at, y_at : float, optional
+        For a structure: the value of the parameter at the given system, if the parameter is a function.
 
     Returns
     -------
     Atlas
+        All zones that were found, and the survey.
 
     Raises
     ------

@@ -143,11 +143,12 @@ class Basins(Noun, study="basins", formerly="StructureBasins"):
     labels = column("states", "label")
     fractions = column("attractors", "fraction")
     standard_error = column("attractors")
-    r: float = key("r")
-    clearance: float = key("clearance")
+    r: float = key("r", meaning="For an oscillator: the frequency ratio Omega/omega.")
+    clearance: float = key("clearance", meaning="For an oscillator: the clearance d K/F0.")
 
     @property
     def attractors(self) -> list[Attractor]:
+        """The attractors; the label of a state is an index in this list."""
         if not hasattr(self, "_attractors"):
             found = attractors_of_structure(self) if self.of_structure else attractors_of(self)
             object.__setattr__(self, "_attractors", found)
@@ -155,6 +156,7 @@ class Basins(Noun, study="basins", formerly="StructureBasins"):
 
     @property
     def states(self) -> _Array:
+        """Initial states: t, x, x_dot, z, z_dot (5, ...), or coordinates and velocities (2, k, ...)."""
         if self.of_structure:
             parts = [self._values("states", name) for name in ("q", "q_dot")]
             return np.stack([np.moveaxis(part, -1, 0) for part in parts])
@@ -164,6 +166,7 @@ class Basins(Noun, study="basins", formerly="StructureBasins"):
 
     @property
     def axes(self) -> tuple[Axis, Axis] | None:
+        """Both axes of the plane of states; None for random states and lists."""
         keys = self.keys
         if all(name in keys for name in ("axes", *LISTED)):
             lists = [tuple(np.ravel(keys[name]).tolist()) for name in LISTED]
@@ -187,7 +190,7 @@ class Basins(Noun, study="basins", formerly="StructureBasins"):
         return self.axes is not None
 
     def require(self) -> None:
-        """SingularError if nothing was simulated."""
+        """Raise a SingularError if nothing was simulated."""
         if "states" not in self._result.tables:
             raise SingularError(self._result.notes[0][1])
 
@@ -198,6 +201,7 @@ class Basins(Noun, study="basins", formerly="StructureBasins"):
 
     @property
     def impacts(self) -> int:
+        """For an oscillator: number of events that were simulated to decide the states."""
         if self.of_structure:
             raise AttributeError(self._lack("impacts", "labels"))
         return round(float(self._run("events")))
@@ -209,10 +213,9 @@ class Basins(Noun, study="basins", formerly="StructureBasins"):
 
     @property
     def uncertain(self) -> tuple[_Array, _Array]:
-        """For an oscillator: share of pairs of states that end on different attractors, against their distance in
-        cells.
+        """For an oscillator: share of pairs of states that end on different attractors, by distance.
 
-        Pairs lie along the first or the second axis.
+        Pairs lie along the first or the second axis; their distance is in cells.
         """
         self._need_plane("uncertain")
         pairs = self._result.tables["pairs"].columns
@@ -220,8 +223,10 @@ class Basins(Noun, study="basins", formerly="StructureBasins"):
 
     @property
     def uncertainty_exponent(self) -> float:
-        """For an oscillator: the exponent a, where the share of uncertain states is ~ eps**a if states are known
-        to eps.
+        """For an oscillator: the exponent with which the share of uncertain states falls.
+
+        If states are known to eps, the share of those with an uncertain attractor is ~ eps**a, with the exponent
+        a.
 
         It is 1 for smooth boundaries and near 0 for fractal ones, for which a more accurate state hardly reduces
         the uncertainty. The boundary in the plane has dimension 2 - a. NaN if there is no boundary.
@@ -235,6 +240,16 @@ class Basins(Noun, study="basins", formerly="StructureBasins"):
         Both axes have equal scales. The radius is the distance to the nearest state that ends on another
         attractor, or to the edge of the plane; the true radius is at least this minus one cell. For a damper it is
         the largest disturbance of the state after which the motion is still reached.
+
+        Parameters
+        ----------
+        attractor : int
+            Index of the attractor in `attractors`.
+
+        Returns
+        -------
+        (float, (float, float))
+            Radius of the disc, and its centre on both axes, in the units of the plane.
         """
         self._need_plane("integrity")
         columns = self._result.tables["attractors"].columns
@@ -266,9 +281,19 @@ class Basins(Noun, study="basins", formerly="StructureBasins"):
             )
 
     def plot(self, ax: Any = None, units: Units | str | None = None) -> Any:
-        """Draw the plane, one colour for each attractor (extra `plot`); returns the Axes.
+        """Draw the plane, one colour for each attractor (extra `plot`).
 
-        For the argument `units`, see `Trajectory.plot`.
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Axes to draw on; by default those of a new figure.
+        units : Units or str, optional
+            As in `Trajectory.plot`.
+
+        Returns
+        -------
+        Axes
+            The Axes with the picture.
         """
         return self._draw(ax, units=units)
 
@@ -383,6 +408,7 @@ def basins(
     Parameters
     ----------
     osc : Oscillator
+        The system: xi, mu and the coefficients of restitution of both walls.
     r, clearance : float
         As in `simulate`; so is the number `load`.
     structure, load : Structure, Load
@@ -428,6 +454,7 @@ def basins(
     Returns
     -------
     Basins
+        The attractors, and the label of each state.
 
     Raises
     ------

@@ -97,6 +97,7 @@ class SettledMotions(Noun):
 
     @property
     def labels(self) -> NDArray[np.str_]:
+        """N/k for each run and value: N symbols or impacts in k load cycles; "" if not periodic."""
         counts = self.impacts if self.of_structure else self.symbols
         pairs = zip(counts.ravel().tolist(), self.cycles.ravel().tolist(), strict=True)
         labels = np.array([f"{n}/{k}" if k else "" for n, k in pairs], np.str_)
@@ -170,20 +171,23 @@ class BifurcationDiagram(
     __slots__ = ()
     x_min = cell("cells")
     x_max = cell("cells")
-    parameter: str = key("parameter")
+    parameter: str = key("parameter", meaning='Name of the parameter; "function" for a function.')
 
     @property
     def values(self) -> _Array:
+        """The values of the parameter (n,), rising; for a structure those that were reached."""
         if self.of_structure:
             return self._cells[0]
         return self._values("values", "value")
 
     @property
     def r(self) -> float | _Array:
+        """For an oscillator: the frequency ratio, or one for each value (n,)."""
         return self._beside("r")
 
     @property
     def clearance(self) -> float | _Array:
+        """For an oscillator: the clearance d K/F0, or one for each value (n,)."""
         return self._beside("clearance")
 
     def _beside(self, name: str) -> float | _Array:
@@ -196,6 +200,7 @@ class BifurcationDiagram(
 
     @property
     def runs(self) -> list[str]:
+        """Names of the runs, in the order of the first index of the arrays."""
         if self.of_structure:
             return self._cells[1]
         runs: list[str] = self._values("runs", "run").tolist()
@@ -272,6 +277,16 @@ class BifurcationDiagram(
         """A column of the points; "approach" is the speed of approach, "y_dot" that of the free mass.
 
         For a structure, also "q_0", "q_1", ... and "q_dot_0", ... of the strobes, and outputs by their names.
+
+        Parameters
+        ----------
+        quantity : str
+            A name of a column of `points`, or "approach"; for a structure also of the strobes, or an output.
+
+        Returns
+        -------
+        ndarray
+            One number for each row of `points`, or of `strobes`.
         """
         names: tuple[str, ...] = (*COLUMNS, "approach")
         if self.of_structure:
@@ -302,6 +317,7 @@ class BifurcationDiagram(
         Parameters
         ----------
         ax : matplotlib Axes, optional
+            Axes to draw on; by default those of a new figure.
         quantity : str, optional
             For an oscillator "x" (default), "phase", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after"
             or "approach". For a structure, an output by its name, "q_0", "q_1", ... or "q_dot_0", ... at the
@@ -313,6 +329,7 @@ class BifurcationDiagram(
         Returns
         -------
         Axes
+            The Axes with the picture.
         """
         first = next(iter(self.structure.outputs), "q_0") if self.of_structure else "x"
         return self._draw(ax, quantity or first, units=units)
@@ -504,6 +521,7 @@ def bifurcation_diagram(
     Parameters
     ----------
     osc : Oscillator
+        The system: xi, mu and the coefficients of restitution of both walls.
     structure, load : Structure, Load
         In place of `osc`, `r` and `clearance`; the load has a frequency.
     parameter : {"r", "clearance", "xi", "mu", "R1", "R2", "restitution"}, or str or function
@@ -545,6 +563,7 @@ def bifurcation_diagram(
     Returns
     -------
     BifurcationDiagram
+        The motions at each value of the parameter, run by run.
 
     Raises
     ------

@@ -97,6 +97,12 @@ class BoundaryBand:
         Parameters
         ----------
         kind : {"sampled", "first_order"}
+            The band of the samples, or that to first order in the parameters.
+
+        Returns
+        -------
+        (ndarray, ndarray)
+            Frequency ratios and clearances d K/F0, each (2, V): at the low and at the high quantile.
 
         Raises
         ------
@@ -142,7 +148,9 @@ def boundary_bands(
     quantiles : (float, float)
         Quantiles of the displacement at the ends of the bands.
     rng : int, numpy.random.Generator or None
+        Seed of the samples, as in `uncertainty`.
     threads : int, optional
+        Default: one for each processor.
     progress : callable, optional
         As in `uncertainty`.
 

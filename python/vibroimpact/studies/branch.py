@@ -90,30 +90,37 @@ class SpecialPoint:
 
     @property
     def parameter(self) -> str:
+        """The parameter of the branch."""
         return self.branch.parameter
 
     @property
     def value(self) -> float:
+        """The value of the parameter at the point."""
         return float(self.branch.values[self.index])
 
     @cached_property
     def motion(self) -> Any:
+        """The exact motion at the point."""
         return self.branch[self.index]
 
     @property
     def r(self) -> float:
+        """For an oscillator: the frequency ratio Omega/omega."""
         return float(self.branch.r[self.index])
 
     @property
     def clearance(self) -> float:
+        """For an oscillator: the clearance d K/F0."""
         return float(self.branch.clearance[self.index])
 
     @property
     def impact(self) -> int:
+        """For an oscillator: the impact, from 0, that begins the grazing flight or has no approach speed."""
         return int(self.branch._values("points", "special_impact", "impact")[self.index]) - 1
 
     @property
     def side(self) -> str:
+        """For an oscillator: the wall that a grazing flight touches, "R" or "L"; otherwise ""."""
         return str(self.branch._values("points", "special_side", "side")[self.index])
 
     def switch(self) -> list[Motion]:
@@ -157,10 +164,12 @@ class Followed(Noun, part=True):
 
     @property
     def gaps(self) -> NDArray[np.int32]:
+        """For a structure: the gap of each impact (N,), from 0."""
         return np.asarray(self._values(self._of_start, "gaps")[0]).astype(np.int32)
 
     @property
     def resting(self) -> NDArray[np.int32]:
+        """For a structure: the gap of each rest (R,), from 0, in the order in which they end."""
         if not self.of_structure:
             raise AttributeError(self._lack("resting", "pattern, whose rests are marked by *"))
         if "resting" not in self._result.tables[self._of_start].columns:
@@ -169,6 +178,7 @@ class Followed(Noun, part=True):
 
     @property
     def cycles(self) -> int:
+        """Load cycles in a period."""
         if self.of_structure:
             return int(self._values(self._of_start, "cycles")[0])
         return int(self.keys["cycles"])
@@ -187,10 +197,12 @@ class Followed(Noun, part=True):
 
     @property
     def structure(self) -> Structure:
+        """For a structure: the structure of the motion at the start."""
         return self._start[0]
 
     @property
     def load(self) -> Any:
+        """The load of the motion at the start, for a structure; 1 for an oscillator."""
         return self._start[1] if self.of_structure else 1.0
 
 
@@ -286,12 +298,14 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
 
     @property
     def alpha(self) -> _Array:
+        """For an oscillator: phase of each impact (N, M) from the first one on, in radians."""
         if self.of_structure:
             raise AttributeError(self._lack("alpha", "phases"))
         return np.moveaxis(self._values("points", "phases"), -1, 0)
 
     @property
     def phases(self) -> _Array:
+        """Load phase of each impact (N, M), in radians."""
         if self.of_structure:
             return np.moveaxis(self._values("points", "phases"), -1, 0)
         first: _Array = np.mod(load_phase_of(self.tau, self.xi, self.r), 2 * np.pi)
@@ -304,6 +318,7 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
 
     @property
     def period(self) -> _Array:
+        """Period at each point (M,) as a time; for an oscillator in 1/omega."""
         if self.self_excited:
             return self._values("points", "period")
         if not self.of_structure:
@@ -313,29 +328,35 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
 
     @property
     def parameter(self) -> str:
+        """Name of the parameter; "function" for a function."""
         return str(self.keys["parameter"])
 
     @property
     def pattern(self) -> Pattern:
+        """For an oscillator: the pattern of all motions."""
         if self.of_structure:
             raise AttributeError(self._lack("pattern", "gaps and cycles"))
         return Pattern(self.keys.get("sides", "RL"), self.cycles)
 
     @property
     def symmetric(self) -> bool:
+        """Whether the motions are their own mirror images half a period later."""
         return bool(self._values("branches", "symmetric")[0])
 
     @property
     def cut(self) -> str:
+        """How far the branch got, if it was stopped or reached `max_points`; "" if it is complete."""
         full = f"max_points = {self.keys['max_points']} was reached"
         return super().cut or (full if "full" in self.ends else "")
 
     @property
     def complete(self) -> bool:
+        """Whether neither end is "full" or "stopped"; `cut` otherwise says how far it got."""
         return not self.cut
 
     @property
     def ends(self) -> tuple[str, str]:
+        """Why the branch ends, at its first and at its last point."""
         table = "branch" if self.of_structure else "branches"
         first, last = (self._values(table, name)[0] for name in ("first_end", "last_end"))
         return str(first), str(last)
@@ -351,6 +372,7 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
 
     @property
     def special_points(self) -> list[SpecialPoint]:
+        """Bifurcations and ends, in the order of the branch."""
         types, details = (self._values("points", name) for name in ("special", "detail"))
         return [
             SpecialPoint(str(types[i]), i, str(details[i]), self)
@@ -359,13 +381,25 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
 
     @property
     def rests(self) -> _Array:
+        """For a structure: load phases (R, 2, M), in radians, at which each rest begins and ends."""
         if not len(self.resting):
             return np.zeros((0, 2, len(self)))
         both = [self._values("points", name) for name in ("rest_begin", "rest_end")]
         return np.moveaxis(np.stack(both, axis=1), 0, -1).swapaxes(0, 1)
 
     def at(self, value: float) -> tuple[Structure, Load]:
-        """The structure and the load at a value of the parameter, for a branch of a structure."""
+        """The structure and the load at a value of the parameter, for a branch of a structure.
+
+        Parameters
+        ----------
+        value : float
+            Value of the parameter.
+
+        Returns
+        -------
+        (Structure, Load)
+            The system with this value.
+        """
         value = checks.finite(value, "value")
         bounds = [(self.keys["low"], self.keys["high"])]
         return Path(self._result, *self._start, bounds).at(value)
@@ -488,8 +522,9 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
         return found
 
     def prove(self, tolerance: float = 1e-4, progress: door.Progress | None = None) -> Any:
-        """Prove properties of all motions along this branch in ball arithmetic, not only at its points (extra
-        `proof`).
+        """Prove properties of all motions along this branch in ball arithmetic (extra `proof`).
+
+        The proof holds for all values of the parameter, not only at the points of the branch.
 
         Between folds, the range of the parameter is covered by boxes. For each value in a box, exactly one motion
         exists near a polynomial in the parameter; whether it is admissible and stable is proven for all of these
@@ -528,12 +563,14 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
         return ACTIONS["prove_branch"](self, tolerance, progress=progress)
 
     def plot(self, ax: Any = None, y: str | None = None, units: Units | str | None = None) -> Any:
-        """Draw a column against the parameter: stable motions solid, unstable ones dashed, inadmissible ones
-        dotted.
+        """Draw a column against the parameter (extra `plot`).
+
+        Stable motions are solid, unstable ones dashed, inadmissible ones dotted.
 
         Parameters
         ----------
         ax : matplotlib Axes, optional
+            Axes to draw on; by default those of a new figure.
         y : str, optional
             "largest" for the largest modulus of the multipliers; for an oscillator a column with one number per
             point, "attenuation" by default; for a structure "q_max_0" (the default), ... or "q_min_0", ... (of a
@@ -544,6 +581,7 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
         Returns
         -------
         Axes
+            The Axes with the picture.
         """
         return self._draw(ax, y, units=units)
 
@@ -772,6 +810,7 @@ def branch(
     Returns
     -------
     Branch
+        The motions along the parameter, with the special points and the reasons why it ends.
 
     Raises
     ------

@@ -71,12 +71,14 @@ class Chart(Followed, study="chart"):
 
     @property
     def pattern(self) -> Pattern:
+        """For an oscillator: the pattern of all motions."""
         if self.of_structure:
             raise AttributeError(self._lack("pattern", "gaps"))
         return Pattern(self.keys["sides"], self.keys["cycles"])
 
     @property
     def attrs(self) -> dict[str, Any]:
+        """The attributes of the dataset: system, pattern, case and version."""
         from .. import __version__
 
         keys = self.keys
@@ -196,6 +198,13 @@ class Chart(Followed, study="chart"):
         return not self._result.empty
 
     def to_xarray(self) -> Any:
+        """An xarray.Dataset with the variables on their axes (extra `charts`).
+
+        Returns
+        -------
+        xarray.Dataset
+            As `vibroimpact.chart` returns it.
+        """
         own = {name: tuple(item) for name, item in self.variables.items()}
         names = ("x", "y", "gap") if self.of_structure else ("r", "clearance", "side")
         coords = {name: own.pop(name) for name in names}
@@ -206,9 +215,21 @@ class Chart(Followed, study="chart"):
     ) -> Any:  # fmt: skip
         """Draw where the motions are stable, unstable, inadmissible or absent; see `plot.draw_chart`.
 
-        `inverse` is for charts of an oscillator.
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Axes to draw on; by default those of a new figure.
+        color : {"multiplier", "attenuation"}, optional
+            A quantity whose size is drawn as shades of the stable motions.
+        inverse : bool
+            For an oscillator: draw F0/(d K) on the vertical axis instead of d K/F0.
+        units : Units or str, optional
+            As in `Trajectory.plot`.
 
-        For the argument `units`, see `Trajectory.plot`.
+        Returns
+        -------
+        Axes
+            The Axes with the picture.
         """
         return self._draw(ax, color, inverse, units=units)
 
@@ -301,14 +322,14 @@ def chart(
     Parameters
     ----------
     osc : Oscillator
+        The system: xi, mu and the coefficients of restitution of both walls.
     pattern : Pattern or str
         Without rest.
     motion : Motion
         For a structure, in place of the oscillator and the pattern; as in `zone`.
     x, y : (parameter, (float, float)) or (parameter, array_like)
         For a structure, in place of r and clearance: each a parameter, as in `branch`, with its range, or with 3
-        to 129 values that rise or fall throughout. If the parameter is a function, `x_at` or `y_at` is its value
-        at the motion.
+        to 129 values that rise or fall throughout.
     points : int or (int, int), optional
         Numbers of evenly spaced values if r and clearance are ranges; for a structure, numbers of values of x and
         y, 2 to 129, 33 by default.
@@ -331,6 +352,8 @@ def chart(
     progress : callable, optional
         Called a few times a second with the fraction done and the current task; by default a bar on a terminal
         or in a notebook.
+    x_at, y_at : float, optional
+        For a structure: the value of the parameter at the motion, if the parameter is a function.
 
     Returns
     -------

@@ -89,13 +89,23 @@ class Decay(Noun, study="decay"):
     def plot(
         self, ax: Any = None, kind: str | None = None, units: Units | str | None = None
     ) -> Any:
-        """Draw the peaks against time, and the damping of each cycle against the peak at which it begins (extra
-        `plot`).
+        """Draw the peaks against time, and the damping of each cycle (extra `plot`).
 
-        Returns both Axes. With `ax`, or with `kind` "peaks" or "damping", only one panel is drawn (the peaks
-        unless `kind` is "damping") and its Axes is returned.
+        The damping of a cycle is drawn against the peak at which it begins.
 
-        For the argument `units`, see `Trajectory.plot`.
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Axes for one panel, which alone is then drawn.
+        kind : {"peaks", "damping"}, optional
+            The only panel to draw; "peaks" if only `ax` is given.
+        units : Units or str, optional
+            As in `Trajectory.plot`.
+
+        Returns
+        -------
+        Axes, or an array of Axes
+            Both Axes, or the one of the panel.
         """
         return self._draw(ax, kind, units=units)
 
@@ -164,8 +174,9 @@ def decay(
     Parameters
     ----------
     osc : Oscillator
+        The system: xi, mu and the coefficients of restitution of both walls.
     clearance : float or array_like (runs,), or (float, float)
-        d K/F0; d is the whole travel between the walls. With `points` a range (lo, hi).
+        Clearance d K/F0; d is the whole travel between the walls. With `points` a range (lo, hi).
     amplitude : float
         Displacement of the primary mass at the start.
     inverse_clearance : float or array_like (runs,), or (float, float)
@@ -189,6 +200,7 @@ def decay(
     Returns
     -------
     Decay
+        The peaks of all runs.
 
     Raises
     ------

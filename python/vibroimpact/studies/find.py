@@ -144,17 +144,19 @@ class FoundMotions(Noun, Sequence[Any], study="find", formerly="StructureMotions
     """
 
     __slots__ = ("__dict__",)
-    r: float = key("r")
-    clearance: float = key("clearance")
+    r: float = key("r", meaning="For an oscillator: the frequency ratio Omega/omega.")
+    clearance: float = key("clearance", meaning="For an oscillator: the clearance d K/F0.")
 
     @cached_property
     def motions(self) -> tuple[Any, ...]:
+        """The motions, in order."""
         if self.of_structure:
             return tuple(structure_motions_of(self))
         return tuple(motions_of(self._result, self.osc))
 
     @cached_property
     def search(self) -> Search:
+        """For an oscillator: the extent of the search."""
         if self.of_structure:
             raise AttributeError(self._lack("search", "settled, unsettled and failures"))
         counts = {
@@ -166,26 +168,32 @@ class FoundMotions(Noun, Sequence[Any], study="find", formerly="StructureMotions
 
     @property
     def settled(self) -> tuple[int, ...]:
+        """For a structure: number of simulated states that settle on each motion."""
         return tuple(self._values("motions", "settled").tolist())
 
     @property
     def without_impacts(self) -> int:
+        """Number of simulated states that end without further impacts."""
         return int(self._values("search", "without_impacts"))
 
     @property
     def chaotic(self) -> int:
+        """For a structure: number of states with a positive largest Lyapunov exponent."""
         return int(self._values("search", "chaotic"))
 
     @property
     def quasi_periodic(self) -> int:
+        """For a structure: number of states whose largest exponent is zero, with no stable motion near."""
         return int(self._values("search", "quasi_periodic"))
 
     @property
     def unsettled(self) -> int:
+        """For a structure: number of states that are undecided, or whose motion is not stable."""
         return int(self._values("search", "unsettled"))
 
     @property
     def failures(self) -> dict[str, int]:
+        """For a structure: messages of simulations and iterations that failed, with their number."""
         codes = self._values("failures", "status", "failures").tolist()
         counts = self._values("failures", "count").tolist()
         return {sentence(code): count for code, count in zip(codes, counts, strict=True)}
@@ -202,7 +210,7 @@ class FoundMotions(Noun, Sequence[Any], study="find", formerly="StructureMotions
         return self.motions[index]
 
     def require(self) -> None:
-        """SingularError if the search of a structure could not begin."""
+        """Raise a SingularError if the search of a structure could not begin."""
         if self.of_structure and self._result.empty:
             raise SingularError(self._result.notes[0][1])
 
@@ -219,6 +227,7 @@ class FoundMotions(Noun, Sequence[Any], study="find", formerly="StructureMotions
         Returns
         -------
         Axes, or an array of Axes
+            With `ax` this one; otherwise all Axes of a new figure.
         """
         return self._draw(ax, units=units)
 
@@ -373,6 +382,7 @@ def find(
     Parameters
     ----------
     osc : Oscillator
+        The system: xi, mu and the coefficients of restitution of both walls.
     r, clearance : float
         As in `simulate`.
     structure, load : Structure, Load

@@ -89,12 +89,14 @@ class Lyapunov(Noun, study="lyapunov", formerly="StructureLyapunov"):
 
     @property
     def cycles(self) -> int:
+        """Number of load cycles in the average."""
         keys = self.keys
         cycles: int = keys["cycles"] // keys["batches"] * keys["batches"]
         return cycles
 
     @property
     def cycle(self) -> str:
+        """The unit of `per_cycle`: "load cycle", or "unit of time" if the load has no frequency."""
         free = self.of_structure and (self.load is None or not self.load.frequency)
         return "unit of time" if free else "load cycle"
 
@@ -104,18 +106,28 @@ class Lyapunov(Noun, study="lyapunov", formerly="StructureLyapunov"):
         return np.asarray(self.exponents[0])
 
     def require(self) -> None:
-        """SingularError if it is a single point without exponents."""
+        """Raise a SingularError if it is a single point without exponents."""
         single = self._result.empty if self.of_structure else not self.r.ndim and self.status
         if single:
             raise SingularError(self._result.notes[0][1])
 
     def plot(self, ax: Any = None, units: Units | str | None = None) -> Any:
-        """Draw the exponents (extra `plot`); returns the Axes.
+        """Draw the exponents (extra `plot`).
 
         For an oscillator they are drawn against r or clearance, whichever varies; for a structure, against their
         number.
 
-        For the argument `units`, see `Trajectory.plot`.
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Axes to draw on; by default those of a new figure.
+        units : Units or str, optional
+            As in `Trajectory.plot`.
+
+        Returns
+        -------
+        Axes
+            The Axes with the picture.
         """
         return self._draw(ax, units=units)
 
@@ -243,6 +255,7 @@ def lyapunov(
     Returns
     -------
     Lyapunov
+        The exponents and their standard errors.
 
     Raises
     ------

@@ -117,10 +117,12 @@ class Response(SettledMotions, study="response", formerly="StructureResponse"):
 
     @property
     def values(self) -> _Array:
+        """Frequency ratios of an oscillator, or circular frequencies of the load of a structure (n,)."""
         return self._cells[0] if self.of_structure else self.r
 
     @property
     def runs(self) -> list[str]:
+        """Names of the runs, in the order of the last index of the arrays."""
         if self.of_structure:
             return self._cells[1]
         return [f"state {i + 1}" for i in range(self.status.shape[1])]
@@ -134,6 +136,7 @@ class Response(SettledMotions, study="response", formerly="StructureResponse"):
         Parameters
         ----------
         coordinate : int or str
+            Number of the coordinate, from 0, or name of the output.
 
         Returns
         -------
@@ -164,13 +167,25 @@ class Response(SettledMotions, study="response", formerly="StructureResponse"):
     def plot(
         self, ax: Any = None, coordinate: int | str | None = None, units: Units | str | None = None
     ) -> Any:
-        """Draw the response (extra `plot`); returns the Axes.
+        """Draw the response (extra `plot`).
 
         For an oscillator, each attractor is a dot, and the envelopes are lines. For a structure, the greatest
         magnitude of an output, by its name, or of a coordinate, by its number, is drawn: by default of the first
         output, or of the first coordinate without outputs.
 
-        For the argument `units`, see `Trajectory.plot`.
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Axes to draw on; by default those of a new figure.
+        coordinate : int or str, optional
+            For a structure: the number of a coordinate, from 0, or the name of an output.
+        units : Units or str, optional
+            As in `Trajectory.plot`.
+
+        Returns
+        -------
+        Axes
+            The Axes with the picture.
         """
         if self.of_structure:
             return self._draw(ax, coordinate, units=units)
@@ -285,6 +300,7 @@ def response(
     Parameters
     ----------
     osc : Oscillator
+        The system: xi, mu and the coefficients of restitution of both walls.
     structure, load : Structure, Load
         In place of `osc` and the clearance; `values` replace the frequency of the load.
     r : array_like (n,), or (float, float)
@@ -293,7 +309,7 @@ def response(
         Circular frequencies of a structure's load, at least two different ones, in any order; with `points` a
         range (lo, hi).
     clearance, inverse_clearance : float or array_like (n,)
-        d K/F0 or F0/(d K); give one of the two. d is the whole travel between the walls.
+        Clearance d K/F0, or its inverse F0/(d K); give one of the two. d is the whole travel between the walls.
     states : int
         For an oscillator: number of initial states at each r, spread evenly.
     sweep : {"up", "down", "both"}
@@ -320,6 +336,7 @@ def response(
     Returns
     -------
     Response
+        The size of the motions at each frequency.
 
     Raises
     ------

@@ -107,6 +107,11 @@ class Uncertainty:
 
         The dimension `vertex` runs over the vertices of all bands; `band` is the number of the band of each
         vertex.
+
+        Returns
+        -------
+        xarray.Dataset
+            The maps, and the bands if there are any.
         """
         grid, vertex = ("clearance", "r"), ("vertex",)
         maps = {"probability": (self.probability, "share of samples with a stable motion"),
@@ -160,15 +165,18 @@ class Uncertainty:
         Parameters
         ----------
         ax : matplotlib Axes, optional
+            Axes to draw on; by default those of a new figure.
         inverse : bool
             Draw F0/(d K) on the vertical axis, as in Figures 6 to 8 of the 1983 paper, instead of d K/F0.
         what : {"probability", "within"}
+            The map that is drawn.
         units : Units or str, optional
             As in `Trajectory.plot`.
 
         Returns
         -------
         Axes
+            The Axes with the picture.
         """
         return ACTIONS["draw"](self, ax, inverse, what, units=units)
 
@@ -212,6 +220,7 @@ def uncertainty(
     osc : Oscillator
         With the nominal values.
     pattern : Pattern or str
+        The pattern; a str with one load cycle.
     r, clearance : array_like, or (float, float)
         Nominal frequency ratios and clearances d K/F0 that rise or fall throughout; d is the whole travel of m
         between the walls. With `points` each is a range (lo, hi), or one number. Bands require at least two values
@@ -235,6 +244,7 @@ def uncertainty(
     bands : bool
         Whether to trace the nominal zone and to find the bands, as `boundary_bands` does.
     vertices : int
+        Largest number of vertices of a piece that are examined, 2 to 10000.
     quantiles : (float, float)
         As in `boundary_bands`.
     rng : int, numpy.random.Generator or None
@@ -244,6 +254,11 @@ def uncertainty(
         Default: one for each processor.
     progress : callable, optional
         As in `chart`; an exception that it raises ends the computation.
+
+    Returns
+    -------
+    Uncertainty
+        The map of probabilities, and the bands.
 
     Raises
     ------
@@ -376,7 +391,13 @@ class LimitProbability:
         )
 
     def to_xarray(self) -> Any:
-        """The arrays as an xarray.Dataset with the dimension `point` (extra `data`)."""
+        """The arrays as an xarray.Dataset with the dimension `point` (extra `data`).
+
+        Returns
+        -------
+        xarray.Dataset
+            The probability and its interval at each point.
+        """
         items = {
             name: (("point",), np.ravel(getattr(self, name)))
             for name in ("probability", "low", "high", "failed", "r", "clearance")
@@ -440,9 +461,16 @@ def limit_probability(
     max_events : int
         Events after which a simulation fails, 1000 to 1000000000.
     rng : int, numpy.random.Generator or None
+        Seed of the samples and initial states, as in `uncertainty`.
     threads : int, optional
+        Default: one for each processor.
     progress : callable, optional
         As in `uncertainty`.
+
+    Returns
+    -------
+    LimitProbability
+        The probability at each point, with its interval.
 
     Raises
     ------

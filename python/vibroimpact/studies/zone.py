@@ -88,26 +88,32 @@ class Piece:
 
     @property
     def r(self) -> _Array:
+        """For an oscillator: frequency ratio Omega/omega at the vertices (M,)."""
         return self._own("r", self.x)
 
     @property
     def clearance(self) -> _Array:
+        """For an oscillator: clearance d K/F0 at the vertices (M,)."""
         return self._own("clearance", self.y)
 
     @property
     def x_over_D(self) -> _Array:
+        """For an oscillator: position of the primary mass at each impact, over D, at the vertices (N, M)."""
         return self._own("x_over_D", self._motions[0])
 
     @property
     def theta(self) -> _Array:
+        """For an oscillator: phase alpha_i + tau of each impact at the vertices (N, M), in radians."""
         return self._own("theta", self._motions[1])
 
     @property
     def speeds(self) -> _Array:
+        """For a structure: approach speed of each impact at the vertices (N, M)."""
         return self._own("speeds", self._motions[0], True)
 
     @property
     def phases(self) -> _Array:
+        """For a structure: load phase of each impact at the vertices (N, M), in radians."""
         return self._own("phases", self._motions[1], True)
 
     def _own(self, name: str, values: _Array, of_structure: bool = False) -> _Array:
@@ -168,10 +174,12 @@ class OnPlane(Noun):
 
     @property
     def r(self) -> tuple[float, float]:
+        """For an oscillator: lowest and highest frequency ratio of the window."""
         return self._window("r")
 
     @property
     def clearance(self) -> tuple[float, float]:
+        """For an oscillator: lowest and highest clearance d K/F0 of the window."""
         return self._window("clearance")
 
     def _window(self, name: str) -> tuple[float, float]:
@@ -182,18 +190,22 @@ class OnPlane(Noun):
 
     @property
     def x(self) -> tuple[float, float]:
+        """Lowest and highest value of the first parameter of the window."""
         return (self.keys["x_low"], self.keys["x_high"]) if self.of_structure else self.r
 
     @property
     def y(self) -> tuple[float, float]:
+        """Lowest and highest value of the second parameter of the window."""
         return (self.keys["y_low"], self.keys["y_high"]) if self.of_structure else self.clearance
 
     @property
     def x_parameter(self) -> str:
+        """Name of the first parameter: "r" for an oscillator, "function" for a function."""
         return str(self.keys["x"]) if self.of_structure else "r"
 
     @property
     def y_parameter(self) -> str:
+        """Name of the second parameter: "clearance" for an oscillator, "function" for a function."""
         return str(self.keys["y"]) if self.of_structure else "clearance"
 
 
@@ -244,10 +256,12 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
 
     @property
     def pattern(self) -> Pattern:
+        """For an oscillator: the pattern of the motions."""
         return Pattern(self._key("pattern", "sides"), self.keys["cycles"])
 
     @property
     def symmetric(self) -> bool | None:
+        """For an oscillator: whether motions are their own mirror images; None for both kinds."""
         return {"yes": True, "no": False, "both": None}[self._key("symmetric", "symmetric")]
 
     def _key(self, attribute: str, name: str) -> Any:
@@ -258,6 +272,7 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
 
     @cached_property
     def boundary(self) -> list[Piece]:
+        """The pieces of the boundary."""
         pieces, vertices = (self._result.tables[name] for name in ("pieces", "vertices"))
         labels = {name: item.decoded() for name, item in pieces.columns.items()}
         values = [vertices.columns[name].values for name in VERTICES[self.of_structure]]
@@ -277,6 +292,7 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
 
     @cached_property
     def loops(self) -> list[_Array]:
+        """Closed rings of vertices (x, y), each (M, 2)."""
         rings = self._result.tables["rings"]
         points = np.stack(
             [rings.columns[name].values for name in VERTICES[self.of_structure][:2]], axis=1
@@ -287,10 +303,12 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
 
     @property
     def closed(self) -> bool:
+        """Whether every boundary that was found could be closed, and every seed is enclosed."""
         return bool(self._one("closed"))
 
     @property
     def search(self) -> ZoneSearch:
+        """The extent of the search."""
         table = self._result.tables.get("open_seeds")
         r, clearance = (
             ([], []) if table is None
@@ -330,6 +348,16 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         """Number of stable, admissible motions of the pattern or family at points; mirror images count once.
 
         At points that an open boundary leaves undecided it is a lower bound, with an `OpenBoundaryWarning`.
+
+        Parameters
+        ----------
+        x, y : array_like
+            As in `contains`.
+
+        Returns
+        -------
+        ndarray of int
+            In the shape of the points; 0 outside the window.
         """
         return self._counted(x, y)
 
@@ -413,7 +441,18 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         return np.asarray(window & met & (turns <= 0))
 
     def at(self, x: float, y: float) -> tuple[Structure, Load]:
-        """The structure and the load at values of both parameters, for a zone of a structure."""
+        """The structure and the load at values of both parameters, for a zone of a structure.
+
+        Parameters
+        ----------
+        x, y : float
+            Values of the two parameters.
+
+        Returns
+        -------
+        (Structure, Load)
+            The system with these values.
+        """
         return Path(self._result, *self._start, [self.x, self.y]).at(*self._place(x, y))
 
     @staticmethod
@@ -430,6 +469,16 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         friction are followed from the motion where the search started, along branches on the straight line or
         along one parameter after the other. The result is None if no motion can be followed to the point, for
         motions of an oscillator with rest, and for motions with rests, stops or friction in a zone of an atlas.
+
+        Parameters
+        ----------
+        x, y : float
+            Values of the two parameters, r and d K/F0 of an oscillator.
+
+        Returns
+        -------
+        Motion or None
+            The motion at the point.
 
         Examples
         --------
@@ -575,8 +624,10 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
 
     @property
     def area(self) -> float:
-        """Area in the plane (r, log D), or in that of both parameters of a structure; areas of coexisting motions
-        are added."""
+        """Area in the plane (r, log D), or in that of both parameters of a structure.
+
+        Areas of coexisting motions are added.
+        """
         rings = self.loops
         if not self.of_structure:
             rings = [np.c_[ring[:, 0], np.log(ring[:, 1])] for ring in rings]
@@ -588,7 +639,13 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
             raise SingularError(self._result.notes[0][1])
 
     def parts(self) -> list[Any]:
-        """The zone, unless the search of a structure failed."""
+        """The zone, unless the search of a structure failed.
+
+        Returns
+        -------
+        list of Zone
+            This zone alone, or nothing.
+        """
         return [] if self._none else [self]
 
     @property
@@ -653,6 +710,7 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         Parameters
         ----------
         ax : matplotlib Axes, optional
+            Axes to draw on; by default those of a new figure.
         inverse : bool
             For an oscillator: draw F0/(d K) on the vertical axis, as in Figures 6 to 8 of the 1983 paper, instead
             of d K/F0.
@@ -664,6 +722,7 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         Returns
         -------
         Axes
+            The Axes with the picture.
         """
         return self._draw(ax, inverse, label, units=units)
 
@@ -806,6 +865,7 @@ def zone(
     Parameters
     ----------
     osc : Oscillator
+        The system: xi, mu and the coefficients of restitution of both walls.
     pattern : Pattern or str
         At most 24 impacts.
     r, clearance : (float, float)
