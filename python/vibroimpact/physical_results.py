@@ -69,6 +69,7 @@ def physical(result: Any, units: Units | str | None = None) -> Any:
     Parameters
     ----------
     result : Motion, Trajectory, Zone or another result of an Oscillator, or xarray.Dataset
+        The result, dimensionless.
     units : Units or str, optional
         Units of length, force and time, such as "mm N s" or "SI"; those of the oscillator by default.
         `Oscillator.units` gives Units with another load amplitude F0.
@@ -76,6 +77,7 @@ def physical(result: Any, units: Units | str | None = None) -> Any:
     Returns
     -------
     Physical, or xarray.Dataset
+        The same result; values with a dimension are in these units.
 
     Raises
     ------
@@ -246,7 +248,18 @@ class Physical(Generic[From]):
         return tables(self._of._result, self.units)
 
     def sample(self, t: ArrayLike) -> Sample:
-        """Positions, velocities, accelerations and load at physical times, as `sample` of the result."""
+        """Positions, velocities, accelerations and load at physical times, as `sample` of the result.
+
+        Parameters
+        ----------
+        t : array_like
+            Times in the unit of time.
+
+        Returns
+        -------
+        Sample
+            Arrays in the shape of the times, in these units.
+        """
         times = checks.real_array(t, "t", "real times") / self.units.time
         # the conversion rounds the ends of a trajectory; they still count as within it
         for name in ("start", "end"):
@@ -263,17 +276,56 @@ class Physical(Generic[From]):
         return options | {"window": window / self.units.time}
 
     def quantities(self, *args: Any, **options: Any) -> Quantities:
-        """Response quantities in physical units, as `quantities` of the result; `window` is in physical times."""
+        """Response quantities in physical units, as `quantities` of the result; `window` is in physical times.
+
+        Parameters
+        ----------
+        *args
+            Arguments of the same method of the result.
+        **options
+            Its arguments by name; `window` is in physical times.
+
+        Returns
+        -------
+        Quantities
+            Their values in these units.
+        """
         amounts = self._of.quantities(*args, **self._with_window(options))
         found: Quantities = self._converted("quantities", amounts)
         return found
 
     def plot(self, *args: Any, **options: Any) -> Any:
-        """The picture of the result with physical axes; arguments as of its `plot`, with physical times."""
+        """The picture of the result with physical axes; arguments as of its `plot`, with physical times.
+
+        Parameters
+        ----------
+        *args
+            Arguments of the same method of the result.
+        **options
+            Its arguments by name; `window` is in physical times.
+
+        Returns
+        -------
+        Axes, or an array of Axes
+            As the method of the result returns them.
+        """
         return type(self._of).plot(self, *args, **self._with_window(options))
 
     def animate(self, *args: Any, **options: Any) -> Any:
-        """The animation of the result in physical units; arguments as of its `animate`, as in `plot`."""
+        """The animation of the result in physical units; arguments as of its `animate`, as in `plot`.
+
+        Parameters
+        ----------
+        *args
+            Arguments of the same method of the result.
+        **options
+            Its arguments by name; `window` is in physical times.
+
+        Returns
+        -------
+        the animation
+            As the method of the result returns it.
+        """
         return type(self._of).animate(self, *args, **self._with_window(options))
 
     def _animate(self, *options: Any, units: Units | str | None = None) -> Any:
@@ -299,8 +351,13 @@ class Physical(Generic[From]):
         return draw_result(self.result, *options, units=self.units if units is None else units)
 
     def to_dict(self) -> dict[str, Any]:
-        """The `to_dict` of the result, with the units; the item `physical` contains the tables in physical
-        units."""
+        """The `to_dict` of the result, with its units.
+
+        Returns
+        -------
+        dict
+            Its item `physical` contains the tables in physical units.
+        """
         from .formats.record import encoded
 
         columns = {
@@ -316,16 +373,33 @@ class Physical(Generic[From]):
         return content | {"physical": {**own, "columns": named, "tables": columns}}
 
     def to_json(self) -> str:
-        """`to_dict` as JSON text."""
+        """`to_dict` as JSON text.
+
+        Returns
+        -------
+        str
+            One JSON object.
+        """
         return json.dumps(self.to_dict(), allow_nan=False)
 
     def to_xarray(self) -> Any:
-        """The result in physical units as a dataset, as `to_xarray` of the result."""
+        """The result in physical units as a dataset, as `to_xarray` of the result.
+
+        Returns
+        -------
+        xarray.Dataset
+            Each variable has its unit as an attribute.
+        """
         return dataset(self._of.to_xarray(), self.units)
 
     def to_pandas(self) -> Any:
-        """The result in physical units as a data frame, as `to_pandas` of the result; ``attrs["units"]`` has the
-        unit names."""
+        """The result in physical units as a data frame, as `to_pandas` of the result.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Its ``attrs["units"]`` has the names of the units.
+        """
         from .formats.rows import to_pandas
 
         frame = to_pandas(self)
@@ -333,8 +407,15 @@ class Physical(Generic[From]):
         return frame
 
     def save(self, path: str | Path) -> None:
-        """Write a file as `save` of the result, in physical units; `vibroimpact.load` reads .json, .nc and .mat
-        with the same units."""
+        """Write a file as `save` of the result, in physical units.
+
+        `vibroimpact.load` reads .json, .nc and .mat with the same units.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file; its extension sets the format.
+        """
         from .formats import save
 
         save.save(self, path)

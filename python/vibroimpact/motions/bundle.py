@@ -74,12 +74,13 @@ def simulate_bundle(
     Parameters
     ----------
     osc : Oscillator
+        The system: xi, mu and the coefficients of restitution of both walls.
     r, clearance : float or array_like (M,)
         As in `simulate`.
     cycles : float
         Load cycles to simulate.
     states : array_like (5,) or (5, M), optional
-        t, x, x_dot, z, z_dot at the start; default: all 0.
+        Values of t, x, x_dot, z, z_dot at the start; by default all 0.
     load : float or array_like (M,)
         As in `simulate`.
     max_events : int
@@ -90,6 +91,7 @@ def simulate_bundle(
     Returns
     -------
     Bundle
+        The final states, one for each point.
 
     Raises
     ------

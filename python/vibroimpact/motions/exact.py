@@ -211,6 +211,7 @@ def exact(
     Parameters
     ----------
     osc : Oscillator
+        The system: xi, mu and the coefficients of restitution of both walls.
     r, clearance : float
         As in `simulate`.
     structure, load : Structure, Load or None

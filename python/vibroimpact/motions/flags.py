@@ -73,11 +73,15 @@ def stability_flags(
     Parameters
     ----------
     osc : Oscillator
+        The system: xi, mu and the coefficients of restitution of both walls.
     r : array_like, scalar or (M,)
+        Frequency ratio Omega/omega, one for all sets of phases or one for each.
     phases : array_like (N, M)
         One set of impact phases a column.
     pattern : Pattern or str
+        Sides of the N impacts and the number of load cycles.
     restitution : array_like, optional
+        Coefficient of restitution of each impact (N,); by default that of the wall.
     acceptance : float
         As in `periodic`.
     spectral_radius : bool
@@ -89,6 +93,7 @@ def stability_flags(
     Returns
     -------
     StabilityFlags
+        The verdicts, one for each set of phases.
 
     Raises
     ------

@@ -18,11 +18,24 @@ __all__ = ["is_symmetric", "motion_images", "same_motion", "standard_motion"]
 
 
 def standard_motion(motion: Motion, *, mirrored: bool = False) -> Motion:
-    """A motion, or its mirror image, over its shortest period, with the first impact chosen such that R comes
-    before L.
+    """A motion, or its mirror image, over its shortest period and with a standard first impact.
+
+    The first impact is chosen such that R comes before L.
 
     The mirror image is x -> -x, R <-> L, half a cycle later; it is a motion if both walls have the same
     restitution.
+
+    Parameters
+    ----------
+    motion : Motion
+        A motion of an oscillator.
+    mirrored : bool
+        Whether to return the mirror image.
+
+    Returns
+    -------
+    Motion
+        The same motion, or its mirror image.
 
     Raises
     ------
@@ -48,6 +61,16 @@ def standard_motion(motion: Motion, *, mirrored: bool = False) -> Motion:
 
 def motion_images(motion: Motion) -> Iterator[Motion]:
     """A motion in standard form, and its mirror image if both walls have the same restitution.
+
+    Parameters
+    ----------
+    motion : Motion
+        A motion of an oscillator.
+
+    Returns
+    -------
+    iterator of Motion
+        One or two motions.
 
     Raises
     ------
@@ -96,6 +119,11 @@ def same_motion(one: Motion, other: Motion, *, mirrored: bool = False) -> bool:
         Both of one system.
     mirrored : bool
         For an oscillator: compare with the mirror image of the other.
+
+    Returns
+    -------
+    bool
+        Whether they are the same.
 
     Raises
     ------
@@ -151,6 +179,16 @@ def same_motion(one: Motion, other: Motion, *, mirrored: bool = False) -> bool:
 
 def is_symmetric(motion: Motion) -> bool:
     """Whether a motion without rest is its own mirror image half a period later (for a structure, -q).
+
+    Parameters
+    ----------
+    motion : Motion
+        A motion of an oscillator or of a structure.
+
+    Returns
+    -------
+    bool
+        False for a motion with rest.
 
     Raises
     ------

@@ -292,8 +292,10 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
 
     @property
     def self_excited(self) -> bool:
-        """Whether the motion has no periodic load, so that its phase is free (its period is 2
-        pi/load.frequency)."""
+        """Whether the motion has no periodic load, so that its phase is free.
+
+        Its period is then 2 pi/load.frequency.
+        """
         return self.of_structure and not len(self.load.sine) and not self.structure._moves
 
     @property
@@ -378,7 +380,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
 
     @memory_for("a sample at the times t")
     def sample(self, t: ArrayLike, output: str | None = None) -> Any:
-        """Positions and velocities at any times, from the closed form; the motion is periodic.
+        """The positions and velocities at any times, from the closed form; the motion is periodic.
 
         Parameters
         ----------
@@ -421,7 +423,20 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
 
     @memory_for("a sample at the times t")
     def acceleration(self, t: ArrayLike, output: str | None = None) -> _Array:
-        """Accelerations (n, m) at any times, between the impacts, as in `Trajectory.acceleration`."""
+        """The accelerations (n, m) at any times, between the impacts, as in `Trajectory.acceleration`.
+
+        Parameters
+        ----------
+        t : array_like (m,)
+            Any finite times, as in `sample`.
+        output : str, optional
+            As in `sample`.
+
+        Returns
+        -------
+        ndarray (n, m)
+            Accelerations; for an oscillator those of its two masses; (m,) for an output.
+        """
         if self.of_structure:
             run, times = self._within(t)
             return run.acceleration(times, output)
@@ -449,6 +464,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         Returns
         -------
         Quantities
+            Their values over a period.
 
         Raises
         ------
@@ -491,6 +507,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         Parameters
         ----------
         ax : matplotlib Axes, optional
+            Axes for one panel; without it, a figure with all panels is made.
         kind : str, optional
             As in `Trajectory.plot`.
         cycles : float, optional
@@ -503,7 +520,8 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
 
         Returns
         -------
-        Axes, or an array of Axes if all panels were drawn.
+        Axes, or an array of Axes
+            The Axes of the panel, or those of all panels.
         """
         if self.of_structure:
             return self._run().plot(ax, kind, cycles, window, units)
@@ -569,6 +587,11 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
 
         P_i is the derivative of the state (x, x', z', alpha) just after impact i+1 with respect to that
         just after impact i. All zero where the impact has no approach speed.
+
+        Returns
+        -------
+        ndarray (N, 4, 4)
+            The matrices in the order of the impacts.
         """
         if self.of_structure:
             raise AttributeError(self._lack("impact_maps", "matrix"))
@@ -580,8 +603,15 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         return np.moveaxis(maps, 2, 0)
 
     def stability_matrix(self) -> NDArray[np.float64]:
-        """[P] = [P_N] ... [P_1] of equation (32), (4, 4); for a structure `matrix`. Its eigenvalues are the
-        multipliers."""
+        """The matrix [P] = [P_N] ... [P_1] of equation (32); for a structure `matrix`.
+
+        Its eigenvalues are the multipliers.
+
+        Returns
+        -------
+        ndarray (4, 4) or (2n, 2n)
+            The derivative of the state after a period with respect to that before it.
+        """
         if self.of_structure:
             return self.matrix
         product = np.eye(4)
@@ -702,6 +732,11 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         The digits are the same if the motion was computed from phases. Otherwise the motion itself is the guess
         for Newton's method, which then returns it to within rounding. The case of an equispaced motion computes
         both motions of the pair.
+
+        Returns
+        -------
+        str
+            The groups &system and &motion, or those of a structure.
         """
         if not self.of_structure:
             return namelist.case(self.osc, self.r, motion=self._keys())
@@ -790,7 +825,18 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
 
     @classmethod
     def of_result(cls, result: Result) -> Motion:
-        """The motion of a result that contains one motion."""
+        """The motion of a result that contains one motion.
+
+        Parameters
+        ----------
+        result : Result
+            The tables that the core or a file provides.
+
+        Returns
+        -------
+        Motion
+            The motion; verdicts that are not known are None.
+        """
         if not result.of_structure:
             found = motions_of(result)
             if len(found) != 1:
@@ -895,7 +941,13 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         }
 
     def verdicts(self) -> str:
-        """The three verdicts as a text, with the numbers behind them."""
+        """The three verdicts as a text, with the numbers behind them.
+
+        Returns
+        -------
+        str
+            Such as "consistent, admissible, stable (max|lambda| = 0.9232, complex)".
+        """
         words = [
             {True: name, False: f"not {name}", None: f"{name}?"}[value]
             for name, value in (("consistent", self.consistent), ("admissible", self.admissible))
@@ -1196,7 +1248,7 @@ class Motions:
 
     @property
     def attenuation(self) -> NDArray[np.float64]:
-        """max|x|/A of each motion."""
+        """Attenuation max|x|/A of each motion (M,)."""
         return np.maximum(-self.x_min, self.x_max) / self.A
 
     def __len__(self) -> int:

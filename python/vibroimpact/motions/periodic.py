@@ -214,6 +214,9 @@ def periodic(
     Parameters
     ----------
     osc : Oscillator
+        The system: xi, mu and the coefficients of restitution of both walls.
+    structure, load : Structure, Load
+        In place of `osc` and `r`.
     r : float
         Frequency ratio Omega/omega, 1e-6 to 1e6; not 1 if xi = 0.
     phases : array_like (N,)
@@ -221,6 +224,14 @@ def periodic(
         matter: the load phase of the first impact is part of the result.
     pattern : Pattern or str
         Sides of the N impacts and the number k of load cycles.
+    gaps : array_like (N,) of int
+        For a structure, in place of the pattern: the gap of each impact, from 0.
+    cycles : int
+        For a structure: load cycles in a period.
+    full : bool
+        For a structure: whether the state after the first impact is a further unknown.
+    kinds : sequence of str, optional
+        For a structure with stops or friction: the kind of each event.
     restitution : array_like (N,), optional
         Coefficient of restitution of each impact; by default that of the wall.
     precision : {"double", "single"}
@@ -293,12 +304,17 @@ def periodic_batch(
     Parameters
     ----------
     osc : Oscillator
+        The system: xi, mu and the coefficients of restitution of both walls.
     r : array_like, scalar or (M,)
+        Frequency ratio Omega/omega, one for all sets of phases or one for each.
     phases : array_like (N, M)
         One set of impact phases per column.
     pattern : Pattern or str
+        Sides of the N impacts and the number of load cycles.
     restitution : array_like, optional
+        Coefficient of restitution of each impact (N,); by default that of the wall.
     precision : str
+        Kind of arithmetic, "double" or "single".
     acceptance : float
         As in `periodic`.
     flights : bool
@@ -418,8 +434,11 @@ def equispaced_batch(
     Parameters
     ----------
     osc : Oscillator
+        As in `equispaced`: with R1 = R2.
     r, clearance : array_like, scalar or (M,)
+        Frequency ratios Omega/omega, and clearances D = d K/F0.
     cycles : int
+        Load cycles k in a period, odd.
     precision : str
         As in `equispaced`.
 
@@ -493,6 +512,19 @@ def linear_system(
     restitution: ArrayLike | None = None,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The linear equations of the 1983 paper, for inspection: (26), i = 1..N, then (30), i = 1..N.
+
+    Parameters
+    ----------
+    osc : Oscillator
+        The system: xi, mu and the coefficients of restitution of both walls.
+    r : float
+        Frequency ratio Omega/omega.
+    phases : array_like (N,)
+        Phase of each impact (radians), as in `periodic`.
+    pattern : Pattern or str
+        Sides of the N impacts and the number of load cycles.
+    restitution : array_like (N,), optional
+        Coefficient of restitution of each impact; by default that of the wall.
 
     Returns
     -------

@@ -139,14 +139,17 @@ class Quantities:
 
     @property
     def x(self) -> Signal:
+        """Displacement of the primary mass in F0/K, for an oscillator only."""
         return self._of_primary("x", self.q)
 
     @property
     def x_dot(self) -> Signal:
+        """Velocity of the primary mass in omega F0/K, for an oscillator only."""
         return self._of_primary("x_dot", self.q_dot)
 
     @property
     def x_ddot(self) -> Signal:
+        """Acceleration of the primary mass in omega^2 F0/K, for an oscillator only."""
         return self._of_primary("x_ddot", self.q_ddot)
 
     def _of_primary(self, name: str, signal: Signal) -> Signal:

@@ -204,7 +204,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
 
     @memory_for("a sample at the times t")
     def sample(self, t: ArrayLike, output: str | None = None) -> Any:
-        """Positions and velocities at times within the trajectory, from the closed form.
+        """The positions and velocities at times within the trajectory, from the closed form.
 
         Parameters
         ----------
@@ -278,7 +278,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
 
     @memory_for("a sample at the times t")
     def acceleration(self, t: ArrayLike, output: str | None = None) -> _Array:
-        """Accelerations at given times between the impacts, at which velocities jump.
+        """The accelerations at given times between the impacts, at which velocities jump.
 
         Parameters
         ----------
@@ -322,6 +322,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         Returns
         -------
         Quantities
+            Their values over the window.
 
         Raises
         ------
@@ -403,6 +404,11 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         tolerance : float
             Largest difference of the phases (radians).
 
+        Returns
+        -------
+        Period
+            Its pattern, its events, and how accurately it repeats.
+
         Raises
         ------
         ParameterError
@@ -422,7 +428,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         return last_period(self, most_cycles, tolerance)
 
     def gradient(self, parameters: Sequence[Wanted] | None = None) -> Gradient:
-        """Derivatives of all events and the final state with respect to the initial state and parameters.
+        """The derivatives of all events and the final state with respect to the initial state and parameters.
 
         The derivatives are carried through impacts, accumulations, rests and releases in closed form (saltation).
         For an oscillator the quantities are ``time``, ``x``, ``x_dot_before``, ``x_dot_after``, ``z_dot_before``
@@ -485,7 +491,13 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         return found
 
     def to_namelist(self) -> str:
-        """The case as a namelist, from which `vibroimpact run` and `vibroimpact-batch` compute the same digits."""
+        """The case as a namelist, from which `vibroimpact run` and `vibroimpact-batch` compute the same digits.
+
+        Returns
+        -------
+        str
+            The groups &system and &simulate, or those of a structure.
+        """
         if self.request is None:
             reason = "it began with the final state of another trajectory"
             if self.of_structure:
@@ -553,7 +565,18 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
 
     @classmethod
     def of_result(cls, result: Result) -> Trajectory:
-        """The trajectory of the core's tables."""
+        """The trajectory of the core's tables.
+
+        Parameters
+        ----------
+        result : Result
+            The tables that the core or a file provides.
+
+        Returns
+        -------
+        Trajectory
+            The trajectory with its events.
+        """
         if result.of_structure:
             return cls._of_structure(result)
         one = {
@@ -656,7 +679,8 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
 
         Returns
         -------
-        Axes, or an array of Axes if all panels were drawn.
+        Axes, or an array of Axes
+            The Axes of the panel, or those of all panels.
         """
         return self._draw(ax, kind, *self._shown(cycles, window), units=units)
 
@@ -1024,6 +1048,9 @@ def simulate(
     Parameters
     ----------
     osc : Oscillator
+        The system: xi, mu and the coefficients of restitution of both walls.
+    structure, load : Structure, Load, Record or None
+        In place of `osc`, `r` and `clearance`.
     r : float
         Frequency ratio Omega/omega, 1e-6 to 1e6; not 1 if xi = 0.
     clearance : float
@@ -1031,12 +1058,16 @@ def simulate(
         travel between the walls.
     cycles : float
         Load cycles to simulate, 0 to 1e9.
+    duration : float, optional
+        For a structure: the time to simulate, in place of `cycles`.
     state : mapping, optional
         Some of ``t, x, x_dot, z, z_dot``, with the load phase r t at time t; missing ones are 0 (by default all).
         Or the `final_state` of a trajectory, which is then continued bit for bit. If all are 0, the free mass
         stays at rest in the middle until |X| reaches D/2. Without impacts |X| settles to the amplitude A, so that
         with D > 2 A no wall reaches the free mass, except perhaps during the transient: for such D, give it an
         initial velocity.
+    start : float
+        For a structure: time at the start.
     load : float
         Load amplitude f >= 0, relative to the load that defines the unit of length; 0 is free vibration.
     discard : float
@@ -1051,6 +1082,7 @@ def simulate(
     Returns
     -------
     Trajectory
+        The events and the states at both ends; `sample` gives the motion between them.
 
     Raises
     ------

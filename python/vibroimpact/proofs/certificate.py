@@ -132,19 +132,47 @@ class Certificate:
         return ACTIONS["plane_of"](self)
 
     def decide(self, r: float, clearance: float) -> bool | None:
-        """For a zone: True if a stable, admissible motion is proven to exist at a point, False if none does; None
-        if neither is proven, and outside the window."""
+        """For a zone: whether a stable, admissible motion is proven to exist at a point.
+
+        Parameters
+        ----------
+        r, clearance : float
+            Frequency ratio and d K/F0.
+
+        Returns
+        -------
+        bool or None
+            True if one is proven to exist, False if it is proven that there is none; None if neither is proven,
+            and outside the window.
+        """
         place = checks.finite(r, "r"), checks.finite(clearance, "clearance")
         found: bool | None = self._plane.decide(*place)
         return found
 
     def shares(self) -> dict[str, float]:
-        """For a zone: the parts of the window (r, log D) "inside", "outside" and "undecided", summed on lines."""
+        """For a zone: the parts of the window (r, log D) "inside", "outside" and "undecided", summed on lines.
+
+        Returns
+        -------
+        dict of float
+            The three parts by name; their sum is 1.
+        """
         found: dict[str, float] = self._plane.shares()
         return found
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw a certificate of a zone: the areas proven inside, proven outside and not decided."""
+        """Draw a certificate of a zone: proven inside, proven outside, and not decided areas.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Axes to draw on; by default those of a new figure.
+
+        Returns
+        -------
+        Axes
+            The Axes with the picture.
+        """
         return ACTIONS["draw"](self, ax)
 
     @property
@@ -219,14 +247,31 @@ class Certificate:
         return facts_html(repr(self), facts)
 
     def to_dict(self) -> dict[str, Any]:
-        """Everything as plain Python values, ready for JSON; exact numbers are strings."""
+        """Everything as plain Python values, ready for JSON; exact numbers are strings.
+
+        Returns
+        -------
+        dict
+            The attributes by name.
+        """
         return {"type": "Certificate", "format": FORMAT} | {
             name: getattr(self, name) for name in ITEMS
         }
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Certificate:
-        """The inverse of `to_dict`."""
+        """The inverse of `to_dict`.
+
+        Parameters
+        ----------
+        data : dict
+            What `to_dict` returned.
+
+        Returns
+        -------
+        Certificate
+            An equal certificate.
+        """
         if not isinstance(data, dict) or data.get("type") != "Certificate":
             raise ParameterError("certificate: must be a dict with type = 'Certificate'")
         if data.get("format") != FORMAT:
@@ -236,12 +281,29 @@ class Certificate:
         return cls(**found | {"seconds": float(data["seconds"])})
 
     def to_json(self) -> str:
-        """`to_dict` as JSON text."""
+        """`to_dict` as JSON text.
+
+        Returns
+        -------
+        str
+            One JSON object.
+        """
         return json.dumps(self.to_dict(), indent=1, ensure_ascii=False) + "\n"
 
     @classmethod
     def from_json(cls, text: str) -> Certificate:
-        """The inverse of `to_json`."""
+        """The inverse of `to_json`.
+
+        Parameters
+        ----------
+        text : str
+            What `to_json` returned.
+
+        Returns
+        -------
+        Certificate
+            An equal certificate.
+        """
         try:
             data = json.loads(text)
         except (ValueError, RecursionError) as error:
@@ -249,7 +311,13 @@ class Certificate:
         return cls.from_dict(data)
 
     def save(self, path: str | Path) -> None:
-        """Write a .json file, completely or not at all; `vibroimpact.load` reads it back."""
+        """Write a .json file, completely or not at all; `vibroimpact.load` reads it back.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file.
+        """
         write_text(place_for(path, {".json": None}), self.to_json())
 
 

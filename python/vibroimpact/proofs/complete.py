@@ -65,7 +65,7 @@ def prove_all(
     osc : Oscillator
         With damping, and with coefficients of restitution above 0 and below 1.
     r, clearance : float
-        r, and d K/F0.
+        Frequency ratio r, and clearance d K/F0.
     max_impacts : int, optional
         Impacts in a period, 2 or 3.
     max_cycles : int, optional

@@ -256,8 +256,9 @@ def prove_box(
     pattern : Pattern or str
         The word of the motion; a str with one load cycle.
     r, clearance : (lowest, highest) or float
-        r, and d K/F0.
+        Frequency ratio r, and clearance d K/F0.
     xi, mu, R1, R2 : (lowest, highest) or float, optional
+        Damping ratio, mass ratio, and restitution of the right and of the left wall.
     restitution : (lowest, highest) or float, optional
         R1 = R2, in place of both: it keeps symmetric motions symmetric, which is much easier to prove.
     most_boxes : int, optional
