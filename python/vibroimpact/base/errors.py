@@ -47,8 +47,10 @@ class OpenBoundaryWarning(UserWarning):
 
 
 class PoorFitWarning(UserWarning):
-    """A fit deviates from the records by more than their noise, or the records contradict the known values; the
-    errors of the fit are then not valid. `Identification.doubts` lists the reasons."""
+    """A fit deviates from the records by more than their noise, or these contradict the known values.
+
+    The errors of the fit are then not valid. `Identification.doubts` lists the reasons.
+    """
 
 
 class MissingExtraError(VibroimpactError, ImportError):
@@ -64,14 +66,22 @@ class OutOfMemoryError(VibroimpactError, MemoryError):
 
 
 class ClusterError(VibroimpactError, ConnectionError):
-    """The connection to the scheduler of a cluster is lost, or its workers cannot compute; finished chunks are
-    kept."""
+    """The connection to the scheduler of a cluster is lost, or its workers cannot compute.
+
+    Finished chunks are kept.
+    """
 
     status = 1
 
 
 class StudyInterrupted(KeyboardInterrupt):
-    """Ctrl-C stopped a study; the attribute `result` is the part that was finished."""
+    """Ctrl-C stopped a study; the attribute `result` is the part that was finished.
+
+    Attributes
+    ----------
+    result
+        The finished part, of the class that the function returns.
+    """
 
     def __init__(self, result: Any) -> None:
         super().__init__(

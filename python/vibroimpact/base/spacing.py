@@ -19,7 +19,7 @@ SPACINGS = ("linear", "geometric")
 
 
 def spaced(low: float, high: float, n: int, spacing: str = "linear") -> _Array:
-    """Numbers from low to high, both included, identical to the last bit to those of a namelist.
+    """The numbers from low to high, both included, identical to the last bit to those of a namelist.
 
     Parameters
     ----------
@@ -33,6 +33,7 @@ def spaced(low: float, high: float, n: int, spacing: str = "linear") -> _Array:
     Returns
     -------
     ndarray (n,)
+        The numbers, rising.
 
     Raises
     ------

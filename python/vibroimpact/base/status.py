@@ -22,6 +22,16 @@ GRAZE, NO_DERIVATIVE = 26, 42
 def status_text(code: int) -> str:
     """The meaning of a status code of the core.
 
+    Parameters
+    ----------
+    code : int
+        A number from the `status` of a result.
+
+    Returns
+    -------
+    str
+        A sentence; 0 means success.
+
     Raises
     ------
     ParameterError, ParameterTypeError

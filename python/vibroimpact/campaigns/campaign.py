@@ -234,6 +234,22 @@ class Campaign:
         Without a column: a dataset of all rows of the table, for all finished cases one after the other, where
         `case` is the case of each row and `owner` is the row of the parent table within this case. Shorter lists
         are filled with NaN, -1 (verdicts) or 0.
+
+        Parameters
+        ----------
+        table : str
+            Name of a table of the results.
+        column : str, optional
+            A column of it, as in `values`; without it, all rows of the table.
+        reduce : str
+            How several rows of a case are reduced, as in `values`.
+        where : mapping, optional
+            Values that rows must have to be counted, as in `values`.
+
+        Returns
+        -------
+        xarray.DataArray or xarray.Dataset
+            The numbers of the column, or all rows of the table.
         """
         if column is None:
             return self._rows(table)

@@ -133,6 +133,16 @@ class Sweep:
     def of_case(cls, case: Case) -> Sweep:
         """The sweep of a case with a &sweep.
 
+        Parameters
+        ----------
+        case : Case
+            A case of a file, with a &sweep after its study.
+
+        Returns
+        -------
+        Sweep
+            The cases that its lists define.
+
         Raises
         ------
         ParameterError
@@ -150,7 +160,18 @@ class Sweep:
 
     @classmethod
     def of_record(cls, record: Mapping[str, Any]) -> Sweep:
-        """The sweep from its record."""
+        """The sweep from its record.
+
+        Parameters
+        ----------
+        record : mapping
+            The attribute `record` of a sweep.
+
+        Returns
+        -------
+        Sweep
+            The same sweep.
+        """
         options = {
             "rng" if key == "seed" else key: record[key]
             for key in ("samples", "method", "seed", "geometric") if key in record
@@ -174,7 +195,18 @@ class Sweep:
         return f"<Sweep of {len(self)} cases over {', '.join(self.keys)}>"
 
     def point(self, number: int) -> dict[str, Any]:
-        """The values of the keys in a case, by number from 0."""
+        """The values of the keys in a case, by number from 0.
+
+        Parameters
+        ----------
+        number : int
+            Number of the case, from 0.
+
+        Returns
+        -------
+        dict
+            The value of each key that is swept.
+        """
         number = checks.integer(number, "number", 0, len(self) - 1)
         if self._points is not None:
             return dict(zip(self.keys, self._points[number], strict=True))
@@ -182,7 +214,18 @@ class Sweep:
         return {key: axis[i] for key, axis, i in zip(self.keys, self.axes, places, strict=True)}
 
     def text(self, number: int) -> str:
-        """A case as a namelist, by number from 0."""
+        """A case as a namelist, by number from 0.
+
+        Parameters
+        ----------
+        number : int
+            Number of the case, from 0.
+
+        Returns
+        -------
+        str
+            The case with its values filled in.
+        """
         values = self.point(number)
         return "".join(
             part

@@ -87,8 +87,20 @@ class Case(NamedTuple):
         return computed
 
     def compute(self, progress: Callable[[float, str], None] | None = None) -> Noun:
-        """The result of the case as one object, including motions that do not exist or failed; `progress` is as
-        in `atlas`."""
+        """The result of the case as one object.
+
+        It includes motions that do not exist or failed.
+
+        Parameters
+        ----------
+        progress : callable, optional
+            Called with the fraction done and the current task; by default a bar on a terminal or in a notebook.
+
+        Returns
+        -------
+        a result of the study
+            Such as a Branch, a Zone or an Atlas.
+        """
         noun = result_class(self.study)
         if self.in_python:
             return noun.computed(self, progress)
@@ -97,20 +109,37 @@ class Case(NamedTuple):
     def run(self, progress: Callable[[float, str], None] | None = None) -> list[Any]:
         """The results of the case: its motions, branches, or one trajectory, zone, atlas, chart or other result.
 
-        `progress` is as in `atlas`.
+        Parameters
+        ----------
+        progress : callable, optional
+            Called with the fraction done and the current task; by default a bar on a terminal or in a notebook.
+
+        Returns
+        -------
+        list
+            One result for each motion or branch; otherwise a single one.
         """
         found = self.compute(progress)
         found.require()
         return found.parts()
 
     def to_namelist(self) -> str:
-        """The case as a namelist, with defaults filled in."""
+        """The case as a namelist, with defaults filled in.
+
+        Returns
+        -------
+        str
+            Its groups; the same as `text`.
+        """
         return self.text
 
     def motions(self) -> list[Motion]:
         """The motions that its &motion defines, including those from which a branch starts.
 
-        Empty if there is no such motion.
+        Returns
+        -------
+        list of Motion
+            Empty if there is no such motion.
         """
         system, motion, *_, output = re.findall(r"(?ms)^&.*?^/$\n?", self.text)
         found = door.run_text(MotionSet, system + motion + output)

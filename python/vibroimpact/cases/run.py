@@ -57,6 +57,7 @@ def run_namelists(
     Returns
     -------
     RunLog
+        The messages, the exit status, and the files that were written.
 
     Raises
     ------

@@ -39,11 +39,12 @@ def load(path: str | Path) -> Any:
     Parameters
     ----------
     path : path
+        The file.
 
     Returns
     -------
-    Motion, Trajectory, Branch, Zone, Atlas or another result, as it was saved; in physical units if it was
-    saved in them.
+    Motion, Trajectory, Branch, Zone, Atlas or another result
+        The result as it was saved; in physical units if it was saved in them.
 
     Raises
     ------

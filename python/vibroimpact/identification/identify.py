@@ -156,6 +156,16 @@ class Identification(Noun, study="identify"):
     def interval(self, name: str) -> tuple[float, float]:
         """The 95 % interval of a parameter.
 
+        Parameters
+        ----------
+        name : str
+            Name of the parameter, as in `values`.
+
+        Returns
+        -------
+        (float, float)
+            Lower and upper end, in SI units.
+
         Raises
         ------
         ParameterError
@@ -207,7 +217,7 @@ class Identification(Noun, study="identify"):
 
     @property
     def clearance(self) -> float:
-        """d K/F0."""
+        """Clearance d K/F0, dimensionless."""
         return float(self._one("clearance"))
 
     @property
@@ -246,7 +256,18 @@ class Identification(Noun, study="identify"):
         return self.pattern_of(0)
 
     def pattern_of(self, record: int) -> Pattern | None:
-        """The pattern of one of the records, counted from 0."""
+        """The pattern of one of the records, counted from 0.
+
+        Parameters
+        ----------
+        record : int
+            Number of the record, from 0.
+
+        Returns
+        -------
+        Pattern or None
+            None if the record is not periodic.
+        """
         cycles = self._one("cycles", record)
         return Pattern(self._one("sides", record), cycles) if cycles else None
 
@@ -331,6 +352,11 @@ class Identification(Noun, study="identify"):
 
         The motion is followed in both directions over half and twice the clearance, and over 0.9 and 1.1 r.
 
+        Parameters
+        ----------
+        record : int
+            Number of the record, from 0.
+
         Returns
         -------
         Boundary or None
@@ -354,8 +380,7 @@ class Identification(Noun, study="identify"):
         return min(found, key=lambda boundary: boundary.distance, default=None)
 
     def plot(self, ax: Any = None, kind: str | None = None, record: int = 0) -> Any:
-        """Draw every step: record, load, impacts and their sides, pattern, fitted motion, residuals (extra
-        `plot`).
+        """Draw every step from the records to the fitted motion and its residuals (extra `plot`).
 
         Parameters
         ----------
@@ -368,12 +393,13 @@ class Identification(Noun, study="identify"):
 
         Returns
         -------
-        Axes, or an array of Axes if all panels were drawn.
+        Axes, or an array of Axes
+            The Axes of the panel, or those of all panels.
         """
         return self._draw(ax, kind, record)
 
     def require(self) -> None:
-        """Accepts every result: a record that is not periodic has its status."""
+        """Accept every result: a record that is not periodic has its status."""
 
     def _facts(self) -> dict[str, str]:
         units = self._parameters("unit")
@@ -386,7 +412,20 @@ class Identification(Noun, study="identify"):
     def computed(
         cls, case: Any, progress: Callable[[float, str], None] | None = None
     ) -> Identification:
-        """The result of an &identify case."""
+        """The result of an &identify case.
+
+        Parameters
+        ----------
+        case : Case
+            A case with an &identify.
+        progress : callable or None
+            As in `identify`.
+
+        Returns
+        -------
+        Identification
+            As `identify` returns it for the files of the case.
+        """
         from .sensor_files import read_record
 
         keys = case.keys
@@ -526,7 +565,7 @@ def identify(
         impacts of different speeds, from records at different loads or within one period. Parameters that they do
         not determine are listed in `undetermined`.
     law_speed : float, optional
-        v0 in m/s; by default the geometric mean of the approach speeds of all impacts.
+        Speed v0 in m/s; by default the geometric mean of the approach speeds of all impacts.
     law_knots : int, optional
         Number of knots of a table, 3 by default, 20 at the most. They are quantiles of the approach speeds; the
         outer ones lie a little beyond the range of the speeds.
@@ -541,6 +580,7 @@ def identify(
     Returns
     -------
     Identification
+        The parameters with their errors, the fitted motions, and doubts if there are any.
 
     Raises
     ------

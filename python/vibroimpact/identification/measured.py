@@ -222,7 +222,20 @@ class SensorRecord:
         return self.start + np.arange(len(self)) / self.rate
 
     def response(self, channel: str, frequency: ArrayLike) -> NDArray[np.complex128]:
-        """The complex frequency response of a channel at given frequencies (Hz): low-pass and delay."""
+        """The complex frequency response of a channel at given frequencies (Hz): low-pass and delay.
+
+        Parameters
+        ----------
+        channel : str
+            Name of the channel, such as "acceleration".
+        frequency : array_like
+            Frequencies, Hz.
+
+        Returns
+        -------
+        ndarray of complex
+            Measured over true value, in the shape of the frequencies.
+        """
         late = np.exp(-2j * math.pi * self.delay.get(channel, 0.0) * np.asarray(frequency))
         response: NDArray[np.complex128] = (
             sensor_response(frequency, self.bandwidth.get(channel)) * late
@@ -230,12 +243,34 @@ class SensorRecord:
         return response
 
     def lowpass_lag(self, channel: str) -> float:
-        """Delay of a channel by its low-pass (s), far below its -3 dB frequency."""
+        """Delay of a channel by its low-pass (s), far below its -3 dB frequency.
+
+        Parameters
+        ----------
+        channel : str
+            Name of the channel, such as "acceleration".
+
+        Returns
+        -------
+        float
+            The delay, s; 0 if the bandwidth is not known.
+        """
         bandwidth = self.bandwidth.get(channel)
         return 0.0 if bandwidth is None else delay_of(bandwidth)
 
     def lag(self, channel: str) -> float:
-        """Total delay of a channel (s), as far as its low-pass and its delay are known."""
+        """Total delay of a channel (s), as far as its low-pass and its delay are known.
+
+        Parameters
+        ----------
+        channel : str
+            Name of the channel, such as "acceleration".
+
+        Returns
+        -------
+        float
+            The delay, s.
+        """
         return self.delay.get(channel, 0.0) + self.lowpass_lag(channel)
 
     def __repr__(self) -> str:

@@ -139,6 +139,7 @@ def read_record(
     Returns
     -------
     SensorRecord
+        The channels in SI units, with the rate and the start time.
 
     Raises
     ------

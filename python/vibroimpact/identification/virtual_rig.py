@@ -202,7 +202,7 @@ class VirtualRig:
 
     @property
     def clearance(self) -> float:
-        """d K/F0."""
+        """Clearance d K/F0, dimensionless."""
         return self.d * self.K / self.F0
 
     @property
@@ -295,6 +295,7 @@ class VirtualRig:
         Returns
         -------
         SensorRecord
+            The load and this quantity, with the noise and the filters of the sensors.
         """
         quantity = checks.choice(quantity, "quantity", tuple(MOTIONS))
         duration = positive(own_number(duration, "duration"), "duration")
@@ -464,7 +465,9 @@ def virtual_record(
     Parameters
     ----------
     duration : float
+        Duration, s.
     rng : int, numpy.random.Generator or None
+        Seed of the random numbers, as in `VirtualRig.record`.
     quantity : str
         As in `VirtualRig.record`.
     **rig
@@ -473,6 +476,7 @@ def virtual_record(
     Returns
     -------
     SensorRecord
+        The load and this quantity, as `VirtualRig.record` returns them.
 
     Raises
     ------
