@@ -39,6 +39,7 @@ def half_sine(amplitude: float, duration: float, step: float, end: float | None 
     Returns
     -------
     ndarray (samples,)
+        Values at the times 0, step, 2 step and so on.
 
     Raises
     ------
@@ -100,6 +101,7 @@ def swept_sine(
     Returns
     -------
     ndarray (samples,)
+        Values at the times 0, step, 2 step and so on.
 
     Raises
     ------

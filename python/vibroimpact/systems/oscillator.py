@@ -276,7 +276,7 @@ class Oscillator:
         Parameters
         ----------
         clearance : float, optional
-            d K/F0 > 0; d is the whole travel of the free mass between the walls. A length, such as "4 mm", is
+            Clearance d K/F0 > 0; d is the whole travel of the free mass between the walls. A length, such as "4 mm", is
             converted to it: the structure stays dimensionless.
         restitution : float, PowerLaw or TabulatedRestitution, or two of them (right wall, left wall), optional
             By default those of the oscillator. The speeds of a law are in F0 omega/K, or in the units of M and K.
@@ -286,6 +286,7 @@ class Oscillator:
         Returns
         -------
         Structure
+            A structure of two coordinates with two gaps.
 
         Raises
         ------
@@ -385,6 +386,16 @@ class Oscillator:
 
         M and K of the oscillator must be known (see `from_dimensional`).
 
+        Parameters
+        ----------
+        F0 : float, optional
+            Load amplitude in the unit of force of M and K.
+
+        Returns
+        -------
+        Units
+            The units, which also convert values.
+
         Raises
         ------
         ParameterError, ParameterTypeError
@@ -414,7 +425,7 @@ class Oscillator:
             Frequency ratio Omega/omega; or, if M and K are known, a load frequency with its unit (Hz, rpm or
             rad/s), such as "19.5 Hz".
         clearance : float, str or pint.Quantity
-            d K/F0 > 0, or a length d, such as "4 mm".
+            Clearance d K/F0 > 0, or a length d, such as "4 mm".
         load : float, str, pint.Quantity or Load
             Amplitude of the load divided by F0, or a force, such as "6 N"; or a `Load` of frequency r on the
             primary and the free mass, divided by F0, with further harmonics or a constant force. The oscillator is
@@ -430,6 +441,7 @@ class Oscillator:
         Returns
         -------
         Point
+            The system with its structure and its load.
 
         Raises
         ------
@@ -708,6 +720,11 @@ class Pattern:
         ----------
         alike : bool
             Whether both walls have the same restitution, so that the mirror image counts as the same pattern.
+
+        Returns
+        -------
+        Pattern
+            The pattern that stands for all its rotations.
 
         Examples
         --------

@@ -177,6 +177,7 @@ def base_motion(
     Parameters
     ----------
     structure : Structure
+        The structure on the base.
     frequency : float
         Omega, > 0.
     sine, cosine : float or array_like (H,), optional
@@ -185,10 +186,12 @@ def base_motion(
         Displacements of the coordinates when the base moves by 1 and nothing deforms; by default the `base` of
         the structure, or all 1. For a structure given by its modes, they are the participation factors.
     relative : bool
+        Whether the coordinates are relative to the base.
 
     Returns
     -------
     Load
+        The load on all coordinates.
 
     Raises
     ------
@@ -247,18 +250,20 @@ def base_record(
     Parameters
     ----------
     structure : Structure
+        The structure on the base.
     step : float
         Time between samples, > 0.
     acceleration : array_like (samples,), optional
-        y''. Either this, or `displacement` and `velocity`.
+        Acceleration y'' of the base. Either this, or `displacement` and `velocity`.
     displacement, velocity : array_like (samples,), optional
-        y and y'.
+        Displacement y and velocity y' of the base.
     direction : array_like (n,), optional
         As in `base_motion`.
 
     Returns
     -------
     Record
+        The forces on all coordinates, linear between the samples.
 
     Raises
     ------

@@ -54,7 +54,18 @@ class Law(ABC):
         return self._evaluate(speed)[0]
 
     def slope(self, speed: ArrayLike) -> _Array:
-        """dR/dv at approach speeds >= 0, of any shape."""
+        """Derivative dR/dv at approach speeds >= 0.
+
+        Parameters
+        ----------
+        speed : array_like
+            Approach speeds, of any shape.
+
+        Returns
+        -------
+        ndarray
+            The derivative at each speed, in the shape of the speeds.
+        """
         return self._evaluate(speed)[1]
 
     def _evaluate(self, speed: ArrayLike) -> tuple[_Array, _Array]:
@@ -82,8 +93,8 @@ class PowerLaw(Law):
     exponent : float
         >= 0; 1/4 for plastic contact of spheres.
     sharpness : float
-        k > 0. A large value gives the smaller of R0 and R0 (v/speed)^-exponent, with a sharp corner at `speed`;
-        1/5 with ``R0=1`` gives 1 - R ~ v^(1/5) at low speeds, as for viscoelastic spheres.
+        Exponent k > 0. A large value gives the smaller of R0 and R0 (v/speed)^-exponent, with a sharp corner at
+        `speed`; 1/5 with ``R0=1`` gives 1 - R ~ v^(1/5) at low speeds, as for viscoelastic spheres.
 
     Examples
     --------

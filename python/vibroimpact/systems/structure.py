@@ -414,6 +414,7 @@ class Structure(ByValue):
         Symmetric matrices M (positive definite), C and K (positive semidefinite), of numbers from -1e100 to 1e100.
         A vector (n,) is taken as a diagonal.
     gaps : sequence of Gap or Stop
+        Rigid walls and elastic stops, numbered from 0 in this order.
     friction : sequence of Friction
         All studies of motions accept stops and friction, and so do `gradient` and `quantities`.
     outputs : mapping of str to array_like (n,), optional
@@ -533,6 +534,7 @@ class Structure(ByValue):
         frequencies : array_like (n,)
             Circular frequencies of the modes, 0 allowed.
         damping_ratios : array_like (n,)
+            Damping ratio of each mode, 1 for critical damping.
         shapes : array_like (points, n)
             Mass-normalised mode shapes at some points.
         gaps : sequence of Gap or Stop
@@ -546,6 +548,8 @@ class Structure(ByValue):
             Mass lumped at each of the points, times its rigid-body displacement for a unit displacement of the
             base. The participation factor of each mode is then the sum over the points of this value times its
             shape; it is exact if the points carry the whole mass.
+        simultaneous : "newton", "sequence" or None
+            As in `Structure`.
 
         Examples
         --------

@@ -173,12 +173,12 @@ class Units:
 
     @property
     def velocity(self) -> float:
-        """omega F0/K."""
+        """Unit of velocity, omega F0/K."""
         return self.omega * self.length
 
     @property
     def acceleration(self) -> float:
-        """omega^2 F0/K = F0/M."""
+        """Unit of acceleration, omega^2 F0/K = F0/M."""
         return self.F0 / self.M
 
     @property
@@ -204,6 +204,16 @@ class Units:
     def to(self, names: str) -> Units:
         """The same system in other units of length, force and time, such as "mm N s"; "SI" is "m N s".
 
+        Parameters
+        ----------
+        names : str
+            Names of the units of length, force and time.
+
+        Returns
+        -------
+        Units
+            The same M, K and F0 in these units.
+
         Raises
         ------
         ParameterError, ParameterTypeError
@@ -219,13 +229,17 @@ class Units:
         )
 
     def scale(self, unit: str) -> float:
-        """The factor that converts a dimensionless quantity to physical units; 1 for quantities without a
-        dimension.
+        """The factor that converts a dimensionless quantity to physical units.
 
         Parameters
         ----------
         unit : str
             The unit in the form that columns of results declare: "F0/K", "omega F0/K", "1/omega" and so on.
+
+        Returns
+        -------
+        float
+            1 for quantities without a dimension.
 
         Raises
         ------
@@ -236,7 +250,18 @@ class Units:
         return math.prod(factors[name] ** power for name, power in powers_of(unit).items())
 
     def name(self, unit: str) -> str:
-        """The name of the physical unit, such as "m/s^2", that corresponds to a dimensionless unit."""
+        """The name of the physical unit, such as "m/s^2", that corresponds to a dimensionless unit.
+
+        Parameters
+        ----------
+        unit : str
+            The unit in the form that columns of results declare, as in `scale`.
+
+        Returns
+        -------
+        str
+            The name; a unit without a dimension is returned as it is.
+        """
         powers = powers_of(unit)
         if not powers:
             return unit
@@ -278,7 +303,8 @@ class Units:
 
         Returns
         -------
-        float, or ndarray for an array
+        float or ndarray
+            The dimensionless clearance; an ndarray for an array.
 
         Raises
         ------
@@ -288,7 +314,7 @@ class Units:
         return positive_each(plain_number(d, "d", (1, 0, 0), self.names), "d", d) / self.length
 
     def frequency_ratio(self, frequency: Any = None, *, Omega: Any = None, f: Any = None) -> Any:
-        """r = Omega/omega of a load frequency.
+        """Frequency ratio r = Omega/omega of a load frequency.
 
         Parameters
         ----------
@@ -301,7 +327,8 @@ class Units:
 
         Returns
         -------
-        float, or ndarray for an array
+        float or ndarray
+            The frequency ratio; an ndarray for an array.
 
         Raises
         ------
@@ -333,6 +360,7 @@ class Units:
         Parameters
         ----------
         motion : Motion
+            A motion of an oscillator.
 
         Returns
         -------

@@ -86,7 +86,7 @@ def every_system(
         left = {*set(OF_POINT) - set(along[:1]), *along[1:]}
         of_point = [item for key, item in signature.items() if key not in left]
         own = usage(name, kind, of_structure, [] if no_point or kind else of_point)
-        of_oscillator.__doc__ = "\n\n".join([summary, own, *text])
+        of_oscillator.__doc__ = "\n\n".join([summary, own, *text]) + "\n"
 
         @functools.wraps(of_oscillator)
         def either(*args: Any, **kwargs: Any) -> Any:
@@ -156,6 +156,7 @@ def every_system(
             return of_structure(point.structure, point.load, **given)
 
         either.takes_points = True  # type: ignore[attr-defined]
+        either.of_structure = of_structure  # type: ignore[attr-defined]
         return either
 
     return decorate
@@ -244,7 +245,7 @@ def physical_arguments(function: Callable[Given, Found]) -> Callable[Given, Foun
         # after the summary and the form for structures
         place = 2 if len(parts) > 1 and parts[1].startswith("Of a ") else 1
         note = f"With units, such as {EXAMPLES}, of an oscillator that knows M, K and F0: {with_units}."
-        function.__doc__ = "\n\n".join([*parts[:place], note, *parts[place:]])
+        function.__doc__ = "\n\n".join([*parts[:place], note, *parts[place:]]) + "\n"
 
     takes_points = hasattr(function, "takes_points")
 
