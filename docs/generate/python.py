@@ -1,5 +1,7 @@
 """The pages of the Python reference: one for each subject."""
 
+import functools
+import inspect
 import re
 from fnmatch import fnmatch
 
@@ -27,6 +29,8 @@ SUBJECTS = {
     "Namelists": ("cases.run", "cases.case"),
     "Results in files": ("formats.load",),
 }  # fmt: skip
+#: What computes an attribute of a class.
+ATTRIBUTES = (property, functools.cached_property)
 #: Functions of modules that need an extra, which are documented without it.
 OF_EXTRAS = {
     "Functions for JAX (extra `jax`)": ("jax.motion", "jax.response", "jax.final_state"),
@@ -54,7 +58,24 @@ def directive(name, thing):
         kind = "exception"
     # the fields of a named tuple have no docstrings
     members = kind == "class" and not issubclass(thing, tuple)
-    return [f".. auto{kind}:: vibroimpact.{name}", *(["   :members:"] if members else []), ""]
+    options = ["   :members:"] * members
+    if members and (listed := attributes_alone(thing)):
+        options.append(f"   :exclude-members: {', '.join(listed)}")
+    return [f".. auto{kind}:: vibroimpact.{name}", *options, ""]
+
+
+def attributes_alone(thing):
+    """Properties of a class that say no more than its list of attributes, which is on the page already."""
+    _, _, text = inspect.cleandoc(thing.__doc__ or "").partition("Attributes\n----------\n")
+    text = re.split(r"^.*\n---+$", text, maxsplit=1, flags=re.MULTILINE)[0]
+    heads = re.findall(r"^\w[\w, ]*", text, re.MULTILINE)
+    names = [name for head in heads for name in head.replace(" ", "").split(",")]
+    return [
+        name
+        for name in names
+        if isinstance(item := inspect.getattr_static(thing, name, None), ATTRIBUTES)
+        and "\n" not in (item.__doc__ or "").strip()
+    ]
 
 
 def pages():
