@@ -276,8 +276,8 @@ class Oscillator:
         Parameters
         ----------
         clearance : float, optional
-            Clearance d K/F0 > 0; d is the whole travel of the free mass between the walls. A length, such as "4 mm", is
-            converted to it: the structure stays dimensionless.
+            Clearance d K/F0 > 0; d is the whole travel of the free mass between the walls. A length, such as
+            "4 mm", is converted to it: the structure stays dimensionless.
         restitution : float, PowerLaw or TabulatedRestitution, or two of them (right wall, left wall), optional
             By default those of the oscillator. The speeds of a law are in F0 omega/K, or in the units of M and K.
         d : float, optional
