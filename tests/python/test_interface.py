@@ -523,3 +523,49 @@ def test_help_shows_every_form_of_call(name):
     forms = " ".join(verb.__doc__.split("\n\n")[1].split())
     assert f"Of a structure: ``{name}(structure, load" in forms
     assert f"Of a point (`Oscillator.at`): ``{name}(point, " in forms
+
+
+def message_of(call):
+    """The error of a call with a wrong argument; nothing may be computed."""
+    with pytest.raises((TypeError, vi.ParameterError)) as error:
+        call()
+    return str(error.value)
+
+
+VERBS = [
+    name
+    for name in vi.__all__
+    if inspect.isfunction(verb := getattr(vi, name))
+    and (next(iter(inspect.signature(verb).parameters), "") == "osc" or name == "branch")
+]
+
+
+@pytest.fixture(scope="module")
+def of_a_structure():
+    """The first argument of verbs of structures, and of those of their motions."""
+    return {"structure": WALL, "motion of a structure": vi.exact(LAW, 0.94, 37.0, GUESS)}
+
+
+@pytest.mark.parametrize("name", VERBS)
+def test_help_shows_the_forms_that_a_call_accepts(name, of_a_structure):
+    """Of every verb: help shows a form for points, or what to give instead, and a form for structures, if the
+    call accepts one."""
+    verb = getattr(vi, name)
+    forms = " ".join(verb.__doc__.split("\n\n")[1].split())
+    refused = "must not be a point" in message_of(lambda: verb(OSC.at(0.94, 37.0), unknown=1))
+    assert (f"Of a point (`Oscillator.at`): ``{name}(point" in forms) != refused
+    assert ("A point (`Oscillator.at`) is not accepted; " in forms) == refused
+    for kind, first in of_a_structure.items():
+        taken = "of a structure the arguments are" in message_of(
+            lambda first=first: verb(first, unknown=1)
+        )
+        assert taken == (f"Of a {kind}: ``{name}(" in forms)
+
+
+def test_a_load_that_a_verb_does_not_know_is_refused():
+    """The load of a point is not dropped: the motions of a verb without it are those of the amplitude 1."""
+    with pytest.raises(
+        vi.ParameterTypeError, match="must have the load amplitude 1, for which equispaced"
+    ):
+        vi.equispaced(OSC.at(0.94, 37.0, 2.0))
+    assert len(vi.equispaced(OSC.at(0.94, 37.0, 1.0))) == 2

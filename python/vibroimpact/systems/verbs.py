@@ -34,19 +34,32 @@ Found = TypeVar("Found")
 OF_POINT = {"osc": "osc", "r": "r", "clearance": "clearance", "load": "amplitude"}
 
 
-def usage(
-    name: str, kind: type | None, of_structure: Callable[..., Any], of_point: list[Any]
-) -> str:
-    """A paragraph of the docstring with the signatures of a function for structures and, if it accepts them,
-    points."""
+def usage(name: str, kind: type | None, of_structure: Callable[..., Any]) -> str:
+    """A sentence of the docstring with the signature of a function for structures."""
     of = "a motion of a structure" if kind else "a structure"
     shown = plain_signature([*inspect.signature(of_structure).parameters.values()])
-    text = f"Of {of}: ``{name}{shown}``."
-    if of_point:
-        first = inspect.Parameter("point", inspect.Parameter.POSITIONAL_OR_KEYWORD)
-        shown = plain_signature([first, *of_point])
-        text += f" Of a point (`Oscillator.at`): ``{name}{shown}``."
-    return text
+    return f"Of {of}: ``{name}{shown}``."
+
+
+def usage_of_point(name: str, of_point: list[inspect.Parameter], no_point: str = "") -> str:
+    """A sentence of the docstring with the signature of a function for points, or with what to give instead."""
+    if no_point:
+        return f"A point (`Oscillator.at`) is not accepted; {no_point}."
+    first = inspect.Parameter("point", inspect.Parameter.POSITIONAL_OR_KEYWORD)
+    shown = plain_signature([first, *of_point])
+    return f"Of a point (`Oscillator.at`): ``{name}{shown}``."
+
+
+def with_forms(doc: str | None, forms: str) -> str:
+    """A docstring with the further forms of call after the summary, in place of those that it has there."""
+    parts = inspect.cleandoc(doc or "").split("\n\n")
+    kept = parts[2:] if len(parts) > 1 and has_forms(parts[1]) else parts[1:]
+    return "\n\n".join([parts[0], forms, *kept])
+
+
+def has_forms(paragraph: str) -> bool:
+    """Whether a paragraph of a docstring shows the further forms of call."""
+    return paragraph.startswith(("Of a ", "A point (`Oscillator.at`)"))
 
 
 def plain_signature(parameters: list[inspect.Parameter]) -> inspect.Signature:
@@ -82,11 +95,10 @@ def every_system(
     def decorate(of_oscillator: Callable[..., Any]) -> Callable[..., Any]:
         signature = inspect.signature(of_oscillator).parameters
         parameters, name = list(signature), of_oscillator.__name__
-        summary, *text = inspect.cleandoc(of_oscillator.__doc__ or "").split("\n\n", 1)
         left = {*set(OF_POINT) - set(along[:1]), *along[1:]}
         of_point = [item for key, item in signature.items() if key not in left]
-        own = usage(name, kind, of_structure, [] if no_point or kind else of_point)
-        of_oscillator.__doc__ = "\n\n".join([summary, own, *text]) + "\n"
+        forms = f"{usage(name, kind, of_structure)} {usage_of_point(name, of_point, no_point)}"
+        of_oscillator.__doc__ = with_forms(of_oscillator.__doc__, forms)
 
         @functools.wraps(of_oscillator)
         def either(*args: Any, **kwargs: Any) -> Any:
@@ -201,11 +213,16 @@ def of_plain_point(
     verb: str, parameters: list[str], point: Point, args: tuple[Any, ...], kwargs: Mapping[str, Any]
 ) -> dict[str, Any]:
     """The arguments of a function that takes only an oscillator, from a point."""
-    if not {"r", "clearance"} <= {*parameters}:
-        raise ParameterTypeError(f"osc = {point!r}: must not be a point; give its osc")
+    if not {"osc", "r", "clearance"} <= {*parameters}:
+        raise ParameterTypeError(f"{parameters[0]} = {point!r}: must not be a point; give its osc")
     if point._has_elements or isinstance(point.amplitude, Load):
         raise ParameterTypeError(
             f"osc = {point!r}: must have rigid walls, no friction, and a number as its load"
+        )
+    if point.amplitude != 1 and "load" not in parameters:
+        raise ParameterTypeError(
+            f"osc = {point!r}: must have the load amplitude 1, for which {verb} is defined; divide its clearance "
+            "by the load"
         )
     return spread_out(verb, parameters, point, args, kwargs)
 
@@ -235,19 +252,24 @@ def factors_of(given: Mapping[str, Any], before: Mapping[str, Any]) -> dict[str,
 
 def physical_arguments(function: Callable[Given, Found]) -> Callable[Given, Found]:
     """A decorator: frequencies, lengths and loads may have units if the oscillator knows its units."""
-    names = list(inspect.signature(function).parameters)
+    signature = inspect.signature(function).parameters
+    names = list(signature)
+    takes_points = hasattr(function, "takes_points")
+    if not takes_points and names[0] == "osc":
+        of_point = [item for name, item in signature.items() if name not in OF_POINT]
+        no_point = "" if {"r", "clearance"} <= {*names} else "give its osc"
+        forms = usage_of_point(function.__name__, of_point, no_point)
+        function.__doc__ = with_forms(function.__doc__, forms)
     known = {*PARAMETERS, *(START if "amplitude" in names else ())}
     taken = {*known, *OF_STATES, *OF_PARAMETER, *BY_NAME, "plane"}
     places = [(i, name) for i, name in enumerate(names) if name in taken]
     with_units = ", ".join(f"`{name}`" for name in names if name in known and name not in SHARES)
     if with_units:
         parts = inspect.cleandoc(function.__doc__ or "").split("\n\n")
-        # after the summary and the form for structures
-        place = 2 if len(parts) > 1 and parts[1].startswith("Of a ") else 1
+        # after the summary and the further forms of call
+        place = 2 if len(parts) > 1 and has_forms(parts[1]) else 1
         note = f"With units, such as {EXAMPLES}, of an oscillator that knows M, K and F0: {with_units}."
         function.__doc__ = "\n\n".join([*parts[:place], note, *parts[place:]]) + "\n"
-
-    takes_points = hasattr(function, "takes_points")
 
     @functools.wraps(function)
     def converted(*args: Given.args, **kwargs: Given.kwargs) -> Found:
