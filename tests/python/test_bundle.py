@@ -81,3 +81,26 @@ def test_bad_input(changes, words):
 def test_resonance_without_damping():
     with pytest.raises(vi.errors.ParameterError, match=r"r = 1\.0.*xi = 0"):
         vi.simulate_bundle(vi.Oscillator(xi=0.0, mu=0.1, restitution=0.5), [0.9, 1.0], 6.0, 3)
+
+
+def test_progress_counts_the_simulations(monkeypatch, capsys):
+    """The share rises from 0 to 1, without it a bar is shown on a terminal; neither changes a bit."""
+    monkeypatch.setattr("vibroimpact.base.interrupt.INTERVAL", 0.001)
+    states, shares = np.tile(STATES, 40), []
+    told = vi.simulate_bundle(
+        RIG, 0.94, 6.0, 200, states, progress=lambda share, what: shares.append(share)
+    )
+    assert shares == sorted(shares)
+    assert 0 <= shares[0] < shares[-1] <= 1
+    assert capsys.readouterr().err == ""
+    for name, value in (("PATIENCE", 0.0), ("INTERVAL", 0.0), ("attended", lambda: True)):
+        monkeypatch.setattr(f"vibroimpact.base.progress.{name}", value)
+    plain = vi.simulate_bundle(RIG, 0.94, 6.0, 200, states)
+    assert "simulate_bundle [#" in capsys.readouterr().err
+    np.testing.assert_array_equal(plain.z, told.z)
+    with pytest.raises(KeyboardInterrupt):
+        vi.simulate_bundle(RIG, 0.94, 6.0, 10**6, STATES, progress=interrupting)
+
+
+def interrupting(share, what):
+    raise KeyboardInterrupt

@@ -1,5 +1,7 @@
 """`stability_flags` and `periodic_batch` on many points, against the chain of LAPACK calls."""
 
+import sys
+
 import numpy as np
 import pytest
 import vibroimpact as vi
@@ -171,3 +173,29 @@ def test_bad_input():
         vi.stability_flags(**good | {"osc": 3})
     with pytest.raises(vi.errors.ParameterError, match=r"shape \(2,\)"):
         vi.stability_flags(**good | {"phases": [0.0, 3.0]})
+
+
+@pytest.mark.parametrize("name", ["stability_flags", "periodic_batch"])
+def test_progress_changes_no_bit(name, monkeypatch):
+    """The share rises to 1 from call to call of the core, and the parts together are the whole."""
+    osc, phases = (
+        vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75),
+        columns(np.random.default_rng(3), 3, 500, 1),
+    )
+    verb, shares = getattr(vi, name), []
+    whole = verb(osc, 0.94, phases, "RRL")
+    monkeypatch.setattr(flags, "CHUNK", 128)
+    monkeypatch.setattr(sys.modules["vibroimpact.motions.periodic"], "CHUNK", 128)
+    parts = verb(osc, 0.94, phases, "RRL", progress=lambda share, what: shares.append(share))
+    assert shares == [128 / 500, 256 / 500, 384 / 500, 1.0]
+    for one in (
+        "consistent",
+        "stable",
+        "status",
+        *(("X", "x_max", "multipliers") if name == "periodic_batch" else ()),
+    ):
+        assert getattr(parts, one).tobytes() == getattr(whole, one).tobytes()
+    with pytest.raises(ZeroDivisionError):
+        verb(osc, 0.94, phases, "RRL", progress=lambda share, what: 1 / 0)
+    with pytest.raises(vi.ParameterTypeError, match="progress = 3"):
+        verb(osc, 0.94, phases, "RRL", progress=3)

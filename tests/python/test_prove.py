@@ -1466,3 +1466,17 @@ def test_random_structures(share):
         if len(motion.gaps) < 4:
             checker.check(json.loads(proof.to_json()))
     assert decided > 0
+
+
+@pytest.mark.parametrize("name", ["motion", "structure"])
+def test_progress_of_a_motion(name):
+    """Each attempt is told before it begins, and the certificate is the same."""
+    motion = MOTIONS[0] if name == "motion" else structures()[0]
+    told = []
+    proof = motion.prove(progress=lambda share, what: told.append((share, what)))
+    assert told[0] == (0.0, "64 bits")
+    assert told == sorted(told, key=lambda pair: pair[0])
+    assert told[-1][0] < 1
+    assert repr(proof) == repr(motion.prove())
+    with pytest.raises(vi.ParameterTypeError, match="progress = 3"):
+        motion.prove(progress=3)

@@ -108,6 +108,24 @@ def with_progress(function: Callable[Given, Found]) -> Callable[Given, Found]:
     return shown
 
 
+def in_parts(
+    size: int, largest: int, progress: Callable[[float, str], None] | None
+) -> Iterator[slice]:
+    """Parts of 0 to `size`, each of at most `largest`; `progress` is called after each with the share done.
+
+    Examples
+    --------
+    >>> from vibroimpact.base.progress import in_parts
+    >>> [(part.start, part.stop) for part in in_parts(10, 4, None)]
+    [(0, 4), (4, 8), (8, 10)]
+    """
+    for first in range(0, size, largest):
+        last = min(first + largest, size)
+        yield slice(first, last)
+        if progress is not None:
+            progress(last / size, "")
+
+
 def span(seconds: float) -> str:
     """A time in seconds, or in hours and minutes."""
     if seconds < 600:

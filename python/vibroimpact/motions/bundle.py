@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +13,7 @@ from .. import _core
 from ..base import checks
 from ..base.errors import ParameterError
 from ..base.interrupt import new_counters, stoppable
+from ..base.progress import reported
 from ..results.states import TWO_PI
 from ..systems.oscillator import Oscillator, of_numbers
 from ..systems.verbs import physical_arguments
@@ -66,6 +68,8 @@ def simulate_bundle(
     load: ArrayLike = 1.0,
     max_events: int = 10_000_000,
     threads: int | None = None,
+    *,
+    progress: Callable[[float, str], None] | None = None,
 ) -> Bundle:
     """Simulate many initial states or parameters in one call, on several threads.
 
@@ -87,6 +91,8 @@ def simulate_bundle(
         Events after which a simulation ends early, with a `status` other than 0.
     threads : int, optional
         Default: one for each processor.
+    progress : callable, optional
+        Called with the share done and ""; by default a bar on a terminal or in a notebook.
 
     Returns
     -------
@@ -141,6 +147,7 @@ def simulate_bundle(
             f"states[:, {j}] = {start[:, j].tolist()!r}: must have z - x between the walls, "
             f"-{half[j]:.6g} to {half[j]:.6g}"
         )
+    checks.progress(progress)
     cycles = checks.number(cycles, "cycles_simulated", "cycles")
     max_events = checks.integer(max_events, "max_events", 1, 10**9)
     threads = checks.integer(
@@ -153,9 +160,10 @@ def simulate_bundle(
     if m * cycles < LITTLE:
         ends, counts, status = _core.simulate_bundle(*arguments, new_counters())
     else:
-        (ends, counts, status), complete = stoppable(
-            _core.simulate_bundle, *arguments, counters=new_counters()
-        )
+        with reported(progress, "simulate_bundle") as told:
+            (ends, counts, status), complete = stoppable(
+                _core.simulate_bundle, *arguments, counters=new_counters(), progress=told
+            )
         if not complete:
             raise KeyboardInterrupt
     t = (TWO_PI * ends[0] + ends[1]) / columns["r"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,13 +12,14 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core
 from ..base import checks
 from ..base.errors import ParameterError
+from ..base.progress import in_parts, reported
 from ..systems.oscillator import Oscillator, Pattern, of_numbers, plain_pattern
 from ..systems.verbs import physical_arguments
 from .periodic import frequency_ratios, impact_restitution
 
 __all__ = ["StabilityFlags", "stability_flags"]
 
-#: Largest number of points in a call of the core; Ctrl-C takes effect between calls.
+#: Largest number of points in a call of the core; Ctrl-C and progress take effect between calls.
 CHUNK = 1 << 18
 
 
@@ -61,6 +63,8 @@ def stability_flags(
     acceptance: float = 0.03,
     spectral_radius: bool = False,
     threads: int | None = None,
+    *,
+    progress: Callable[[float, str], None] | None = None,
 ) -> StabilityFlags:
     """Whether motions with given phases are stable, for many points.
 
@@ -89,6 +93,8 @@ def stability_flags(
         relative 1e-11, or within the effect of the last bits of r and the phases.
     threads : int, optional
         By default as many as there are processors.
+    progress : callable, optional
+        Called with the share done and ""; by default a bar on a terminal or in a notebook.
 
     Returns
     -------
@@ -127,14 +133,15 @@ def stability_flags(
     consistent, stable, status = (np.empty(m, dtype=np.int8) for _ in range(3))
     radius = np.empty(m) if with_radius else None
     referred = 0
-    for first in range(0, m, CHUNK):
-        part = slice(first, min(first + CHUNK, m))
-        columns = checks.phase_table(table[:, part], n, pattern.cycles, first)
-        consistent[part], stable[part], moduli, status[part], count = _core.stability_flags(
-            osc.xi, osc.mu, osc.restitution, ratios[part], pattern.cycles, pattern.signs, each,
-            np.ascontiguousarray(columns).T, acceptance, with_radius, threads, True,
-        )  # fmt: skip
-        referred += count
-        if radius is not None:
-            radius[part] = moduli
+    checks.progress(progress)
+    with reported(progress, "stability_flags") as told:
+        for part in in_parts(m, CHUNK, told):
+            columns = checks.phase_table(table[:, part], n, pattern.cycles, part.start)
+            consistent[part], stable[part], moduli, status[part], count = _core.stability_flags(
+                osc.xi, osc.mu, osc.restitution, ratios[part], pattern.cycles, pattern.signs, each,
+                np.ascontiguousarray(columns).T, acceptance, with_radius, threads, True,
+            )  # fmt: skip
+            referred += count
+            if radius is not None:
+                radius[part] = moduli
     return StabilityFlags(consistent, stable, status, radius, referred)

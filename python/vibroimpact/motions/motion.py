@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, ClassVar, overload
 
@@ -695,13 +695,19 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         found = ACTIONS["motion_gradient"](self)
         return found
 
-    def prove(self) -> Any:
+    def prove(self, *, progress: Callable[[float, str], None] | None = None) -> Any:
         """Prove the existence, admissibility and stability of this motion in ball arithmetic (extra `proof`).
 
         Each of these is proven, refuted or left undecided: existence and uniqueness in a box around these numbers,
         by Krawczyk's operator; that the masses approach at each impact and both gaps stay open in between; and
         stability, by the recursion of Schur and Cohn with the law of det[P]. Bounds on max|lambda| and max|x|/A
         are included. For a structure, only the bound on max|lambda| is included, and all gaps must stay open.
+
+        Parameters
+        ----------
+        progress : callable, optional
+            Called with the share of the attempts done and the next number of bits; by default a bar on a terminal
+            or in a notebook.
 
         Returns
         -------
@@ -724,7 +730,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         >>> vi.equispaced(osc, r=0.94, clearance=37.0)[0].prove()
         <Certificate of RL/1 at r = 0.94, d K/F0 = 37.0: exists, admissible, not stable>
         """
-        return ACTIONS["prove_motion"](self)
+        return ACTIONS["prove_motion"](self, progress=progress)
 
     def to_namelist(self) -> str:
         """The case as a namelist, from which `vibroimpact run` and `vibroimpact-batch` compute it again.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, overload
 
 import numpy as np
@@ -12,6 +12,7 @@ from .. import _core
 from ..base import checks
 from ..base.errors import ParameterError
 from ..base.interrupt import with_stack
+from ..base.progress import in_parts, reported
 from ..base.status import NO_MOTION, raise_status
 from ..results import door
 from ..systems.oscillator import Oscillator, Pattern, of_numbers, plain_pattern
@@ -31,6 +32,8 @@ from .trajectory import core_arrays
 __all__ = ["equispaced", "equispaced_batch", "linear_system", "periodic", "periodic_batch"]
 
 PRECISIONS = ("double", "single")
+#: Largest number of points in a call of the core; Ctrl-C and progress take effect between calls.
+CHUNK = 1 << 14
 #: The computations that the core can do for a structure.
 ELIMINATED, FULL, EXACT = 0, 1, 2
 _Array = NDArray[np.float64]
@@ -298,6 +301,8 @@ def periodic_batch(
     precision: str = "double",
     acceptance: float = 0.03,
     flights: bool = True,
+    *,
+    progress: Callable[[float, str], None] | None = None,
 ) -> Motions:
     """The function `periodic` for many sets of phases in one call.
 
@@ -320,6 +325,8 @@ def periodic_batch(
     flights : bool
         Whether to examine every flight as well, for `admissible`, `x_min` and `x_max`. Without it these are -1 and
         NaN, and the call is faster.
+    progress : callable, optional
+        Called with the share done and ""; by default a bar on a terminal or in a notebook.
 
     Returns
     -------
@@ -347,11 +354,19 @@ def periodic_batch(
     each = impact_restitution(osc, pattern, restitution)
     single = checks.choice(precision, "precision", PRECISIONS) == "single"
     acceptance = checks.number(acceptance, "acceptance")
-    impacts, scalars, multipliers, verdicts, status = _core.periodic(
-        osc.xi, osc.mu, osc.restitution, ratios, pattern.cycles, pattern.signs, each, table,
-        acceptance, single, bool(flights),
-    )  # fmt: skip
-    results = (impacts, scalars, multipliers, verdicts, status)
+    checks.progress(progress)
+    with reported(progress, "periodic_batch") as told:
+        parts = [
+            _core.periodic(
+                osc.xi, osc.mu, osc.restitution, ratios[part], pattern.cycles, pattern.signs, each,
+                table[:, part], acceptance, single, bool(flights),
+            )
+            for part in in_parts(m, CHUNK, told)
+        ]  # fmt: skip
+    results = [
+        one[0] if len(one) == 1 else np.concatenate(one, axis=-1)
+        for one in zip(*parts, strict=True)
+    ]
     return _motions(osc, frozen(ratios), pattern, each, frozen(table), results, precision)
 
 

@@ -60,25 +60,33 @@ NOT_LINKED = "the motion is not proven to be the same as in the previous box"
 ATTEMPTS = ((64, 2.0**-34), (64, 2.0**-42), (128, 2.0**-56), (256, 2.0**-120))
 
 
-def prove_motion(motion: Motion) -> Certificate:
+@with_progress
+def prove_motion(
+    motion: Motion, *, progress: Callable[[float, str], None] | None = None
+) -> Certificate:
     """As `Motion.prove`."""
+    checks.progress(progress)
     if motion.of_structure:
-        return prove_structure(motion)
+        return prove_structure(motion, progress)
     begin = time.perf_counter()
     family = Family.of(motion)
-    box, reason = best_attempt(family, family.states(motion))
+    box, reason = best_attempt(family, family.states(motion), progress)
     return Certificate(
         "motion", family.sides, family.cycles, family.symmetric, family.record(), [{}],
         [box] if box else [], [{"reason": reason}] if reason else [], time.perf_counter() - begin,
     )  # fmt: skip
 
 
-def best_attempt(family: Family, start: _Array) -> tuple[dict[str, Any], str]:
+def best_attempt(
+    family: Family, start: _Array, progress: Callable[[float, str], None] | None = None
+) -> tuple[dict[str, Any], str]:
     """As `attempt`, with as many digits as necessary."""
     box: dict[str, Any] = {}
     reason = ""
     module = flint()
-    for bits, size in ATTEMPTS:
+    for number, (bits, size) in enumerate(ATTEMPTS):
+        if progress is not None:
+            progress(number / len(ATTEMPTS), f"{bits} bits")
         with module.ctx.workprec(bits):
             found, why = attempt(family.system({}), start, size, bits > 64)
         if found or not box:

@@ -429,7 +429,9 @@ def attempt(system: System, states: Any, size: float) -> tuple[dict[str, Any], s
     return box, reason
 
 
-def prove_structure(motion: Motion) -> Certificate:
+def prove_structure(
+    motion: Motion, progress: Callable[[float, str], None] | None = None
+) -> Certificate:
     """As `Motion.prove`, for a structure."""
     begin = time.perf_counter()
     record = record_of(motion)
@@ -440,7 +442,9 @@ def prove_structure(motion: Motion) -> Certificate:
         states = states[: len(states) // 2]
     box: dict[str, Any] = {}
     reason = NO_MOTION
-    for bits, size in ATTEMPTS:
+    for number, (bits, size) in enumerate(ATTEMPTS):
+        if progress is not None:
+            progress(number / len(ATTEMPTS), f"{bits} bits")
         with flint().ctx.workprec(bits):
             found, why = attempt(System(record, motion.cycles, mirror), states, size)
         if found or not box:

@@ -6,6 +6,7 @@ module vi_bundle
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_kinds, only: wp
    use vi_oscillator, only: oscillator_type
+   use vi_progress, only: add_done_work, add_expected_work
    use vi_simulate, only: forced_system_type, event_type, impact_event, new_forced_system, &
       simulate_on, state_type, stick_event
    use vi_status, only: stat
@@ -40,12 +41,13 @@ contains
       !> (m): `stat%ok`, `stat%event_limit` if most_events were reached, `stat%budget`, or
       !! `stat%not_computed` if it was stopped.
       integer, intent(out) :: status(:)
-      !> Progress counters, see vi_progress; read to stop.
+      !> Progress counters, see vi_progress; each simulation is a unit of work.
       integer, intent(inout), optional :: progress(3)
       type(forced_system_type) :: system
       type(state_type) :: state
       integer :: contact(3), j
 
+      call add_expected_work(size(r), progress)
       !$omp parallel do schedule(dynamic, 1) num_threads(threads) private(system, state, contact)
       do j = 1, size(r)
          system = new_forced_system(osc, r(j), load(j), clearance(j))
@@ -53,6 +55,7 @@ contains
          call simulate_counting(system, state, cycles, most_events, counts(:, j), status(j), &
             progress)
          call pack_state(state, ends(:, j), contact)
+         call add_done_work(1, progress)
       end do
       !$omp end parallel do
    end subroutine simulate_bundle
