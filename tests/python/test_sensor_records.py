@@ -17,6 +17,20 @@ RECORD = vi.SensorRecord(
 )
 
 
+def test_the_sensors_are_in_the_repr():
+    """Of each channel what is known of its sensor, in SI units; nothing of a channel without."""
+    samples, told = np.arange(20) / 19, {"load": 2000, "acceleration": 600}
+    record = vi.SensorRecord(
+        1000, load=samples, acceleration=samples, bandwidth=told, delay=1e-4, range=5, noise=0.02,
+        units={"acceleration": "g"},
+    )  # fmt: skip
+    assert repr(record) == (
+        "<SensorRecord of 20 samples at 1000 Hz, 0.02 s: load (bandwidth 2000 Hz), acceleration "
+        "(bandwidth 600 Hz, delay 0.0001 s, range 49.0332 m/s^2, noise 0.196133 m/s^2)>"
+    )
+    assert repr(RECORD).endswith("0.2 s: load, acceleration>")
+
+
 def same(record):
     """Whether a record that was read is RECORD."""
     return (

@@ -276,8 +276,21 @@ class SensorRecord:
     def __repr__(self) -> str:
         return (
             f"<SensorRecord of {len(self)} samples at {self.rate:g} Hz, {self.duration:g} s: "
-            f"{', '.join(self.channels)}>"
+            f"{', '.join(self._text_of(channel) for channel in self.channels)}>"
         )
+
+    def _text_of(self, channel: str) -> str:
+        """A channel with what is known of its sensor."""
+        of_unit = dict(
+            zip(OF_SENSORS, ("Hz", "s", self.units[channel], self.units[channel]), strict=True)
+        )
+        known = {name: getattr(self, name).get(channel) for name in OF_SENSORS}
+        shown = [
+            f"{name} {known[name]:g} {of_unit[name]}"
+            for name in OF_SENSORS
+            if known[name] is not None
+        ]
+        return f"{channel} ({', '.join(shown)})" if shown else channel
 
 
 def per_channel(given: PerChannel, name: str, channels: Iterable[str]) -> dict[str, float]:
