@@ -327,15 +327,24 @@ def test_a_design_is_converted_to_physical_units(tmp_path):
     assert "(mm)" in shown.plot()[0].get_xlabel()
 
 
-def test_a_design_belongs_to_the_problem_and_searches_agree_where_they_converge():
-    """The seed draws the samples of the confirmation alone; searches that disagree are called so."""
+@pytest.mark.parametrize("job", [
+    {"r": (1.0, 1.02), "free": {"clearance": (20, 45)}, "evaluations": 64},
+    {"r": (0.96, 0.99), "free": {"clearance": (5, 60), "mu": (0.02, 0.08)}, "searches": 4},
+])  # fmt: skip
+def test_any_seed_gives_the_level_or_says_that_it_has_not_converged(job):
+    """Each seed draws its own candidates; levels of searches that converged differ by at most 2 %."""
+    found = [vi.design(OSC, rng=seed, **{**QUICK, **job}) for seed in (0, 1, 2)]
+    assert len({one.candidates.tobytes() for one in found}) == 3
+    levels = [one.level for one in found if one.converged]
+    assert all(one.converged in (True, False) for one in found)
+    assert not levels or max(levels) - min(levels) <= 0.02 * min(levels)
+
+
+def test_searches_agree_where_they_converge():
+    """Searches that disagree are called so."""
     kwargs = {"r": (1.0, 1.02), "free": {"clearance": (20, 45)}, **QUICK, "evaluations": 64}
-    one, other = (vi.design(OSC, rng=seed, **kwargs) for seed in (0, 1))
+    one = vi.design(OSC, **kwargs)
     assert one.converged
-    assert other.level == one.level
-    assert other.values == one.values
-    shares = [found.confirm(500, rng=7).probability for found in (one, other)]
-    assert shares[0] == shares[1]
     best = np.sort(one.searches["level"])
     assert one.level == best[0]
     assert best[2] - best[0] <= 0.02 * best[0]

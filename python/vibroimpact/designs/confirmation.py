@@ -111,7 +111,7 @@ def firmer(problem: Problem, order: Order, archive: Archive) -> tuple[Archive, O
         if judged.excess[judged.best] > 1:
             # a candidate that met the limits with fewer units does not meet them now: the search is repeated
             number = order.searches + turn
-            found = explored(problem, coarse, order.evaluations, number, None, Archive())
+            found = explored(problem, coarse, order, number, None, Archive())
             further = Archive()
             refined(problem, fine, *found, None, further)
             judged.add(further)

@@ -604,8 +604,8 @@ def design(
     settling, keep : int
         Load cycles after which a simulation without a period counts as settled, and load cycles then examined.
     rng : int, numpy.random.Generator or None
-        Seed of the samples of the confirmation, or a generator from which a seed is drawn; None: another seed in
-        each call. The seed that was used is in the case of the result. The search does not depend on it.
+        Seed of the searches and of the samples of the confirmation, or a generator from which a seed is drawn;
+        None: another seed in each call. The seed that was used is in the case of the result.
     threads : int, optional
         Default: one for each processor. The result does not depend on it.
     progress : callable, optional

@@ -95,7 +95,7 @@ class Grid:
 def grid(problem: Problem, units: int, nodes: int, states: int) -> Grid:
     """Units from a Sobol sequence, the first without deviations, and frequencies including both ends of the band.
 
-    They do not depend on the seed of a design, which is used only for the samples of its confirmation.
+    They do not depend on the seed of a design: levels of designs with different seeds can be compared.
     """
     qmc = scipy("stats", "a design", "design").qmc
 
@@ -157,7 +157,7 @@ def search(problem: Problem, order: Order, progress: door.Progress | None) -> Ar
         report = part_of(progress, number, 1, order.searches)
         tried, best = Archive(), Archive()
         try:
-            found = explored(problem, coarse, order.evaluations, number, report, tried)
+            found = explored(problem, coarse, order, number, report, tried)
             refined(problem, fine, *found, report, best)
             archive.add(best)
         except KeyboardInterrupt:
@@ -173,19 +173,18 @@ def search(problem: Problem, order: Order, progress: door.Progress | None) -> Ar
 
 
 def explored(
-    problem: Problem, coarse: Grid, evaluations: int, number: int, progress: door.Progress | None,
+    problem: Problem, coarse: Grid, order: Order, number: int, progress: door.Progress | None,
     archive: Archive,
 ) -> tuple[_Array, _Array]:  # fmt: skip
     """The candidates of one global search by differential evolution, and their levels; all are added to the
     archive.
 
-    Its random numbers depend only on the number of the search, so that every run of a problem gives the same
-    design.
+    Its random numbers depend only on the seed of the order and the number of the search.
     """
     differential_evolution = scipy("optimize", "a design", "design").differential_evolution
 
     low, high = np.array(list(problem.free.values()), dtype=float).T
-    evaluations = max(evaluations, 8 * len(low))
+    evaluations = max(order.evaluations, 8 * len(low))
     size = max(8, 8 * len(low))
 
     def level(shares: _Array) -> _Array:
@@ -201,7 +200,7 @@ def explored(
         return np.minimum(archive.level[-len(candidates) :], 1e150)
 
     try:
-        rng = np.random.default_rng((0, number))
+        rng = np.random.default_rng((order.seed, number))
         differential_evolution(
             level, list(zip(low, high, strict=True)), vectorized=True, updating="deferred", polish=False,
             popsize=size, init=_even_start(low, high, size, rng), seed=rng, tol=1e-3,

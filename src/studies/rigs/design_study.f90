@@ -125,7 +125,7 @@ module vi_design_study
       key_type('keep', a_whole, default='32', low=1.0_wp, high=1.0e6_wp, never='amplitude', &
       meaning='load cycles then examined'), &
       key_type('seed', a_whole, default='0', low=0.0_wp, high=2.0e9_wp, &
-      meaning='seed of the samples of the confirmation')]
+      meaning='seed of the searches and of the samples of the confirmation')]
 
    type(column_type), parameter :: design_columns(*) = [ &
       column_type('chosen', 'name', words, meaning='the free parameter'), &
