@@ -2,6 +2,7 @@
 
 import ast
 import graphlib
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -123,3 +124,35 @@ def test_an_unknown_name_is_an_attribute_error():
     """As of any module."""
     with pytest.raises(AttributeError, match=r"module 'vibroimpact' has no attribute 'Zones'"):
         vi.Zones  # noqa: B018
+
+
+#: The text of `vibroimpact --help`, without ending the process.
+HELP = """import sys
+sys.argv = ["vibroimpact", "--help"]
+from vibroimpact_start import main
+try:
+    main()
+except SystemExit:
+    pass"""
+#: The largest numbers of modules of the package and of all modules after a start, and the other packages in use.
+STARTS = {"import vibroimpact": (4, 135, set()), HELP: (20, 315, {"numpy"})}
+
+
+@pytest.mark.parametrize("start", STARTS, ids=["import", "help"])
+def test_a_start_imports_little(start):
+    """Modules are counted, not seconds; neither a start nor the help needs a library that is not required."""
+    own, most, packages = STARTS[start]
+    environ = {**os.environ, "VIBROIMPACT_BUILT": "1"}
+    line = [sys.executable, "-c", f"{start}\nimport sys; print(*sys.modules)"]
+    done = subprocess.run(line, capture_output=True, text=True, check=True, env=environ)
+    modules = set(done.stdout.splitlines()[-1].split())
+    ours = {name for name in modules if name.split(".")[0] == "vibroimpact"}
+    assert len(ours) <= own, sorted(ours)
+    assert len(modules) <= most, sorted(modules)
+    folders = {
+        name.split(".")[0]
+        for name in modules - ours
+        if not name.startswith(("_", "vibroimpact_start"))
+    }
+    assert folders - set(sys.stdlib_module_names) - {"cython_runtime"} <= packages
+    assert not {"numpy.testing", "numpy.f2py", "matplotlib", "scipy", "xarray", "flint"} & modules
