@@ -1,9 +1,13 @@
 """The script `run` of a clone: its output before it installs or builds anything."""
 
 import os
+import re
+import runpy
 import shutil
 import subprocess
+import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -67,6 +71,7 @@ def test_help(words):
 @pytest.mark.parametrize(("words", "output"), [
     (["bench", "all"], "run: bench takes no arguments, not 'all'; see ./run --help"),
     (["lint", "python"], "run: lint takes no arguments, not 'python'; see ./run --help"),
+    (["wheel", "all"], "run: wheel takes no arguments, not 'all'; see ./run --help"),
     (["tests"], "run: no command 'tests'"),
 ])  # fmt: skip
 def test_bad_words(words, output):
@@ -141,3 +146,71 @@ def test_the_fast_lane(fault, tmp_path):
     if fault:
         assert f"===== {failing[fault]}: FAILED" in done.stdout
         assert done.stdout.splitlines()[-1].endswith(f"{failing[fault]}.")
+
+
+def test_the_pythons_of_a_wheel(tmp_path):
+    """The one of .venv first, then one of each other supported version; links that lead nowhere are left out."""
+    own = ".".join(map(str, sys.version_info[:2]))
+    pyproject = (RUN.parent / "pyproject.toml").read_text(encoding="utf-8")
+    versions = re.findall(r'"Programming Language :: Python :: (3\.\d+)"', pyproject)
+    assert own in versions
+    (found,) = re.findall(
+        r"^pythons\(\) \{.*?^\}", RUN.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL
+    )
+    others = [version for version in versions if version != own]
+    answers = {others[0]: "exit 0", others[-1]: "exit 1"}
+    for version, answer in answers.items():
+        script = tmp_path / f"python{version}"
+        script.write_text(f"#!/bin/sh\n{answer}\n")
+        script.chmod(0o755)
+    names = {}
+    for words in ("", "--one"):
+        script = f"root={RUN.parent} venv={sys.prefix}\n{found}\npythons {words}"
+        environ = {
+            "PATH": f"{tmp_path}:/usr/bin:/bin",
+            "PYENV_ROOT": str(tmp_path),
+            "HOME": str(tmp_path),
+        }
+        names[words] = subprocess.check_output(
+            ["sh", "-c", script], env=environ, text=True
+        ).splitlines()
+    assert names["--one"] == [f"{sys.prefix}/bin/python"]
+    assert names[""][:2] == [*names["--one"], f"python{others[0]}"]
+    assert f"python{others[-1]}" not in names[""]
+
+
+class Session:
+    """What a session of nox would run."""
+
+    def __init__(self, posargs=()):
+        self.posargs, self.calls = list(posargs), []
+
+    def install(self, *words):
+        self.calls.append(("install", *words))
+
+    def run(self, *words, **_options):
+        self.calls.append(("run", *words))
+
+    def error(self, message):
+        raise ValueError(message)
+
+
+def test_the_nightly_session(monkeypatch):
+    """Nightly wheels come last, from the index that is given alone; without one the session ends at once."""
+    nox = SimpleNamespace(
+        session=lambda function=None, **_options: function or (lambda given: given),
+        options=SimpleNamespace(), needs_version="", Session=Session, main=None,
+    )  # fmt: skip
+    monkeypatch.setitem(sys.modules, "nox", nox)
+    nightly = runpy.run_path(str(RUN.with_name("noxfile.py")))["nightly"]
+    monkeypatch.delenv("NIGHTLY_INDEX", raising=False)
+    with pytest.raises(ValueError, match="NIGHTLY_INDEX: must be the address"):
+        nightly(Session())
+    monkeypatch.setenv("NIGHTLY_INDEX", "file:///wheels")
+    session = Session(["tests/python/test_table1.py"])
+    nightly(session)
+    *_, wheels, package, test = session.calls
+    assert wheels[-3:] == ("file:///wheels", "numpy", "scipy")
+    assert {"--pre", "--index-url"} < {*wheels}
+    assert "--no-deps" in package
+    assert test[-1] == "tests/python/test_table1.py"
