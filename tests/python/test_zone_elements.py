@@ -218,3 +218,28 @@ def test_chart_of_contacts():
             assert np.sort(speeds) == pytest.approx(np.sort(motions[0].speeds), rel=1e-9)
             turn = 2 * np.pi
             assert np.sort(phases % turn) == pytest.approx(np.sort(motions[0].phases % turn))
+
+
+@pytest.mark.slow
+def test_stiff_stop_of_a_zone_becomes_a_wall():
+    """A zone with a stiff stop is closed by the conditions of the rigid one, away from it as k^(-1/2)."""
+    pair = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
+    log, mass = -np.log(0.61), 0.028 / 1.028
+
+    def corners(motion):
+        zone = vi.zone(motion, ("frequency", 0.8, 1.3), ("opening", 2.5, 50.0), lines=5)
+        assert zone.closed
+        assert len(zone.loops) == 1
+        types = [piece.type for piece in zone.boundary]
+        return types, np.array([[piece.x[0], piece.y[0]] for piece in zone.boundary])
+
+    rigid = pair.at(1.05, 20.0, load=vi.Load(1.05, sine=[1.0, 0.0]))
+    names, limit = corners(vi.exact(rigid, vi.simulate(rigid, cycles=400)))
+    away = []
+    for k in (1e3, 1e5):
+        damping = 2 * log / np.hypot(np.pi, log) * np.sqrt(k * mass)  # departs with R = 0.61
+        point = pair.at(1.05, 20.0, stops=(None, (k, damping)))
+        types, places = corners(vi.exact(point, vi.simulate(point, cycles=400)))
+        assert types == names
+        away.append(np.sqrt(k) * (places - limit))
+    assert away[0] == pytest.approx(away[1], rel=0.02, abs=2e-4)

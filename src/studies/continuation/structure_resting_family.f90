@@ -82,6 +82,7 @@ contains
       type(course_type) :: course, sides(2)
       real(wp) :: c(n_parameters), shares(size(family%rests%path%changes))
       integer :: i, j, k, m
+      logical :: along
 
       m = size(point) - size(coordinates%active)
       b(1, :m + size(conditions)) = at_fault
@@ -102,6 +103,11 @@ contains
          b(1, :m) = course%residuals
          a(:m, :m) = course%slopes(:m, :)
       end associate
+      if (all(conditions%kind == edge)) return
+      along = .false.
+      if (allocated(family%rests%rows)) call along_motions(family, coordinates, conditions, point, &
+         b(1, :m + size(conditions)), a(:size(point), :m + size(conditions)), along)
+      if (along) return
       do j = 1, size(conditions)
          if (conditions(j)%kind /= edge) call value_in(family, point(:m), course, conditions(j), &
             b(1, m + j))
@@ -114,6 +120,157 @@ contains
          call by_unknowns(family, point(:m), c(:size(shares)), conditions(j), course, a(:m, m + j))
       end do
    end subroutine set_equations
+
+   !> Conditions and their gradients at the nearest motion: where one step of Newton's method for
+   !! the equations of the motion leads, on the shortest way.
+   !!
+   !! For points that are no motions, a condition can be anything between motions: if a stiff stop
+   !! is touched at a phase at which it is still open by a small distance, or has yielded, its force
+   !! jumps by the stiffness times that, and derivatives by single unknowns are so large that
+   !! differences are too coarse for them. At the nearest motion a condition depends only on the
+   !! component of a change along the motions, and differences are taken in these directions.
+   pure subroutine along_motions(family, coordinates, conditions, point, b, a, good)
+      !> The family.
+      class(structure_resting_type), intent(in) :: family
+      !> The parameters.
+      type(coordinates_type), intent(in) :: coordinates
+      !> Conditions; edges are left out.
+      type(condition_type), intent(in) :: conditions(:)
+      !> A guess.
+      real(wp), intent(in) :: point(:)
+      !> (m + conditions) In: residuals of the m equations. Out: also of the conditions.
+      real(wp), intent(inout) :: b(:)
+      !> (coordinates, m + conditions) The gradients, in the same way.
+      real(wp), intent(inout) :: a(:, :)
+      !> False if a condition is not defined there, or motions have no direction of their own.
+      logical, intent(out) :: good
+      real(wp), parameter :: h = 1.0e-6_wp
+      !> Longest way to the nearest motion.
+      real(wp), parameter :: far = 0.1_wp
+      real(wp) :: basis(size(point), size(point)), factors(size(point), size(point)), &
+         ways(size(point), size(conditions)), values(size(conditions), 2), residuals(size(point))
+      type(course_type) :: course
+      integer :: i, j, k, m
+
+      m = size(point) - size(coordinates%active)
+      call orthogonal_basis(a(:, :m), basis, factors, good)
+      if (.not. good) return
+      residuals(:m) = b(:m)
+      call conditions_near(point, residuals(:m), course, values(:, 1), good)
+      if (.not. good) return
+      where (conditions%kind /= edge) b(m + 1:) = values(:, 1)
+      ways = 0
+      do k = m + 1, size(point)
+         do i = 1, 2
+            associate (moved => point + (3 - 2*i)*h*basis(:, k))
+               call follow_at(moved, .false., course)
+               good = course%exists
+               if (good) residuals(:m) = course%residuals
+               if (good) call conditions_near(moved, residuals(:m), course, values(:, i), good)
+            end associate
+            if (.not. good) return
+         end do
+         do j = 1, size(conditions)
+            ways(:, j) = ways(:, j) + (values(j, 1) - values(j, 2))/(2*h)*basis(:, k)
+         end do
+      end do
+      do j = 1, size(conditions)
+         if (conditions(j)%kind /= edge) a(:, m + j) = ways(:, j)
+      end do
+   contains
+      !> The period at a point.
+      pure subroutine follow_at(place, sloped, course)
+         !> The point, and whether derivatives are wanted.
+         real(wp), intent(in) :: place(:)
+         logical, intent(in) :: sloped
+         !> In: a period, or none. Out: that at the point.
+         type(course_type), intent(inout) :: course
+         real(wp) :: c(n_parameters)
+
+         c = parameters_at(coordinates, place(m + 1:))
+         call follow_period(family%rests, place(:m), c(:size(family%rests%path%changes)), sloped, &
+            course)
+      end subroutine follow_at
+
+      !> The conditions at the motion that is nearest to a point.
+      pure subroutine conditions_near(place, residuals, course, results, good)
+         !> The point, and its residuals.
+         real(wp), intent(in) :: place(:), residuals(:)
+         !> In: a period, or none. Out: that of the motion.
+         type(course_type), intent(inout) :: course
+         !> The values; 1 of edges.
+         real(wp), intent(out) :: results(:)
+         !> Whether they are defined.
+         logical, intent(out) :: good
+         real(wp) :: way(size(place)), parts(size(place))
+         integer :: p
+
+         results = 1
+         ! a^T way = residuals with a = basis factors
+         way = 0
+         do p = 1, m
+            parts(p) = (residuals(p) - dot_product(factors(:p - 1, p), parts(:p - 1)))/factors(p, p)
+            way = way + parts(p)*basis(:, p)
+         end do
+         good = norm2(way) < far
+         if (.not. good) return
+         call follow_at(place - way, any(conditions%kind <= neimark_sacker), course)
+         good = course%exists
+         if (.not. good) return
+         associate (there => place - way)
+            do p = 1, size(conditions)
+               if (conditions(p)%kind /= edge) call value_in(family, there(:m), course, &
+                  conditions(p), results(p))
+            end do
+         end associate
+         good = all(abs(results) <= huge(1.0_wp))
+      end subroutine conditions_near
+   end subroutine along_motions
+
+   !> An orthonormal basis that begins with one of the space of some gradients.
+   pure subroutine orthogonal_basis(gradients, basis, factors, good)
+      !> (n, m) The gradients, less than n.
+      real(wp), intent(in) :: gradients(:, :)
+      !> (n, n) The basis; gradients = basis(:, :m) factors, with an upper triangle of factors.
+      real(wp), intent(out) :: basis(:, :), factors(:, :)
+      !> False if they are not independent.
+      logical, intent(out) :: good
+      !> What is left of a gradient beside the others, as a share of it, if it is independent.
+      real(wp), parameter :: least = 1.0e-9_wp
+      real(wp) :: left(size(basis, 1)), best(size(basis, 1)), part
+      integer :: i, j, m, pass
+
+      m = size(gradients, 2)
+      basis = 0
+      factors = 0
+      do j = 1, m
+         left = gradients(:, j)
+         ! twice is enough
+         do pass = 1, 2
+            do i = 1, j - 1
+               part = dot_product(basis(:, i), left)
+               left = left - part*basis(:, i)
+               factors(i, j) = factors(i, j) + part
+            end do
+         end do
+         factors(j, j) = norm2(left)
+         good = factors(j, j) > least*norm2(gradients(:, j))
+         if (.not. good) return
+         basis(:, j) = left/factors(j, j)
+      end do
+      do j = m + 1, size(basis, 1)
+         best = 0
+         do i = 1, size(basis, 1)
+            left = 0
+            left(i) = 1
+            left = left - matmul(basis(:, :j - 1), matmul(left, basis(:, :j - 1)))
+            left = left - matmul(basis(:, :j - 1), matmul(left, basis(:, :j - 1)))
+            if (norm2(left) > norm2(best)) best = left
+         end do
+         basis(:, j) = best/norm2(best)
+      end do
+      good = .true.
+   end subroutine orthogonal_basis
 
    !> The derivatives of a condition by the unknowns, by central differences.
    pure subroutine by_unknowns(family, unknowns, shares, condition, course, slope)
