@@ -1,5 +1,6 @@
 """Self-excited motions: no load, the period is unknown, and one multiplier is 1."""
 
+import itertools
 import math
 from dataclasses import replace
 
@@ -381,3 +382,74 @@ def test_bad_namelists(tmp_path, load, keys, message):
     )
     with pytest.raises(vi.ParameterError, match=message):
         vi.read_namelist(case)
+
+
+@pytest.mark.parametrize("damping", [0.02, 0.28])
+def test_a_search_finds_the_one_limit_cycle(damping, tmp_path):
+    """It is that of `exact`, listed once whatever its first event; the other states slide steadily."""
+    found = vi.find(bow(damping), vi.Load.none())
+    (motion,) = found
+    assert motion.self_excited
+    assert motion.period == pytest.approx(self_excited(bow(damping)).period, rel=1e-13)
+    assert motion.multipliers[motion.trivial] == pytest.approx(1, abs=1e-12)
+    assert (found.settled[0] + found.without_impacts, found.unsettled) == (24, 0)
+    pushed = vi.find(bow(damping), vi.Load(constant=[0.3]))
+    assert [one.period for one in pushed] == pytest.approx([motion.period], rel=1e-12)
+    found.save(tmp_path / "found.json")
+    loaded = vi.load(tmp_path / "found.json")
+    assert loaded[0].period == motion.period
+    assert (loaded.settled, loaded.without_impacts) == (found.settled, found.without_impacts)
+    again = vi.exact(bow(damping), vi.Load.none(), loaded[0])
+    assert again.period == pytest.approx(motion.period, rel=1e-13)
+    (case,) = vi.read_namelist(_written(tmp_path, found.to_namelist()))
+    assert case.run()[0][0].period == motion.period
+
+
+def _written(folder, text):
+    path = folder / "case.nml"
+    path.write_text(text)
+    return path
+
+
+def test_a_search_beyond_the_end_of_the_branch_finds_equilibria_alone():
+    found = vi.find(bow(0.2908), vi.Load.none())
+    assert (len(found), found.without_impacts, found.unsettled) == (0, 24, 0)
+    assert "24 states in an equilibrium" in repr(found)
+
+
+def test_a_search_says_why_incommensurate_motions_are_not_found():
+    """Two masses that stick and slip apart have no common period; one of them may slide steadily."""
+    belts = [vi.Friction([1, 0], **BELT), vi.Friction([0, 1], **BELT | {"speed": 0.25})]
+    apart = vi.Structure([1, 1], [[0.02, 0], [0, 0.02]], [[1, 0], [0, 1.7]], friction=belts)
+    found = vi.find(apart, vi.Load.none(), states=6, settling=100)
+    assert all(len({*motion.gaps.tolist()}) == 1 for motion in found)
+    assert found.unsettled > 0
+    assert any("does not repeat" in text for text in found.failures)
+
+
+def test_searches_of_random_systems():
+    """Each motion that is found is simulated onto itself, and no two are the same."""
+    rng = np.random.default_rng(45)
+    number = 0
+    for _ in range(30):
+        n = int(rng.integers(1, 3))
+        coupling = rng.uniform(0.1, 0.6) * (n > 1)
+        stiffness = np.diag(rng.uniform(0.8, 2.0, n)) + coupling * (2 * np.eye(n) - 1)
+        slip = rng.uniform(0.3, 0.7, n)
+        belts = [
+            vi.Friction(np.eye(n)[i], slip[i], slip[i] * rng.uniform(1.2, 2.0), rng.uniform(0.1, 0.3))
+            for i in range(n)
+        ]  # fmt: skip
+        damping = rng.uniform(0.01, 0.08) * stiffness
+        structure = vi.Structure(rng.uniform(0.5, 1.5, n), damping, stiffness, friction=belts)
+        found = vi.find(structure, vi.Load.none(), states=4, settling=60)
+        assert sum(found.settled) + found.without_impacts + found.unsettled == 4
+        for motion in found:
+            number += 1
+            _, state = motion._run()._between_events()
+            end = vi.simulate(structure, duration=motion.period, state=state).final_state
+            assert np.abs(np.subtract(end, state)).max() < 1e-9 * max(1, np.abs(state).max())
+        periods = sorted((motion.period, len(motion.phases)) for motion in found)
+        for one, other in itertools.pairwise(periods):
+            assert abs(one[0] - other[0]) > 1e-6 or n > 1
+    assert number >= 15

@@ -113,7 +113,7 @@ def test_what_fails_says_so():
     ball = vi.Structure([1], [0], [0], [vi.Gap([-1], -0.1, 0.5)])
     with pytest.raises(vi.SingularError, match="closed at q = 0"):
         vi.find(ball, vi.Load(1.0, sine=[1]))
-    with pytest.raises(vi.ParameterError, match=r"^load = .* must have a frequency"):
+    with pytest.raises(vi.SingularError, match="the structure has none"):
         vi.find(ball, vi.Load(constant=[1]))
 
 

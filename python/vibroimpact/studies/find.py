@@ -22,7 +22,7 @@ from ..results.noun import FORMER, Noun, key
 from ..results.states import state_by_coordinates
 from ..results.tables import runs
 from ..systems.oscillator import Oscillator, Point, of_numbers
-from ..systems.structure import Load, Structure
+from ..systems.structure import Load, Structure, without_none
 from ..systems.units import place_text
 from ..systems.verbs import every_system, physical_arguments
 
@@ -114,7 +114,7 @@ class FoundMotions(Noun, Sequence[Any], study="find", formerly="StructureMotions
     motions : tuple of Motion
     without_impacts : int
         Number of simulated states that end without further impacts; for a structure, also of those that stay in
-        contact.
+        contact. Without a periodic load, of those that end in an equilibrium, at rest or in steady sliding.
     search : Search
         For an oscillator: the extent of the search.
     settled : tuple of int
@@ -244,7 +244,9 @@ class FoundMotions(Noun, Sequence[Any], study="find", formerly="StructureMotions
             point = place_text(self.osc, self.r, self.clearance)
             others = f"; and {WITHOUT_IMPACTS}" if self._is_free else ""
             return f"<FoundMotions at {point}: {there}{others}{cut}>"
-        counts = [(self.unsettled, "unsettled"), (self.without_impacts, "without further impacts")]
+        free = self.load is None or not self.load.frequency
+        ends = "in an equilibrium" if free else "without further impacts"
+        counts = [(self.unsettled, "unsettled"), (self.without_impacts, ends)]
         counts += [(self.chaotic, "chaotic"), (self.quasi_periodic, "quasi-periodic")]
         # all counts are 0 if every state settles
         others = ", ".join(f"{n} states {what}" for n, what in counts if n or what == "unsettled")
@@ -279,16 +281,25 @@ FORMER["Findings"] = FoundMotions
 def structure_motions_of(noun: Noun) -> list[Motion]:
     """The motions of a structure in the tables of a result."""
     result, structure, load = noun._result, noun.structure, noun.load
-    if load is None or not load.frequency:
-        raise ParameterError("case: must have a &load with a frequency")
+    free = load is None or not load.frequency
+    if load is None:
+        load = Load(constant=np.zeros(structure.coordinates))
     count = len(result.column("motions", "motion").values)
+    frequencies = result.column("motions", "frequency").decoded().tolist() if free else []
     rows = [
         runs(result.tables[name], count)
         for name in ("impacts", "multipliers", "derivative", "rests")
     ]
     found: list[Motion] = []
     for i in range(count):
+        if free:
+            load = Load(frequencies[i], constant=load.constant)
         motion = of_tables(result, structure, load, "motions", i, [part[i] for part in rows], None)
+        if free:
+            _, (q, rate) = motion._run()._between_events()
+            known = {"q": q.tolist(), "q_dot": rate.tolist(), "period": motion.period}
+            found.append(motion.__replace__(request={"kind": "settled", "settling": 0} | known))
+            continue
         request: dict[str, Any] = {
             "kind": "exact", "gaps": motion.gaps.tolist(), "phases": motion.phases.tolist()
         }  # fmt: skip
@@ -305,7 +316,7 @@ def structure_motions_of(noun: Noun) -> list[Motion]:
 
 def find_structure(
     structure: Structure,
-    load: Load,
+    load: Load | None,
     max_impacts: int = 2,
     max_cycles: int = 4,
     guesses: int = 48,
@@ -321,7 +332,11 @@ def find_structure(
         "max_impacts": max_impacts, "max_cycles": max_cycles, "guesses": guesses, "states": states,
         "settling": settling, "seed": checks.seed_of(rng), "max_events": max_events,
     }  # fmt: skip
-    found = door.run_structure(FoundMotions, structure, load, keys, threads, progress, stops=True)
+    load = without_none(load)
+    found = door.run_structure(
+        FoundMotions, structure, load, keys, threads, progress,
+        needs_frequency=isinstance(load, Load) and bool(load.frequency), stops=True,
+    )  # fmt: skip
     found.require()
     return found
 
@@ -334,7 +349,7 @@ def find(
 ) -> FoundMotions: ...  # fmt: skip
 @overload
 def find(
-    structure: Structure, load: Load, max_impacts: int = 2, max_cycles: int = 4, guesses: int = 48,
+    structure: Structure, load: Load | None, max_impacts: int = 2, max_cycles: int = 4, guesses: int = 48,
     states: int = 24, settling: int = 300, rng: Rng = 0, max_events: int = 10_000_000,
     threads: int | None = None, progress: Callable[[float, str], None] | None = None,
 ) -> FoundMotions: ...  # fmt: skip
@@ -379,6 +394,11 @@ def find(
     mirror images are added where the structure has them. Motions with accumulation and rest, and all motions of a
     structure with stops or friction, come from the simulations.
 
+    Without a load, or with a constant one, the self-excited motions on which simulations from random states settle
+    are found, as of a mass on a belt; states that end in an equilibrium are counted. Each motion is confirmed as by `exact`, with its period,
+    and listed once, whatever its first event. A motion whose events do not repeat is not found: `failures` says
+    so, and its states are `unsettled`.
+
     Parameters
     ----------
     osc : Oscillator
@@ -386,12 +406,12 @@ def find(
     r, clearance : float
         As in `simulate`.
     structure, load : Structure, Load
-        In place of them; the load has a frequency.
+        In place of them; `Load.none()`, None or a constant load for self-excited motions.
     max_impacts, max_cycles : int
         Limits of the patterns searched, 2 to 12 impacts and 1 to 8 cycles; for the orders of impacts of a
         structure, 0 to 8 impacts (2 by default; with 0 only simulations are made) and 1 to 16 cycles (4 by
         default). Motions found by simulations and releases are listed whatever their number of impacts and cycles;
-        for a structure their period is at most `max_cycles`.
+        for a structure their period is at most `max_cycles`. Neither counts without a periodic load.
     load : float
         Amplitude of the load of an oscillator.
     guesses : int
@@ -404,7 +424,10 @@ def find(
         from the resonance of both masses moving together; for a structure 0 to 100000, the first one at rest at q
         = 0 if that is possible.
     settling : int
-        Load cycles simulated before the attractor is examined; for a structure 0 to 10^6, by default 300. A state
+        Load cycles simulated before the attractor is examined; for a structure 0 to 10^6, by default 300, and
+        without a periodic load natural periods of the lowest mode (with all gaps open and all friction slipping):
+        as long as no stable motion and no equilibrium is confirmed, four further simulations go on, each twice as
+        long as the one before. A state
         of an oscillator that is then neither on a confirmed motion nor certainly chaotic is examined again up to
         three times, after 3, 9 and 27 times as many.
     releases : int
@@ -431,7 +454,8 @@ def find(
     ParameterError, ParameterTypeError
         If an argument is not allowed; nothing was computed.
     SingularError
-        If a gap of a structure is closed at q = 0 and states are to be simulated.
+        If a gap of a structure is closed at q = 0 and states are to be simulated, or if there is no periodic load
+        and the structure has no natural period.
     StudyInterrupted
         After Ctrl-C, if motions were found: its attribute `result` contains them.
 
@@ -452,6 +476,13 @@ def find(
     >>> motions = vi.find(wall, vi.Load(1.0, cosine=[1]), max_cycles=1, states=4)
     >>> len(motions), motions[0].stable, motions.settled
     (1, True, (4,))
+
+    A mass on a belt sticks and slips without a load:
+
+    >>> bow = vi.Structure([1], [0], [1], friction=[vi.Friction([1], 0.6, stick=1.0, speed=0.2)])
+    >>> motions = vi.find(bow, vi.Load.none(), states=4)
+    >>> round(motions[0].period, 9), motions.settled, motions.unsettled
+    (8.068887872, (4,), 0)
     """
     of_numbers(osc)
     r = checks.frequency_ratio(r, osc.xi)

@@ -887,7 +887,8 @@ class Load(ByValue):
 
     @classmethod
     def none(cls) -> Load:
-        """No load, for a structure with any number of coordinates; `simulate`, `lyapunov` and `exact` accept it.
+        """No load, for a structure with any number of coordinates; `simulate`, `lyapunov`, `exact` and `find` accept
+        it.
 
         Examples
         --------

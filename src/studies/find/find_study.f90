@@ -5,7 +5,8 @@ module vi_find_study
    use vi_forced_system, only: event_type, impact_event, new_forced_system, release_event, &
       stick_event
    use vi_found_motion, only: described_type, found_type
-   use vi_kinds, only: wp
+   use vi_free_states, only: longest_natural_period, settle_free_states
+   use vi_kinds, only: two_pi, wp
    use vi_motion, only: motion_type, yes
    use vi_motion_study, only: exact_kind, motion_columns, put_motions, put_origin
    use vi_progress, only: is_stopped
@@ -17,7 +18,7 @@ module vi_find_study
    use vi_structure, only: load_type, structure_type
    use vi_structure_find, only: count_orders, orders_type, random_structure_states, search_orders
    use vi_structure_found, only: found_columns, found_list_type, put_found
-   use vi_structure_groups, only: load_frequency, structure_of
+   use vi_structure_groups, only: load_frequency, record_end, structure_of
    use vi_structure_keys, only: needs_frequency
    use vi_structure_lines, only: follow_lines
    use vi_study, only: a_whole, case_type, column_type, every_model, key_type, list_for, &
@@ -82,7 +83,8 @@ module vi_find_study
    type(key_type), parameter :: structure_keys(*) = [ &
       key_type('max_impacts', a_whole, default='2', low=0.0_wp, high=8.0_wp, &
       takes='a whole number, 0 <= max_impacts <= 8, with at most 1000000 iterations', &
-      meaning='largest number of impacts of an order that is searched'), &
+      meaning='largest number of impacts of an order that is searched; none without a periodic &
+      &load, or with stops or friction'), &
       key_type('max_cycles', a_whole, default='4', low=1.0_wp, high=16.0_wp, &
       meaning='largest number of load cycles in a period'), &
       key_type('guesses', a_whole, default='48', low=1.0_wp, high=10000.0_wp, &
@@ -90,18 +92,21 @@ module vi_find_study
       key_type('states', a_whole, default='24', low=0.0_wp, high=1.0e5_wp, &
       meaning='initial states that are simulated; the first one is rest at q = 0'), &
       key_type('settling', a_whole, default='300', low=0.0_wp, high=1.0e6_wp, &
-      meaning='load cycles simulated before a motion is looked for'), &
+      meaning='load cycles simulated before a motion is looked for; without a periodic load &
+      &periods of the lowest mode, at first'), &
       key_type('seed', a_whole, default='0', low=0.0_wp, high=real(huge(1), wp), &
       meaning='seed of the states and the times')]
 
    type(column_type), parameter :: structure_columns(*) = [found_columns(:3), &
       column_type('motions', 'settled', wholes, meaning='simulated states that settle on it'), &
+      column_type('motions', 'frequency', listed=.false., &
+      meaning='of self-excited motions: 2 pi over the period'), &
       found_columns(4:), &
       column_type('search', 'states', wholes, listed=.false., &
       meaning='initial states that were simulated'), &
       column_type('search', 'without_impacts', wholes, listed=.false., &
       meaning='states after which no impacts are left: all gaps stay open, or some rest &
-      &permanently'), &
+      &permanently; without a periodic load, those in an equilibrium'), &
       column_type('search', 'chaotic', wholes, listed=.false., &
       meaning='states whose largest Lyapunov exponent is positive and exceeds its error'), &
       column_type('search', 'quasi_periodic', wholes, listed=.false., &
@@ -328,7 +333,12 @@ contains
 
       associate (s => case%study)
          if (len(s%fault) > 0 .or. case%model /= of_structure) return
-         call needs_frequency(case, 'max_cycles')
+         if (record_end(case) >= 0) call needs_frequency(case, 'max_cycles')
+         if (is_free(case)) then
+            if (s%whole_number('states') == 0) call s%refuse('states', &
+               'without a &load with a frequency motions come from simulations alone')
+            return
+         end if
          gaps = count([(case%parts(i)%name == 'gap', i=1, size(case%parts))])
          orders = count_orders(gaps, s%whole_number('max_impacts'))
          if (orders*s%number('max_cycles')*s%number('guesses') <= most_tries) return
@@ -337,6 +347,14 @@ contains
             whole(s%whole_number('guesses'))//' need more iterations')
       end associate
    end subroutine check_find
+
+   !> Whether the motions of a structure are self-excited: without a load, or under constant forces.
+   logical function is_free(case)
+      !> The case; its load is used.
+      type(case_type), intent(in) :: case
+
+      is_free = .not. load_frequency(case) > 0 .and. record_end(case) < 0
+   end function is_free
 
    !> Searches motions of a structure.
    subroutine run_structure(case, threads, result, progress)
@@ -355,31 +373,60 @@ contains
       type(outcome_type), allocatable :: outcomes(:)
       integer, allocatable :: settled(:), order(:), kinds(:)
       integer :: failures(0:codes), first, i, most_impacts, reached, without
+      real(wp) :: unit
+      type(load_type) :: paced
+      type(settling_type) :: how
+      logical :: free
 
       call structure_of(case, structure, load)
       load%frequency = load_frequency(case)
+      free = is_free(case)
+      paced = load
+      if (free) then
+         call longest_natural_period(structure, load, unit, first)
+         if (first /= stat%ok .or. .not. unit > 0) then
+            result%empty = .true.
+            if (first /= stat%ok) then
+               call result%fail(status_text(first))
+            else
+               call result%fail('without a periodic load, settling counts natural periods, and the &
+                  &structure has none: no spring holds it')
+            end if
+            return
+         end if
+         ! states are drawn as under a load with this period that does not act
+         paced%frequency = two_pi/unit
+      end if
       failures = 0
       associate (s => case%study, n => case%coordinates)
          allocate (states(2*n, s%whole_number('states')))
          allocate (outcomes(size(states, 2)))
-         call random_structure_states(structure, load, s%whole_number('seed'), states, first)
+         call random_structure_states(structure, paced, s%whole_number('seed'), states, first)
          if (size(states, 2) > 0 .and. first /= stat%ok) then
             result%empty = .true.
-            call result%fail('a gap is closed at q = 0: simulate from a state with open gaps, or &
-               &search with states = 0')
+            if (free) then
+               call result%fail('a gap is closed at q = 0: simulate from a state with open gaps')
+            else
+               call result%fail('a gap is closed at q = 0: simulate from a state with open gaps, &
+                  &or search with states = 0')
+            end if
             return
          end if
-         call settle_states(structure, load, 0.0_wp, states, settling_type(s%whole_number( &
-            'settling'), s%whole_number('max_cycles'), s%whole_number('max_events'), threads), &
-            list, outcomes, progress)
+         how = settling_type(s%whole_number('settling'), s%whole_number('max_cycles'), &
+            s%whole_number('max_events'), threads)
+         if (free) then
+            call settle_free_states(structure, load, unit, states, how, list, outcomes, progress)
+         else
+            call settle_states(structure, load, 0.0_wp, states, how, list, outcomes, progress)
+         end if
          settled = [(count(outcomes%label == i), i=1, list%n)]
          do i = 1, size(outcomes)
             failures(outcomes(i)%status) = failures(outcomes(i)%status) + 1
          end do
          most_impacts = s%whole_number('max_impacts')
          ! events of stops and friction are known from simulations alone
-         if (any(structure%laws%kind > table_law) .or. structure%moves) most_impacts = 0
-         call search_orders(structure, load, orders_type(most_impacts, &
+         if (any(structure%laws%kind > table_law) .or. structure%moves .or. free) most_impacts = 0
+         if (.not. free) call search_orders(structure, load, orders_type(most_impacts, &
             s%whole_number('max_cycles'), s%whole_number('guesses'), s%whole_number('seed'), &
             threads), list, failures, progress)
          ! otherwise only the motions on which states settle are wanted
@@ -395,6 +442,7 @@ contains
       if (list%n == 0) allocate (list%motions(0))
       call put_found(result, list%motions, order, case%coordinates)
       call result%put('motions', 'settled', settled(order))
+      if (free) call result%put('motions', 'frequency', list%motions(order)%frequency)
       call result%open('search', '', [integer ::])
       call result%put('search', 'states', [reached])
       without = count(outcomes%status == stat%no_impacts .or. outcomes%status == &

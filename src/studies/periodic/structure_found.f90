@@ -77,7 +77,11 @@ contains
       associate (verdicts => found%motion%verdicts)
          if (verdicts%consistent /= yes .or. verdicts%admissible /= yes) return
       end associate
-      call shorten(structure, load, found, shorter)
+      if (found%free) then
+         shorter = found
+      else
+         call shorten(structure, load, found, shorter)
+      end if
       do place = 1, list%n
          if (same_motion(list%motions(place), shorter, load%frequency)) return
       end do
@@ -98,12 +102,16 @@ contains
       !> That of the load.
       real(wp), intent(in) :: frequency
 
+      real(wp), parameter :: near = 1.0e-6_wp
+
       same_motion = one%cycles == other%cycles .and. size(one%resting) == size(other%resting)
+      if (same_motion .and. one%free) same_motion = abs(one%frequency - other%frequency) <= &
+         near*one%frequency
       if (.not. same_motion) return
       if (allocated(one%events) .and. allocated(other%events)) then
          same_motion = same_impacts(one%gaps, one%motion%phases, one%motion%speeds, other%gaps, &
             other%motion%phases, other%motion%speeds, one%cycles, size(one%resting) > 0, &
-            in_one_unit(one%motion%states), in_one_unit(other%motion%states))
+            in_one_unit(one%motion%states), in_one_unit(other%motion%states), one%free)
       else
          same_motion = same_impacts(one%gaps, one%motion%phases, one%motion%speeds, other%gaps, &
             other%motion%phases, other%motion%speeds, one%cycles, size(one%resting) > 0)
@@ -119,7 +127,7 @@ contains
 
          associate (n => size(states, 1)/2)
             scaled(:n, :) = states(:n, :)
-            scaled(n + 1:, :) = states(n + 1:, :)/frequency
+            scaled(n + 1:, :) = states(n + 1:, :)/merge(one%frequency, frequency, one%free)
          end associate
       end function in_one_unit
 
@@ -129,7 +137,7 @@ contains
    !! speeds within 1e-6 of the largest one. Impacts of accumulations count down to 1e-3 of it. The
    !! speeds of halts and reversals are 0, so with stops or friction the states count, too.
    pure logical function same_impacts(gaps, phases, speeds, other_gaps, other_phases, &
-      other_speeds, cycles, rests, states, other_states) result(same)
+      other_speeds, cycles, rests, states, other_states, free) result(same)
       !> (N) Gaps, load phases (rad) and approach speeds of one motion.
       integer, intent(in) :: gaps(:)
       !> As in `gaps`.
@@ -144,6 +152,8 @@ contains
       logical, intent(in) :: rests
       !> (2n, N) and (2n, M) Coordinates and velocities just after each, in one unit.
       real(wp), intent(in), optional :: states(:, :), other_states(:, :)
+      !> Whether both are self-excited, so that the phase of one does not count.
+      logical, intent(in), optional :: free
       real(wp), parameter :: near = 1.0e-6_wp, small = 1.0e-3_wp
       integer, allocatable :: first(:), second(:)
       real(wp) :: largest, whole
@@ -169,6 +179,7 @@ contains
                   maxval(abs(states(:, first))))) cycle
             end if
             apart = other_phases(second) + two_pi*turn - phases(first)
+            if (present(free)) apart = apart - merge(apart(1), 0.0_wp, free)
             if (all(abs(modulo(apart + 0.5_wp*whole, whole) - 0.5_wp*whole) < near)) return
          end do
       end do

@@ -48,8 +48,9 @@ module vi_structure_return
       integer :: cycles = 0
       !> Whether the simulation on it repeated itself to rounding.
       logical :: repeats = .false.
-      !> Whether it is self-excited, so that its phase is free.
+      !> Whether it is self-excited, so that its phase is free, and then 2 pi over its period.
       logical :: free = .false.
+      real(wp) :: frequency = 0
       !> (m) Gaps that rest, and the load phases (rad) at which each rest begins and ends.
       integer, allocatable :: resting(:)
       real(wp), allocatable :: rests(:, :)
@@ -460,14 +461,17 @@ contains
 
    !> Whether a motion without impacts has settled: near the steady motion of its regime, where what
    !! has no stiffness stands still, as friction does that sticks without a belt.
-   pure logical function is_steady(run, state)
+   pure logical function is_steady(run, state, scale)
       !> The run.
       type(run_type), intent(in) :: run
       !> The state.
       type(run_state_type), intent(in) :: state
+      !> What its coordinates and velocities are compared with, if not with themselves.
+      real(wp), intent(in), optional :: scale(2)
       real(wp), parameter :: near = 1.0e-3_wp, at_rounding = 1.0e-9_wp
       real(wp), dimension(size(run%structure%mass, 1)) :: q, rate, steady, steady_rate
       real(wp), dimension(size(state%x)) :: x, v
+      real(wp) :: sizes(2)
       integer :: m
 
       associate (regime => run%regimes(state%regime), stiff => &
@@ -489,8 +493,10 @@ contains
          end where
          call state_of(regime, run%load%frequency*state%elapsed, x, v, steady, steady_rate)
          call state_now(run, state, q, rate)
-         is_steady = maxval(abs(q - steady)) <= near*maxval(abs(q)) .and. &
-            maxval(abs(rate - steady_rate)) <= near*maxval(abs(rate)) .and. .not. &
+         sizes = [maxval(abs(q)), maxval(abs(rate))]
+         if (present(scale)) sizes = scale
+         is_steady = maxval(abs(q - steady)) <= near*sizes(1) .and. &
+            maxval(abs(rate - steady_rate)) <= near*sizes(2) .and. .not. &
             any(abs(state%v - v) > at_rounding*maxval(abs(state%v)) .and. .not. stiff)
       end associate
    end function is_steady
@@ -753,7 +759,7 @@ contains
    !!
    !!     [ P - I, f T ; f^T, 0 ] (ds, dT/T) = (s - phi_T(s), 0)
    subroutine self_excited(structure, load, q, rate, duration, guess, found, frequency, status, &
-      progress)
+      progress, left, scale, finish, steady)
       !> The structure.
       type(structure_type), intent(in) :: structure
       !> Constant forces; without a frequency.
@@ -773,6 +779,14 @@ contains
       integer, intent(out) :: status
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
+      !> In and out: events until the simulation is given up, with `stat%event_limit`.
+      integer, intent(inout), optional :: left
+      !> A coordinate and a velocity in comparison with which an equilibrium is reached.
+      real(wp), intent(in), optional :: scale(2)
+      !> (2n) Coordinates and velocities at the end of the simulation.
+      real(wp), intent(out), optional :: finish(:)
+      !> Whether it ends in an equilibrium, with `stat%no_impacts` or `stat%permanent_rest`.
+      logical, intent(out), optional :: steady
       type(run_type) :: run
       type(load_type) :: own
       type(run_state_type) :: state
@@ -787,7 +801,8 @@ contains
       period = guess
       status = stat%ok
       if (.not. period > 0) call find_period(structure, load, duration, events, s, period, status, &
-         progress)
+         progress, left, scale, steady)
+      if (present(finish)) finish = s
       if (status /= stat%ok) return
       own = load
       own%frequency = two_pi/period
@@ -810,10 +825,51 @@ contains
       call state_now(run, state, s(:size(q)), s(size(q) + 1:))
       call close_period(run, 0.0_wp, .true., s, events, found, status, progress)
       if (status /= stat%ok) return
+      if (.not. guess > 0) call take_part(run, s, events, found, progress)
       frequency = run%load%frequency
+      found%frequency = frequency
       if (size(found%resting) > 0) found%rests = found%rests - found%motion%phases(1)
       found%motion%phases = found%motion%phases - found%motion%phases(1)
    end subroutine self_excited
+
+   !> A self-excited motion over its shortest period: a simulation that settles slowly may repeat
+   !! itself best after several of them.
+   subroutine take_part(run, s, events, found, progress)
+      !> In and out: the run over the period, the longer one or the shortest.
+      type(run_type), intent(inout) :: run
+      !> (2n) In and out: coordinates and velocities of the motion, between events.
+      real(wp), intent(inout) :: s(:)
+      !> Room for events.
+      type(run_event_type), intent(inout) :: events(:)
+      !> In and out: the motion.
+      type(settled_type), intent(inout) :: found
+      !> Progress counters, see vi_progress; read to stop.
+      integer, intent(inout), optional :: progress(3)
+      real(wp), parameter :: near = 1.0e-6_wp
+      type(settled_type) :: shorter
+      type(run_type) :: own
+      type(load_type) :: load
+      real(wp) :: from(size(s))
+      integer :: n, parts, status
+
+      n = size(found%gaps)
+      do parts = n, 2, -1
+         if (.not. repeats(found%gaps, reshape(found%motion%phases, [1, n]), two_pi, parts, &
+            near)) cycle
+         load = run%load
+         load%frequency = parts*load%frequency
+         call new_run(run%structure, load, own, status)
+         from = s
+         shorter%cycles = 1
+         if (status == stat%ok) call close_period(own, 0.0_wp, .true., from, events, shorter, &
+            status, progress)
+         if (status /= stat%ok) return
+         run = own
+         s = from
+         found = shorter
+         return
+      end do
+   end subroutine take_part
 
    !> A step of Newton's method for a state, and for its period if that is free.
    pure subroutine newton_step(run, begun, state, s, p, free, step, period, change, status)
@@ -868,7 +924,8 @@ contains
 
    !> Simulates without a load for some time, and finds the period with which the last events
    !! repeat.
-   subroutine find_period(structure, load, duration, events, s, period, status, progress)
+   subroutine find_period(structure, load, duration, events, s, period, status, progress, left, &
+      scale, steady)
       !> The structure.
       type(structure_type), intent(in) :: structure
       !> Constant forces; without a frequency.
@@ -885,6 +942,12 @@ contains
       integer, intent(out) :: status
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
+      !> As of `self_excited`.
+      integer, intent(inout), optional :: left
+      !> As of `self_excited`.
+      real(wp), intent(in), optional :: scale(2)
+      !> As of `self_excited`.
+      logical, intent(out), optional :: steady
       real(wp), parameter :: near = 1.0e-3_wp, at_rounding = 1.0e-9_wp
       type(run_type) :: run
       type(run_state_type) :: state
@@ -894,6 +957,7 @@ contains
 
       period = 0
       half = size(events)/2
+      if (present(steady)) steady = .false.
       call new_run(structure, load, run, status)
       associate (m => size(s)/2)
          if (status == stat%ok) call start_at(run, 0.0_wp, s(:m), s(m + 1:), state, status)
@@ -904,6 +968,11 @@ contains
             call simulate_structure(run, state, last, max(0.0_wp, duration - real(last, wp)* &
                run%period), events(n + 1:), more, status, .true.)
             n = n + more
+            if (present(left)) then
+               left = left - more
+               if (left < 0 .and. any(status == [stat%ok, stat%more_events])) status = &
+                  stat%event_limit
+            end if
             if (status /= stat%more_events) exit
             if (is_stopped(progress)) status = stat%not_computed
             if (status /= stat%more_events) exit
@@ -917,6 +986,7 @@ contains
       end associate
       if (n == 0) status = merge(stat%permanent_rest, stat%no_impacts, size(run%regimes( &
          state%regime)%held) > 0)
+      if (n == 0 .and. present(steady)) steady = is_steady(run, state, scale)
       if (n == 0) return
       apart = huge(1.0_wp)
       do k = 1, n/2
