@@ -555,8 +555,8 @@ def design(
     free : dict
         Ranges (low, high) of the parameters to choose: ``clearance`` (d K/F0 at load 1, where d is the whole
         travel of the free mass), ``mu`` (m/M, or the free mass, such as "0.05 kg"), ``xi``, ``restitution`` (the
-        same on both walls), ``R1``, ``R2``. For a function, any names; a ``range`` of whole numbers is for a number
-        of units.
+        same on both walls), ``R1``, ``R2``. For a function, any names; a ``range`` of whole numbers is for a
+        number of units.
     clearance : float, optional
         The clearance d K/F0, if it is not free.
     load : float, range, quantiles or distribution

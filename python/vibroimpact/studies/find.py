@@ -12,7 +12,7 @@ import numpy as np
 from .. import _core
 from ..base import checks
 from ..base.checks import Rng
-from ..base.errors import ParameterError, ParameterTypeError, SingularError
+from ..base.errors import ParameterTypeError, SingularError
 from ..base.jupyter import rows_html
 from ..base.status import sentence
 from ..motions.motion import Motion, motions_of, of_tables
@@ -394,10 +394,10 @@ def find(
     mirror images are added where the structure has them. Motions with accumulation and rest, and all motions of a
     structure with stops or friction, come from the simulations.
 
-    Without a load, or with a constant one, the self-excited motions on which simulations from random states settle
-    are found, as of a mass on a belt; states that end in an equilibrium are counted. Each motion is confirmed as by `exact`, with its period,
-    and listed once, whatever its first event. A motion whose events do not repeat is not found: `failures` says
-    so, and its states are `unsettled`.
+    Without a load, or with a constant one, self-excited motions on which simulations from random states settle are
+    found, as of a mass on a belt; states that end in an equilibrium are counted. Each motion is confirmed as in
+    `exact`, with its period, and listed once, whatever its first event. A motion whose events do not repeat is not
+    found: `failures` says so, and its states are `unsettled`.
 
     Parameters
     ----------

@@ -887,8 +887,7 @@ class Load(ByValue):
 
     @classmethod
     def none(cls) -> Load:
-        """No load, for a structure with any number of coordinates; `simulate`, `lyapunov`, `exact` and `find` accept
-        it.
+        """No load, for a structure with any number of coordinates; for `simulate`, `lyapunov`, `exact` and `find`.
 
         Examples
         --------

@@ -54,7 +54,7 @@ def with_forms(doc: str | None, forms: str) -> str:
     """A docstring with the further forms of call after the summary, in place of those that it has there."""
     parts = inspect.cleandoc(doc or "").split("\n\n")
     kept = parts[2:] if len(parts) > 1 and has_forms(parts[1]) else parts[1:]
-    return "\n\n".join([parts[0], forms, *kept])
+    return "\n\n".join([parts[0], forms, *kept]) + "\n"
 
 
 def has_forms(paragraph: str) -> bool:
