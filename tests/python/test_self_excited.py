@@ -411,7 +411,7 @@ def _written(folder, text):
     return path
 
 
-def test_a_search_beyond_the_end_of_the_branch_finds_equilibria_alone():
+def test_a_search_beyond_the_end_of_the_branch_finds_no_motion():
     found = vi.find(bow(0.2908), vi.Load.none())
     assert (len(found), found.without_impacts, found.unsettled) == (0, 24, 0)
     assert "24 states in an equilibrium" in repr(found)
