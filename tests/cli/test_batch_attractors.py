@@ -89,8 +89,8 @@ def test_sweeps_agree_outside_the_hysteresis(batch):
 
 BAD_DIAGRAM = [
     ("sweep", "list = 20, 21, sweep", "low = 20: must be left out if list is given", 3),
-    *[("low = 20, high = 26, values = 4", f"list = {v}", "must be two or more increasing numbers", 3)
-      for v in ("20", "20, 20", "21, 20", "-1, 20", "nan, 20")],
+    *[("low = 20, high = 26, values = 4", f"list = {v}", "must be two or more increasing or decreasing numbers", 3)
+      for v in ("20", "20, 20", "21, 20, 22", "-1, 20", "nan, 20")],
     ("low = 20", "clearance = 3, low = 20", "must be left out: it is the parameter", 3),
     *[("'clearance'", v, "'restitution' (both walls)", 2) for v in ("'q'", "''", "r", "1")],
     *[("low = 20", f"low = {v}", "1e-12 <= clearance <= 1e12", 3) for v in ("nan", "0", "26, 27", "x")],

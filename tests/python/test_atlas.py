@@ -278,7 +278,7 @@ def test_zones_of_an_atlas_are_results(atlas, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "name"),
     [
-        ({"r": (1.1, 0.9)}, r"r\[1\] = 0.9"),
+        ({"r": (0.9, 0.9)}, r"r\[1\] = 0.9"),
         ({"clearance": (10, 10)}, r"clearance\[1\] = 10"),
         ({"clearance": (float("nan"), 10)}, "clearance"),
         ({"max_impacts": 1}, "max_impacts"),

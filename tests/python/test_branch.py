@@ -322,7 +322,7 @@ def test_plot_draws_the_columns():
         ({"parameter": "length", "bounds": (1, 2)}, "parameter = 'length'"),
         ({"bounds": None}, "bounds = None"),
         ({"bounds": (40, 60)}, r"bounds\[0\] = 40.0: must be .* the motion has clearance = 37"),
-        ({"bounds": (60, 10)}, r"bounds\[0\] = 60.0: must be .* the motion has clearance = 37"),
+        ({"bounds": (60, 40)}, r"bounds\[0\] = 40.0: must be .* the motion has clearance = 37"),
         ({"bounds": (math.nan, 60)}, r"bounds\[0\] = nan"),
         ({"bounds": 3}, "bounds = 3"),
         ({"bounds": (10, 60), "max_points": 1}, "max_points = 1"),

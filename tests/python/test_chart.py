@@ -305,7 +305,7 @@ def test_missing_xarray(monkeypatch):
         ({"r": [0.9, math.inf]}, "r = 0.9, inf: must be"),
         (
             {"r": [0.9, 1.1, 1.0]},
-            "must be increasing or decreasing numbers .*number 3 is not above number 2",
+            "must be increasing or decreasing numbers .*number 3 must be above number 2",
         ),
         ({"clearance": [1.0, 1.0]}, "clearance = 1.0, 1.0: must be increasing"),
         ({"clearance": [-1.0, 1.0]}, r"clearance\[0\] = -1.0: must be"),

@@ -490,10 +490,12 @@ def test_box_is_not_proven():
     checker.check(data)
     with pytest.raises(checker.RejectedError, match="leaves more open than is said"):
         checker.check({**data, "undecided": []})
-    with pytest.raises(
-        vi.ParameterError, match=r"clearance = \(26, 24\): must be \(lowest, highest\)"
-    ):
-        vi.prove_box(OSC, "RL", r=1.04, clearance=(26, 24))
+    # the ends in any order
+    down = vi.prove_box(OSC, "RL", r=1.04, clearance=(25.125, 25))
+    assert down.sheets == [{"clearance": ["25", "201/8"]}]
+    for wrong in ((24, 25, 26), np.array([[24, 26]])):
+        with pytest.raises(vi.ParameterError, match=r"must be a number or \(lowest, highest\)"):
+            vi.prove_box(OSC, "RL", r=1.04, clearance=wrong)
     with pytest.raises(vi.ParameterError, match=r"restitution = 0\.7: must be left out"):
         vi.prove_box(OSC, "RL", r=1.04, clearance=25, restitution=0.7, R1=0.7)
 

@@ -269,7 +269,7 @@ def test_base_motion_of_one_mass_in_closed_form():
     (lambda: vi.Record(0.1, [[1]]), "force of shape (1, 1): must be samples"),
     (lambda: vi.Record(0.1, [[1], [math.nan]]), "force: must be samples (samples, n), at least two, all of them"),
     (lambda: vi.Record(0.1, [[1], [2]], constant=[1, 2]), "constant of shape (2,)"),
-    (lambda: vi.simulate(frame(), vi.Record(0.1, [[1], [2]])), "load for 1 coordinates: must be for 4"),
+    (lambda: vi.simulate(frame(), vi.Record(0.1, [[1], [2]])), "load for 1 coordinate: must be for 4"),
     (lambda: vi.simulate(frame(), vi.Record(0.1, [[1] * 4] * 2), cycles=2), "give duration without"),
     (lambda: vi.base_record(base(), 0.1), "given: []"),
     (lambda: vi.base_record(base(), 0.1, [1, 2], velocity=[1, 2]), "must be acceleration alone, or"),

@@ -213,7 +213,7 @@ def test_plot_draws_the_pieces(equispaced):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ({"r": (1.2, 0.8)}, r"r\[1\] = 0.8: .* r\[0\] below r\[1\]"),
+        ({"r": (0.8, 0.8)}, r"r\[1\] = 0.8: .* r\[0\] below r\[1\]"),
         ({"r": (1.0, 1.0)}, r"r\[1\] = 1.0: .* r\[0\] below r\[1\]"),
         ({"r": (math.nan, 1.0)}, r"r\[0\] = nan"),
         ({"clearance": 3.0}, "clearance = 3.0"),

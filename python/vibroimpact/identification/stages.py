@@ -242,6 +242,9 @@ def twice_as_long(
         return None
     if max(found.misfits) > DOUBTFUL or far_off([step], found):
         return None
+    sides = found.motions[0].pattern.sides
+    if sides[: len(sides) // 2] == sides[len(sides) // 2 :]:
+        step.notes.append("both halves of the period have the same impacts, so it may be twice the true period")
     return [step], found, own
 
 

@@ -278,9 +278,13 @@ contains
       !> The group.
       type(values_type), intent(inout) :: study
       real(wp), allocatable :: list(:)
-      integer :: n, i
+      integer :: n, i, status
 
       if (len(study%fault) > 0) return
+      ! without room for copies there is none for the states either, which the estimate of memory reports
+      allocate (list(3*study%count_numbers()), stat=status)
+      if (status /= 0) return
+      deallocate (list)
       list = study%numbers('list')
       n = size(list)/5
       i = 0
