@@ -129,13 +129,17 @@ def test_an_unstable_motion_is_a_doubt(monkeypatch):
 @pytest.mark.slow
 def test_a_period_longer_than_a_short_record_shows_is_found():
     """Nine periods of four load cycles, the halves of which are nearly alike: flights repeat, but no motion of two
-    cycles describes them."""
+    cycles describes them. Such a fit is doubted: the sequence of walls would fit half the period, too."""
     rig, (_, load, acceleration, _), k, sides = random_rig(1167, "other")
     assert (k, sides) == (4, "LRLRLRLR")
-    found = vi.identify(
-        rate=rig.rate, load=load, acceleration=acceleration, known={"M": M, "K": K, "m": M * rig.mu}
-    )
-    assert found.good
+    with pytest.warns(vi.PoorFitWarning, match="both halves of the period have the same impacts"):
+        found = vi.identify(
+            rate=rig.rate,
+            load=load,
+            acceleration=acceleration,
+            known={"M": M, "K": K, "m": M * rig.mu},
+        )
+    assert found.misfit < 2
     assert found.pattern == vi.Pattern("RL" * 4, 4)
 
 

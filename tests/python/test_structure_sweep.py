@@ -251,7 +251,8 @@ def test_a_list_of_a_namelist_is_checked(tmp_path):
     text = vi.response(WALL, LOAD, [0.9, 1.0, 1.2], sweep="up").to_namelist()
     line = next(item for item in text.split("\n") if "list = " in item)
     for value, fault in (
-        ("1.0, 0.9, 1.1", "increasing or decreasing"), ("1.0", "two or more"), ("-1, 1", "list"), ("0.9, 1\n  low = 2", "low"),
+        ("1.0, 0.9, 1.1", "increasing or decreasing"), ("1.0", "two or more"), ("-1, 1", "list"),
+        ("0.9, 1\n  low = 2", "low"),
     ):  # fmt: skip
         path = tmp_path / "list.nml"
         path.write_text(text.replace(line, f"  list = {value}"))

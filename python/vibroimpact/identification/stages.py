@@ -242,9 +242,12 @@ def twice_as_long(
         return None
     if max(found.misfits) > DOUBTFUL or far_off([step], found):
         return None
-    sides = found.motions[0].pattern.sides
-    if sides[: len(sides) // 2] == sides[len(sides) // 2 :]:
-        step.notes.append("both halves of the period have the same impacts, so it may be twice the true period")
+    right = found.motions[0].jumps > 0
+    half = len(right) // 2
+    if np.array_equal(right[:half], right[half:]):
+        step.notes.append(
+            "doubtful: both halves of the period have the same impacts, so the true period may be half of it"
+        )
     return [step], found, own
 
 

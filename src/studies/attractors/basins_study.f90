@@ -281,7 +281,7 @@ contains
       integer :: n, i, status
 
       if (len(study%fault) > 0) return
-      ! without room for copies there is none for the states either, which the estimate of memory reports
+      ! without room for copies there is none for the states, which the estimate of memory reports
       allocate (list(3*study%count_numbers()), stat=status)
       if (status /= 0) return
       deallocate (list)
