@@ -9,10 +9,12 @@ import sys
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import vibroimpact as vi
+from vibroimpact.proofs import verdicts
 
 CHECKER = Path(__file__).parents[1] / "proof" / "check_certificate.py"
 sys.path.insert(0, str(CHECKER.parent))
@@ -356,6 +358,41 @@ def test_each_item_is_checked(kind):
         accepted.append(what)
     assert accepted == []
     assert number > 25
+
+
+def test_bound_of_x_across_zero(monkeypatch):
+    """The bound of |x| holds where x changes its sign within a piece that ends at its largest value."""
+    n, factor, third = 40, 2.5, 2.5 * 40 * 39 * 38
+
+    class Steep:
+        """x = 1 - factor t^n, and the distance 1000 (1 - t) from a wall, in a flight of the duration 1."""
+
+        def __init__(self, *_):
+            self.third = checker.arb(third)
+
+        def at(self, t):
+            one = checker.arb(1)
+            x, v, a = (one * (k == 0) - factor * math.perm(n, k) * t ** (n - k) for k in range(3))
+            return (1 - t) * 1000, one * 1000, one * 0, x, v, a
+
+    monkeypatch.setattr(verdicts, "Path", Steep)
+    clear, bound = verdicts.flight_between_walls(None, SimpleNamespace(tau=checker.arb(1), after=1))
+    assert clear
+    assert bound >= factor - 1
+
+
+def test_unknowns_that_vanish():
+    """X' after the impacts of the impact pair without losses is 0 and has no size of its own."""
+    osc = vi.Oscillator(xi=0.01, mu=0.0, restitution=1.0)
+    for motion in vi.equispaced(osc, 0.7, 1.5):
+        assert np.abs(motion.X_dot_after).max() < 1e-14
+        proof = motion.prove()
+        assert (proof.exists, proof.admissible) == (True, motion.admissible)
+        assert proof.attenuation_bound is None or 1 <= proof.attenuation_bound < 1.002
+        checker.check(json.loads(proof.to_json()))
+        branch = vi.branch(motion, "r", bounds=(0.69, 0.71)).prove(tolerance=0.5)
+        assert branch.exists
+        checker.check(json.loads(branch.to_json()))
 
 
 @pytest.mark.parametrize("text", ["-0.9", "0", "1.0000001"])
@@ -819,6 +856,8 @@ def test_independent_program_says_what_it_cannot_read(tmp_path, capsys):
         (("boxes", 0, "centre", 0, 0), ["x"], r"boxes\[0\]\['centre'\] = 'x': must be the text"),
         (("boxes", 0, "radius"), ["0x1p0"], r"boxes\[0\]\['radius'\] = .* must be lists of exact"),
         (("undecided",), [1], r"undecided\[0\] = 1: must be a dict with a reason"),
+        (("boxes", 0, "attenuation_below"), "1" * 5000, r"\['attenuation_below'\] = '1+: must be the text"),
+        (("boxes", 0, "parameters"), {"r": ["0x1p99999", "1"]}, r"\['r'\] = '0x1p99999': must be the text"),
     ],
 )  # fmt: skip
 def test_files_of_another_form(path, value, message):
@@ -826,6 +865,23 @@ def test_files_of_another_form(path, value, message):
     _, other = changed_in(MOTIONS[0].prove().to_dict(), "", *path, value=lambda _: value)
     with pytest.raises((vi.ParameterError, vi.ParameterTypeError), match=message):
         vi.Certificate.from_dict(other)
+
+
+def test_files_with_fractions():
+    """Bounds and places may be fractions or hexadecimal, as all exact numbers."""
+    data = MOTIONS[0].prove().to_dict()
+    bounds = {"multipliers_below": "0x1p0", "attenuation_below": "7/8"}
+    _, other = changed_in(data, "", "boxes", 0, value=lambda box: box | bounds)
+    checker.check(json.loads(json.dumps(other)))
+    proof = vi.Certificate.from_dict(other)
+    assert (proof.multiplier_bound, proof.attenuation_bound) == (1.0, 0.875)
+    assert "max|lambda| < 1)" in repr(proof)
+    data = KINDS["zone"]().to_dict()
+    low = data["boxes"][0]["parameters"]["tangent"][0]
+    assert low == "-4096"
+    path = ("boxes", 0, "parameters", "tangent", 0)
+    _, other = changed_in(data, "", *path, value=lambda _: "-0x1000p0")
+    assert vi.Certificate.from_dict(other).shares() == vi.Certificate.from_dict(data).shares()
 
 
 def test_files_of_whole_seconds_and_broken_text():

@@ -34,6 +34,8 @@ DEGREES = {1: 5, 2: 3, 3: 2, 4: 2}
 EXPLICIT_DEGREE = 5
 #: The initial radius of the box of uniqueness, relative to the unknowns.
 UNIQUE = (2.0**-7, 2.0**-11, 2.0**-16)
+#: The least size of an unknown, relative to the largest one.
+LEAST = 2.0**-10
 #: Fractions of that radius that are stated if they are enough for the proof: other methods than this one give
 #: wider enclosures of the derivatives in a box.
 STATED = (2.0**-6, 2.0**-4, 2.0**-2)
@@ -50,8 +52,12 @@ NO_REBOUND = "R = 0: the masses do not separate after an impact"
 
 
 def sizes_of(states: _Array) -> _Array:
-    """The size of each unknown of an impact: 1 for the phases, the largest magnitude for the others."""
+    """The size of each unknown of an impact: 1 for the phases, the largest magnitude for the others.
+
+    One that vanishes in the motion, as X' without losses, still needs room.
+    """
     largest = np.abs(states).max(axis=0)
+    largest[1:] = np.maximum(largest[1:], LEAST * largest[1:].max())
     largest[0] = 1.0
     return np.tile(largest, len(states))
 

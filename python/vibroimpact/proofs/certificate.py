@@ -122,7 +122,7 @@ class Certificate:
     def _bound(self, name: str) -> float | None:
         """The largest bound of the boxes, rounded to a double."""
         texts: list[Any] = [box.get(name) for box in self.boxes]
-        return max(map(float, texts)) if texts and None not in texts else None
+        return float(max(map(exact, texts))) if texts and None not in texts else None
 
     @cached_property
     def _plane(self) -> Any:

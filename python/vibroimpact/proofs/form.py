@@ -117,7 +117,17 @@ def numbers(label: str, texts: Any) -> None:
         if isinstance(text, str):
             found = HEX.fullmatch(text)
             good = bool(NUMBER.fullmatch(text) if found is None else len(found[3]) <= LONGEST_POWER)
+            good = good and is_double(text)
         wanted(label, text, "the text of an exact number", good)
+
+
+def is_double(text: str) -> bool:
+    """Whether a double can stand for an exact number, which has neither too many digits nor too large a value."""
+    try:
+        float(exact(text))
+    except (ValueError, OverflowError):
+        return False
+    return True
 
 
 def wanted(label: str, value: Any, allowed: str, good: bool) -> None:

@@ -102,15 +102,12 @@ def attempt(
     """A box of a certificate, empty if existence is not proven, and the reason for undecided items."""
     module = flint()
     centre = [[module.arb(value) for value in row] for row in states.tolist()]
-    largest = np.abs(states).max(axis=0)
-    largest[0] = 1.0
-    sizes = [float(value) * size for value in largest]
+    largest = sizes_of(states)[: states.shape[1]].tolist()
+    sizes = [value * size for value in largest]
     if refined:
         # Newton's method with more digits: each step from the middle of the last enclosure
         for coarse in (2.0**-30, 2.0**-44, 2.0**-60, 2.0**-90):
-            rough = krawczyk(
-                system, centre, [[float(one) * coarse for one in largest]] * len(centre)
-            )
+            rough = krawczyk(system, centre, [[one * coarse for one in largest]] * len(centre))
             if rough is not None:
                 centre = [[one.mid() for one in row] for row in rough]
     radii = [sizes] * len(centre)
@@ -161,19 +158,31 @@ def summary(boxes: Sequence[Box]) -> list[dict[str, Any]]:
     return found
 
 
+def total(values: Sequence[float]) -> Any:
+    """The sum of doubles in balls."""
+    return sum(map(flint().arb, values), flint().arb(0))
+
+
 def link(boxes: Sequence[Box]) -> None:
     """Mark neighbours along one parameter that may contain different motions at the value that they share."""
     for one, two in pairwise(boxes):
         if one.centre is None or two.centre is None:
             continue
-        signs = (-1.0) ** np.arange(two.centre.shape[1])
-        apart = np.abs(one.centre.sum(axis=1) - two.centre @ signs)
-        error = np.array([float(value) for value in one.error])
-        # 1e-9 of them is far above the rounding errors of these sums
-        far = (apart + error) * (1 + 1e-9)
+        far = [
+            abs(total(end) - total(start[::2]) + total(start[1::2])) + error
+            for end, start, error in zip(
+                one.centre.tolist(), two.centre.tolist(), one.error, strict=True
+            )
+        ]
         # twice that, if possible, so that another enclosure of the motion is also near enough
-        held = [one for one in two.radii if np.all(far < np.array(one) * (1 - 1e-9))]
-        clear = [one for one in held if np.all(2 * far < np.array(one))]
+        held, clear = (
+            [
+                radius
+                for radius in two.radii
+                if all(k * own < size for own, size in zip(far, radius, strict=True))
+            ]
+            for k in (1, 2)
+        )
         two.radius = next(iter(clear or held[-1:]), two.radius)
         if not held:
             two.exists, two.centre, two.reason = None, None, NOT_LINKED

@@ -156,7 +156,10 @@ class Path:
         self.out = (flight.b + system.xi * flight.a) / system.eta
         x, v, _ = flight.forced
         self.x, self.v = x, v / system.r
-        a, out, x, v, r = (abs(span(one)) for one in (flight.a, self.out, self.x, self.v, system.r))
+        # bounds, as the square of a ball around zero is no number to take the root of
+        a, out, x, v, r = (
+            abs(span(one)).upper() for one in (flight.a, self.out, self.x, self.v, system.r)
+        )
         self.third = (a * a + out * out).sqrt() + (x * x + v * v).sqrt() * r * r * r
 
     def at(self, t: Any) -> tuple[Any, Any, Any, Any, Any, Any]:
@@ -181,21 +184,21 @@ class Path:
 
 def between_walls(system: System, found: Sequence[Flight]) -> tuple[bool | None, Any, str]:
     """Whether each impact has an approach speed and each gap stays open in all flights; a bound of |X|; the reason
-    where nothing is proven."""
+    where neither is proven."""
     largest = None
     for i, flight in enumerate(found):
         side = flight.after
         closing = span(side * (flight.start[3] - flight.v))
         if closing < 0:
-            return False, None, f"impact {(i + 1) % len(found)} has no approach speed"
+            return False, None, ""
         leaving = span(flight.before * (flight.start[3] - flight.start[2]))
         if not closing > 0 or not leaving < 0:
             return None, None, f"the speeds at the ends of flight {i} are not separated from zero"
     for i, flight in enumerate(found):
         clear, bound = flight_between_walls(system, flight)
         if clear is not True:
-            what = "closes a gap" if clear is False else "comes too close to a wall"
-            return clear, None, f"flight {i} {what}"
+            reason = "" if clear is False else f"flight {i} comes too close to a wall"
+            return clear, None, reason
         largest = bound if largest is None else largest.max(bound)
     return True, largest, ""
 
@@ -246,8 +249,9 @@ def flight_between_walls(system: System, flight: Flight) -> tuple[bool | None, A
             good = False
         size = abs(x) + abs(x_dot) * h + abs(x_bent) * h * h / 2 + tail
         if x_bent * x < 0:
-            # the parabola does not rise above its vertex
+            # on the side of x the parabola does not rise above its vertex
             vertex = abs(x) + x_dot * x_dot / (2 * abs(x_bent)) + tail
+            vertex = vertex.max(size - 2 * abs(x))
             size = vertex if vertex < size else size
         if abs(x) > greatest:
             greatest = abs(x)

@@ -20,7 +20,7 @@ from ..base import checks
 from ..base.errors import ParameterError
 from ..base.progress import with_progress
 from ..studies.zone import Zone
-from .balls import ball, decimal, flint
+from .balls import ball, decimal, exact, flint
 from .boxes import NEAR_CIRCLE, NO_SPEED, Box, Family, Problem, enclose
 from .certificate import Certificate
 from .equations import characteristic, determinant, flights, period_map
@@ -489,7 +489,7 @@ class Plane:
     def __init__(self, certificate: Certificate) -> None:
         self.certificate = certificate
         spans = [
-            [float(Fraction(end)) for name in ("r", "tangent") for end in box["parameters"][name]]
+            [float(exact(end)) for name in ("r", "tangent") for end in box["parameters"][name]]
             for box in certificate.boxes
         ]
         self.low, self.high, self.left, self.right = np.array(spans).T
