@@ -4,6 +4,7 @@ between impacts   M q'' + C q' + K q = f(t)
 at an impact      G q = e, G q' is turned and multiplied by R, M q' changes along G alone
 """
 
+from flight import closes
 from flint import arb, arb_mat, arb_poly, ctx
 from series import flat, need, number
 
@@ -168,9 +169,13 @@ def check_gaps(system, states, verdict):
         for number_, (G, e, _) in enumerate(system.gaps):
             first, last = number_ == system.impacts[i], number_ == system.impacts[j]
             if verdict is False:
-                for k in range(1, 512):
-                    q = ((system.A * (tau * k / 512).mid()).exp() * z).entries()[:n]
-                    closed = closed or e - (G * column(q))[0, 0] < 0
+
+                def at(t, G=G, e=e, z=z):
+                    moved = ((system.A * t).exp() * z).entries()
+                    q, v = column(moved[:n]), column(moved[n : 2 * n])
+                    return e - (G * q)[0, 0], (G * v)[0, 0]
+
+                closed = closed or closes(at, tau)
                 continue
             pieces = [(arb(0), arb(tau.upper()), 0)]
             while pieces:

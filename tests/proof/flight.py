@@ -4,6 +4,27 @@ from series import UNIT, ball, need
 
 #: Halvings of a piece of time.
 MOST_HALVINGS = 22
+#: Parts of a flight whose ends are looked at for a closed gap, and halvings that narrow an extremum.
+PARTS, NARROWED = 512, 40
+
+
+def closes(at, tau):
+    """Whether a distance is proven to be negative at a time before tau; at(t) gives it and its rate of either
+    sign."""
+    times = [(tau.lower() * k / PARTS).mid() for k in range(1, PARTS)]
+    found = [at(t) for t in times]
+    if any(distance < 0 for distance, _ in found):
+        return True
+    falls = [rate.mid() < 0 for _, rate in found]
+    for low, high, first, last in zip(times, times[1:], falls, falls[1:], strict=False):
+        # a gap that closes for a short time does so around an extremum
+        for _ in range(NARROWED if first != last else 0):
+            middle = ((low + high) / 2).mid()
+            distance, rate = at(middle)
+            if distance < 0:
+                return True
+            low, high = (middle, high) if (rate.mid() < 0) == first else (low, middle)
+    return False
 
 
 class Flight:

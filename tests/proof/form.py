@@ -3,7 +3,7 @@ not decided is what its boxes leave open, neither more nor less."""
 
 from math import isfinite
 
-from series import exact, need
+from series import exact, flat, need
 
 #: The items of a certificate and of its parts, with what they may be.
 ITEMS = {
@@ -39,10 +39,16 @@ def check_form(data):
     need(sheets, "a sheet")
     need(kind not in ("motion", "box") or len(sheets) == 1, "one sheet")
     need(kind != "motion" or sheets == [{}], "a motion at one point")
-    need(kind != "all" or data["symmetric"] is False, "all motions, symmetric or not")
+    need(kind != "branch" or len(sheets[0]) == 1, "a branch along one parameter")
+    need(all(set(one) == set(sheets[0]) for one in sheets), "the same parameters in all sheets")
     need(
-        kind != "all" or all(set(one) == {"sides", "cycles"} for one in sheets), "one word a sheet"
+        "restitution" not in sheets[0] or not {"R1", "R2"}.intersection(sheets[0]),
+        "one R of each wall",
     )
+    need(kind != "all" or data["symmetric"] is False, "all motions, symmetric or not")
+    for one in sheets if kind == "all" else ():
+        need(set(one) == {"sides", "cycles"} and isinstance(one["sides"], str), "one word a sheet")
+        need(type(one["cycles"]) is int and one["cycles"] > 0, "a number of cycles")
     for box in boxes:
         check_box_form(box, kind, len(sheets))
     if kind == "zone":
@@ -59,8 +65,14 @@ def check_box_form(box, kind, sheets):
     need(isinstance(box, dict), "a box is an object")
     solved = box.get("exists") is True and kind != "zone"
     items = {"sheet", "parameters", *VERDICTS, *(("centre", "radius") if solved else ())}
-    need(items <= set(box) <= items | set(BOUNDS), "the items of a box")
+    # lengths of zones are in other units
+    need(items <= set(box) <= items | set(BOUNDS if kind != "zone" else ()), "the items of a box")
     need(type(box["sheet"]) is int and 0 <= box["sheet"] < sheets, "the number of a sheet")
+    if solved:
+        centre, radius, rows = box["centre"], box["radius"], flat(box["centre"])
+        lists = [centre, *centre, *rows, radius, *radius]
+        need(all(isinstance(one, list) for one in lists), "lists of numbers")
+        need(all(isinstance(one, str) for one in flat([*rows, *radius])), "texts of numbers")
     need(all(box[name] in (None, True, False) for name in VERDICTS), "true, false or null")
     need(all(type(box[name]) is not int for name in VERDICTS), "verdicts are true, false or null")
     need(box["exists"] is not False or kind == "zone", "a motion exists or is not decided")

@@ -260,7 +260,9 @@ def halves(box, name):
     for ends, sign in (((low, middle), -1), ((middle, high), 1)):
 
         def on_half(texts, sign=sign):
-            degree = next(k for k in range(9) if len(monomials(len(names), k)) >= len(texts))
+            counts = (len(monomials(len(names), k)) for k in range(9))
+            degree = next((k for k, count in enumerate(counts) if count >= len(texts)), None)
+            need(degree is not None, "the coefficients of a polynomial")
             found = dict.fromkeys(monomials(len(names), degree), Fraction(0))
             for power, text in zip([*found], texts, strict=True):
                 value, e = text if isinstance(text, Fraction) else exact(text), power[place]

@@ -5,6 +5,7 @@ u' = A u, with the same A for all values. Routh's array decides on the multiplie
 """
 
 from check_structure import System
+from flight import closes
 from flint import arb, arb_mat, arb_poly
 from series import (
     UNIT,
@@ -234,11 +235,13 @@ class Varied:
         for i, (start, end, last, _) in enumerate(self.flights(states)):
             tau, part = ball(end[0] - start[0]), self.part(start)
             if verdict is False:
-                for k in range(1, 512):
-                    q, _ = self.at(start[0], part, (tau.lower() * k / 512).mid())
-                    closed = closed or any(
-                        ball(e - self.along(gap, q)) < 0 for gap, e in enumerate(self.e)
-                    )
+                for gap, e in enumerate(self.e):
+
+                    def at(t, gap=gap, e=e, begin=start[0], part=part):
+                        q, v = self.at(begin, part, t, arb(0))
+                        return ball(e - self.along(gap, q)), self.along(gap, v)
+
+                    closed = closed or closes(at, tau)
                 continue
             pieces = [(arb(0), arb(tau.upper()), 0, [*range(len(self.gaps))])]
             while pieces:
@@ -259,13 +262,11 @@ class Varied:
                     pieces += [(low, middle, depth + 1, left), (middle, high, depth + 1, left)]
         need(verdict or closed, "no gap is proven to close")
 
-    def at(self, begin, part, t, width=None):
+    def at(self, begin, part, t, width):
         """q a time after an impact, and q' within a distance of that time."""
         n = self.n
         moved = flat(product((self.A * t).exp().tolist(), [[one] for one in part]))
         q = [one + two for one, two in zip(moved[:n], self.steady(begin + t)[0], strict=True)]
-        if width is None:
-            return q, None
         wide = ((self.A * width).exp() * arb_mat([[ball(one)] for one in moved])).entries()
         when = ball(begin) + t + width
         v = wide[n : 2 * n]

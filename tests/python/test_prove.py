@@ -360,6 +360,94 @@ def test_each_item_is_checked(kind):
     assert number > 25
 
 
+def test_zones_state_no_bounds():
+    """The lengths of a zone are in other units than A, in which a false bound of max|x|/A would look true."""
+    data = json.loads(KINDS["zone"]().to_json())
+    place = next(k for k, box in enumerate(data["boxes"]) if box["admissible"] and box["stable"])
+    for name, text in (("attenuation_below", "1000"), ("multipliers_below", "1")):
+        false = copy.deepcopy(data)
+        false["boxes"][place][name] = text
+        with pytest.raises(checker.RejectedError, match="the items of a box"):
+            checker.check(false)
+
+
+@pytest.mark.parametrize("kind", ["motion", "branch", "box", "structure", "branch of structure"])
+def test_centres_of_another_form(kind):
+    """Too few or too many coefficients, and numbers that are no texts, are rejected and not the program's end."""
+    data = json.loads(KINDS[kind]().to_json())
+    for value in ([], ["0"] * 50, "0", 1, [1], [["0"]], None):
+        _, false = changed_in(data, "", "boxes", 0, "centre", 0, 1, value=lambda _, v=value: v)
+        with pytest.raises(checker.RejectedError):
+            checker.check(false)
+    for value in (1, True, None, ["1"]):
+        _, false = changed_in(data, "", "boxes", 0, "radius", 0, 1, value=lambda _, v=value: v)
+        with pytest.raises(checker.RejectedError):
+            checker.check(false)
+
+
+def test_regions_that_are_ambiguous():
+    """A branch has one parameter, all its sheets the same, and restitution means both R1 and R2."""
+    data = json.loads(KINDS["branch"]().to_json())
+    mu = {"mu": ["0.027", "0.029"]}
+    for sheets, message in (
+        ([data["sheets"][0] | mu], "along one parameter"),
+        ([data["sheets"][0], mu], "the same parameters"),
+    ):
+        with pytest.raises(checker.RejectedError, match=message):
+            checker.check(data | {"sheets": sheets})
+    both = {name: ["0.7", "0.8"] for name in ("restitution", "R1")}
+    with pytest.raises(checker.RejectedError, match="one R of each wall"):
+        checker.check(data | {"kind": "box", "sheets": [both]})
+    data = json.loads(KINDS["all"]().to_json())
+    for cycles in (True, 1.0, 0, "1"):
+        _, false = changed_in(data, "", "sheets", 0, "cycles", value=lambda _, k=cycles: k)
+        with pytest.raises(checker.RejectedError, match="a number of cycles"):
+            checker.check(false)
+
+
+def test_motions_that_do_not_approach_exclude_nothing(monkeypatch):
+    """The search knows all motions that approach; one that does not is not the only one in its box."""
+    seen = []
+    monkeypatch.setattr(search, "check_others", lambda pair, motions, exempt: seen.extend(motions))
+    speeds = {"approaches": [1, 2], "leaves": [1, -1], "may leave": [checker.arb(1, 2)]}
+    pair = SimpleNamespace(approach=lambda state: map(checker.arb, speeds[state]))
+    data = {
+        "sides": "RL", "cycles": 1, "sheets": [{"sides": "RL", "cycles": 1}], "undecided": [],
+        "system": {"restitution": ["0.7", "0.7"]},
+        "boxes": [{"sheet": 0, "parameters": {}, "is": state} for state in speeds],
+    }  # fmt: skip
+    search.check_all(data, lambda *_: pair, lambda word, box: box["is"])
+    assert seen == ["approaches"]
+
+
+def test_just_beyond_a_graze():
+    """A gap that closes for a very short time is proven to close, and the independent program finds it."""
+    motion = vi.exact(TABLE1, 0.94, 37.0, ([0, 1.37 * math.pi], vi.Pattern("RL")))
+    path = vi.branch(motion, "clearance", bounds=(17, 38))
+    (graze,) = [one.clearance for one in path.special_points if one.type == "grazing"]
+    near = path[int(np.argmin(abs(path.values - graze)))]
+    first = vi.exact(WALL, vi.Load(1.0, cosine=[1.0]), ([0.1], [0]))
+    path = vi.branch(first, "frequency", bounds=(0.69, 1.1))
+    (place,) = [one.value for one in path.special_points if one.type == "grazing"]
+    one = path[int(np.argmin(abs(path.values - place)))]
+    for by in (1e-3, 1e-6, 1e-10):
+        load = vi.Load(place * (1 - by), cosine=[1.0])
+        motions = (
+            vi.exact(TABLE1, 0.94, graze * (1 - by), near),
+            vi.exact(WALL, load, (one.phases, [0], one.cycles)),
+        )
+        for found in motions:
+            proof = found.prove()
+            assert (proof.exists, proof.admissible, proof.undecided) == (True, False, [])
+            checker.check(json.loads(proof.to_json()))
+    frequency = place * (1 - 1e-5)
+    found = vi.exact(WALL, vi.Load(frequency, cosine=[1.0]), (one.phases, [0], one.cycles))
+    branch = vi.branch(found, "frequency", bounds=(frequency, place * (1 - 5e-6)))
+    proof = branch.prove(tolerance=1)
+    assert (proof.admissible, proof.undecided) == (False, [])
+    checker.check(json.loads(proof.to_json()))
+
+
 def test_bound_of_x_across_zero(monkeypatch):
     """The bound of |x| holds where x changes its sign within a piece that ends at its largest value."""
     n, factor, third = 40, 2.5, 2.5 * 40 * 39 * 38
