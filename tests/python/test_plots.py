@@ -239,6 +239,44 @@ def test_clearance_in_the_sketch_is_the_whole_travel():
         assert figure.bbox.y0 <= box.y0 < box.y1 <= figure.bbox.y1
 
 
+def test_the_sketch_shows_the_values_of_a_rig():
+    """The values of a physical rig and of its point are above the sketch in its units, and within the picture."""
+    rig = vi.Oscillator.from_dimensional(
+        M="2.7 kg", K="42 kN/m", xi="1.1 %", m="0.11 kg", restitution=(0.7, 0.6), F0="6 N"
+    )
+    damping = 2 * 0.011 * np.sqrt(2.7 * 42e3)
+    mass = [f"$M$ = {2.7:.6g} kg", "$m$ = 0.11 kg", "$K$ = 42000 N/m", f"$C$ = {damping:.6g} N s/m"]
+    place = ["$f$ = 19.5 Hz", "$d$ = 4 mm", "$F_0$ = 6 N"]
+    for thing, wanted in (
+        (rig, [*mass, "$F_0$ = 6 N", "$R_1$ = 0.7", "$R_2$ = 0.6"]),
+        (rig.at("19.5 Hz", "4 mm"), [*mass, *place]),
+        (rig.at("19.5 Hz", "4 mm", friction="0.1 N"), [*mass, *place, "in units of"]),
+        (TABLE, [r"$\xi$ = 0.005", r"$\mu$ = 0.042", "$R$ = 0.75"]),
+        (TABLE.at(0.94, 37.0, load=2.0), ["$r$ = 0.94", "$dK/F_0$ = 37", "load/$F_0$ = 2"]),
+        (vi.Oscillator(xi=0.01, mu=0.1, restitution=(0.7, vi.PowerLaw(0.7, 20, 0.25))), ["R(v)"]),
+    ):
+        figure = draw_system(thing).figure
+        title = figure.axes[0].title
+        assert [text for text in wanted if text not in title.get_text()] == []
+        figure.canvas.draw()
+        box = title.get_window_extent()
+        assert figure.bbox.x0 <= box.x0 < box.x1 <= figure.bbox.x1
+        assert box.y1 <= figure.bbox.y1
+
+
+def test_what_cannot_be_sketched_is_refused():
+    """Other things than systems, and loads of oscillators, are refused by name; axes are given by name."""
+    _, ax = plt.subplots()
+    for wrong in (ax, 3):
+        with pytest.raises(TypeError, match=r"system = .*axes are given as ax="):
+            draw_system(wrong)
+    with pytest.raises(ValueError, match=r"load = .*unless system is a Structure"):
+        draw_system(TABLE, vi.Load(0.94, sine=[1, 0]))
+    with pytest.raises(TypeError, match="load = 2: must be a Load or a Record"):
+        draw_system(TABLE.structure(37.0), 2)
+    assert draw_system(TABLE.structure(37.0), ax=ax) is ax
+
+
 def test_the_scale_of_the_spikes_is_told():
     """The legend gives the change of velocity of the longest spike, and lies above the axes."""
     motion = vi.exact(TABLE, 0.94, 37.0, COLUMN)

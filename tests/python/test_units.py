@@ -465,7 +465,20 @@ def test_datasets(every):
     np.testing.assert_array_equal(found["attenuation"], chart["attenuation"])
     from vibroimpact.plot import draw_chart
 
-    assert draw_chart(chart, units=UNITS.to(MM)).get_ylabel().endswith("(mm)")
+    for units, unit in (
+        (UNITS.to(MM), "(mm)"),
+        (None, "(mm)"),
+        ("m N s", "(m)"),
+        ("dimensionless", "F_0$"),
+    ):
+        ax = draw_chart(chart, units=units)
+        assert ax.get_ylabel().endswith(unit)
+        assert ax.get_xlabel().endswith("(Hz)") == (units != "dimensionless")
+    pure = vi.Oscillator(xi=RIG.xi, mu=RIG.mu, restitution=RIG.restitution)
+    plain = vi.chart(pure, "RL", [0.95, 1.05], [10.0, 20.0])
+    assert draw_chart(plain).get_ylabel() == ax.get_ylabel()
+    with pytest.raises(ParameterError, match="does not know M, K and F0"):
+        draw_chart(plain, units="mm N s")
     with pytest.raises(ParameterError, match="give the units as"):
         draw_chart(found)
 

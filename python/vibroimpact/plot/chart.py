@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from ..base import checks
 from ..base.errors import ParameterError, ParameterTypeError
-from ..systems.units import Units
+from ..studies.chart import Chart
+from ..systems.units import Units, checked_names
 from .style import (
     ONE_COLUMN,
     PRIMARY,
@@ -43,7 +44,7 @@ def draw_chart(
     ax: Any = None,
     color: str | None = None,
     inverse: bool = False,
-    units: Units | None = None,
+    units: Units | str | None = None,
 ) -> Any:
     """Draw where the motions of a chart are stable, unstable, inadmissible, or absent.
 
@@ -57,8 +58,9 @@ def draw_chart(
         stable motion.
     inverse : bool
         Whether the axis is F0/(d K), as in Figures 6 to 8, instead of d K/F0.
-    units : Units, optional
-        Physical units of the axes.
+    units : Units or str, optional
+        Physical units of the axes. By default those of the oscillator, if it knows M, K and F0; "dimensionless"
+        for none.
 
     Returns
     -------
@@ -81,7 +83,8 @@ def draw_chart(
     of_structure = "x" in data.variables
     if not of_structure and "r" not in data.variables:
         raise ParameterError(
-            "data in physical units: must be the dataset from vibroimpact.chart; give the units as `units`"
+            "data in physical units: must be the dataset from vibroimpact.chart, which is drawn in the units of "
+            "its oscillator; for others give the units as `units`"
         )
     if of_structure and inverse:
         raise ParameterError("inverse = True: must be False for a chart of a structure")
@@ -92,7 +95,7 @@ def draw_chart(
     if color is not None:
         checks.choice(color, "color", tuple(COLORS))
     plt = pyplot()
-    plane = Plane(units, inverse)
+    plane = Plane(_units_of_chart(data, units), inverse)
     if of_structure:
         x, y = data["x"].values, data["y"].values
     else:
@@ -154,6 +157,27 @@ def draw_chart(
             handlelength=1.6,
         )
         return ax
+
+
+def _units_of_chart(data: Any, units: Units | str | None) -> Units | None:
+    """The units of the axes; of a dataset by default those that its oscillator knows."""
+    if isinstance(units, Units):
+        return units
+    if isinstance(data, Chart):
+        return None  # `Chart.plot` has chosen
+    names = ("M", "K", "F0", "unit_names")
+    known = all(name in data.attrs for name in names)
+    own = Units(*(data.attrs[name] for name in names)) if known else None
+    if units is None:
+        return own and own.of_pictures
+    if units == "dimensionless":
+        return None
+    if own is None:
+        raise ParameterError(
+            f"units = {units!r}: must be a vibroimpact.Units or left out; the oscillator of the chart does not "
+            "know M, K and F0"
+        )
+    return own.to(checked_names(units))
 
 
 def classes(data: Any) -> NDArray[np.int64]:

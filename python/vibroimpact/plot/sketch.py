@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
+from types import NoneType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..base.errors import ParameterError, ParameterTypeError
+from ..systems.oscillator import Oscillator, Point
 from ..systems.record import Record
 from ..systems.structure import Friction, Gap, Load, Stop, Structure, moves, opening_at
-from .style import FREE, IMPACT, LOAD, PRIMARY, SETTINGS, pyplot
+from ..systems.units import MASS as MASS_UNIT
+from ..systems.units import units_to_show
+from .style import FREE, IMPACT, LOAD, PRIMARY, SETTINGS, Scales, given, pyplot
+from .style import system as parameters_of
 
 __all__ = ["bodies_of", "draw_sketch", "draw_system"]
 
@@ -28,13 +35,22 @@ UPPER, MIDDLE, LOWER = 1.5, 0.92, 0.34
 GAP = 1.4
 
 
-def draw_system(ax: Any = None) -> Any:
-    """Draw the primary mass M on its spring K and dashpot C, the free mass m in the slot, and the clearance d.
+def draw_system(
+    system: Oscillator | Point | Structure | None = None, load: Load | Record | None = None, ax: Any = None
+) -> Any:  # fmt: skip
+    """Draw an oscillator, or a structure with its load.
 
-    The clearance d is the whole travel of m between the walls, d/2 on each side of its middle position.
+    Of an oscillator: the primary mass M on its spring K and dashpot C, the free mass m in the slot, and the
+    clearance d, the whole travel of m between the walls, with d/2 on each side of its middle position.
 
     Parameters
     ----------
+    system : Oscillator, Point or Structure, optional
+        Without it the picture has the symbols of an oscillator alone. The values of an oscillator, or of an
+        oscillator at a point, are listed above the picture, in its units if it knows M and K. A structure, and a
+        point with friction or stops, is drawn with its bodies, springs, dashpots and gaps.
+    load : Load or Record, optional
+        The load on a structure.
     ax : matplotlib Axes, optional
         Without it a new figure is made.
 
@@ -42,21 +58,80 @@ def draw_system(ax: Any = None) -> Any:
     -------
     Axes
 
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If `system` is none of these, or a load is given with anything but a structure.
+
     Examples
     --------
+    >>> import vibroimpact as vi
     >>> from vibroimpact.plot import draw_system
-    >>> draw_system().figure.savefig("system.svg")  # doctest: +SKIP
+    >>> rig = vi.Oscillator.from_dimensional(
+    ...     M="2.7 kg", K="42 kN/m", xi="1.1 %", m="0.11 kg", restitution=0.75, F0="6 N"
+    ... )
+    >>> draw_system(rig.at("19.5 Hz", "4 mm")).figure.savefig("system.svg")  # doctest: +SKIP
     """
-    plt = pyplot()
+    if not isinstance(system, (Oscillator, Point, Structure, NoneType)):
+        raise ParameterTypeError(
+            f"system = {system!r}: must be an Oscillator, an oscillator at a point (Oscillator.at) or a "
+            f"Structure, not {type(system).__name__}; axes are given as ax=..."
+        )
+    if load is not None and not isinstance(system, Structure):
+        raise ParameterError(f"load = {load!r}: must be left out unless system is a Structure")
+    if load is not None and not isinstance(load, (Load, Record)):
+        raise ParameterTypeError(
+            f"load = {load!r}: must be a Load or a Record, not {type(load).__name__}"
+        )
+    plt, note = pyplot(), ""
     with plt.rc_context(SETTINGS):
         if ax is None:
-            _, ax = plt.subplots(figsize=(6.2, 2.5), layout="constrained")
-        _draw_support(ax)
-        _draw_masses(ax)
-        _draw_dimensions(ax)
-        ax.set(xlim=(-0.6, 11.2), ylim=(-0.65, 4.05), aspect="equal")
-        ax.set_axis_off()
+            height = 2.5 if system is None else 2.8
+            _, ax = plt.subplots(figsize=(6.2, height), layout="constrained")
+        if isinstance(system, Structure):
+            draw_sketch(ax, system, load)
+            return ax
+        if isinstance(system, Point) and (
+            system._has_elements or isinstance(system.amplitude, Load)
+        ):
+            draw_sketch(ax, system.structure, system.load)
+            note = "\nnumbers in the picture: in units of M, K, F0 and F0/K"
+        else:
+            _draw_support(ax)
+            _draw_masses(ax)
+            _draw_dimensions(ax)
+            ax.set(xlim=(-0.6, 11.2), ylim=(-0.65, 4.05), aspect="equal")
+            ax.set_axis_off()
+        if system is not None:
+            ax.set_title(values_of(system) + note, fontsize=7)
     return ax
+
+
+def values_of(system: Oscillator | Point) -> str:
+    """The values of an oscillator, or of one at a point, in two lines: in its units if it knows M and K."""
+    osc = system.osc if isinstance(system, Point) else system
+    at = system if isinstance(system, Point) else None
+    laws = {"R1": "$R_1$", "R2": "$R_2$"}
+    first, second = given({
+        name if isinstance(value, float) else laws[name]: value if isinstance(value, float) else "a law R(v)"
+        for name, value in parameters_of(osc).items()
+    }), ""  # fmt: skip
+    if at is not None:
+        amplitude = None if isinstance(at.amplitude, Load) else at.amplitude
+        scales = Scales(units_to_show(osc))
+        second = given(scales.given({"r": at.r, "clearance": at.clearance, "load": amplitude}))
+    if osc.M is not None and osc.K is not None:
+        units = osc.units(osc.F0 or 1.0)
+        damping = 2 * osc.xi * math.sqrt(osc.M * osc.K)
+        sizes = {
+            "$M$": (osc.M, MASS_UNIT), "$m$": (osc.mu * osc.M, MASS_UNIT), "$K$": (osc.K, "K"),
+            "$C$": (damping, "K/omega"),
+        }  # fmt: skip
+        own = [f"{name} = {size:.6g} {units.name(unit)}" for name, (size, unit) in sizes.items()]
+        if at is None and osc.F0 is not None:
+            own.append(f"$F_0$ = {osc.F0:.6g} {units.name('F0')}")
+        first, second = ", ".join(own), ", ".join(filter(None, [first, second]))
+    return "\n".join(filter(None, [first, second]))
 
 
 def _box(ax: Any, edges: tuple[float, float, float, float], **options: Any) -> None:

@@ -93,10 +93,12 @@ class Chart(Followed, study="chart"):
             }  # fmt: skip
         osc = self.osc
         right, left = osc.restitution
+        known = {name: getattr(osc, name) for name in ("M", "K", "F0", "unit_names")}
+        known = {} if osc.F0 is None else known
         return {
             "title": f"motions {keys['sides']}/{keys['cycles']} of a vibrating system with impacts",
             "xi": osc.xi, "mu": osc.mu, "R1": right, "R2": left, "sides": keys["sides"],
-            "cycles": keys["cycles"], "load": 1.0,
+            "cycles": keys["cycles"], "load": 1.0, **known,
             "units": "length in F0/K, time in 1/omega, angles in radians",
             "motions": {"yes": "symmetric", "no": "not symmetric", "both": "all"}[keys["symmetric"]],
             **{name: keys[name] for name in ("slots", "guesses", "seeds")}, **common,

@@ -43,6 +43,8 @@ KNOWN: tuple[dict[str, float], ...] = (
 )
 #: Metre, newton and second.
 SI = "m N s"
+#: The unit of mass of some units of length, force and time.
+OF_MASS = {"m N s": "kg", "mm N s": "t", "m kN s": "t", "mm N ms": "g", "mm kN ms": "kg"}
 #: The unit of columns whose numbers have several units, or a unit that depends on the case.
 MIXED = "mixed"
 #: The beginning of the description of a frequency ratio.
@@ -268,6 +270,8 @@ class Units:
         sums = np.array(
             [np.multiply(DIMENSIONS[name], power) for name, power in powers.items()]
         ).sum(axis=0)
+        if sums.tolist() == [-1, 1, 2] and self.names in OF_MASS:
+            return OF_MASS[self.names]
         length, force, time = zip(self.names.split(), sums.tolist(), strict=True)
         parts = [(name, power) for name, power in (force, length, time) if power]
         above = [_power(name, power) for name, power in parts if power > 0]
