@@ -125,6 +125,39 @@ def test_the_csv_of_a_diagram_and_the_trajectory_of_a_file_keep_outputs(tmp_path
     assert len({structure, body(outputs={"between": [-1, 1]}), body()}) == 2
 
 
+def test_the_csv_of_a_trajectory_has_outputs(tmp_path):
+    """Its columns are the outputs just after the events, from Python, a file and a namelist."""
+    rng = np.random.default_rng(3)
+    n = 12
+    stiffness = np.diag(np.full(n, 2.0)) - np.eye(n, k=1) - np.eye(n, k=-1)
+    gaps = [vi.Gap(np.eye(n)[0], 0.3, 0.7), vi.Gap(np.eye(n)[5] - np.eye(n)[6], 0.2, 0.6)]
+    outputs = {"tip": np.eye(n)[-1], "mixed": rng.normal(size=n), "other": rng.normal(size=n)}
+    structure = vi.Structure(np.ones(n), 0.02 * stiffness, stiffness, gaps, outputs=outputs)
+    run = vi.simulate(structure, vi.Load(0.5, sine=np.eye(n)[2]), cycles=40)
+    assert len(run.events) > 20
+    run.save(tmp_path / "run.csv")
+    table = run.to_pandas()
+    assert list(table.columns)[-6:] == [*outputs, *(f"{name}_dot" for name in outputs)]
+    for name, row in outputs.items():
+        # `sample` gives the velocity before the impact at its time
+        assert np.allclose(table[name], run.sample(run.events["time"], name)[0], atol=1e-12)
+        assert np.allclose(table[f"{name}_dot"], run.states[:, 1] @ row, rtol=1e-12, atol=1e-12)
+    (tmp_path / "run.nml").write_text(run.to_namelist())
+    (case,) = vi.read_namelist(tmp_path / "run.nml")
+    (result,) = case.run()
+    result.save(tmp_path / "case.csv")
+    run.save(tmp_path / "run.json")
+    vi.load(tmp_path / "run.json").save(tmp_path / "file.csv")
+    rows = [
+        [line for line in (tmp_path / f"{name}.csv").read_text().split("\n") if line[:1] != "#"]
+        for name in ("run", "file")
+    ]
+    assert rows[0] == rows[1]
+    for name in table:
+        if table[name].dtype.kind == "f":  # sums in another order
+            assert np.allclose(table[name], result.to_pandas()[name], rtol=1e-13, atol=1e-14)
+
+
 def test_pictures_show_outputs():
     structure = body(outputs={"tip_end": [-1, 1]})
     plt = pytest.importorskip("matplotlib.pyplot")
@@ -140,7 +173,8 @@ def test_pictures_show_outputs():
 
 
 @pytest.mark.parametrize(
-    "outputs", [{"q_1": [1, 0]}, {"a b": [1, 0]}, {"phase": [1, 0]}, {"x": [1]}, {"x" * 24: [1, 0]},
+    "outputs", [{"q_1": [1, 0]}, {"a b": [1, 0]}, {"phase": [1, 0]}, {"gap": [1, 0]}, {"tip_dot": [1, 0]},
+                {"x": [1]}, {"x" * 24: [1, 0]},
                 {"é": [1, 0]}, {1: [1, 0]}, {"x": [1e41, 0]}, {"x": [np.nan, 0]}],
 )  # fmt: skip
 def test_outputs_that_are_refused(outputs):

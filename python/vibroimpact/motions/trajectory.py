@@ -544,6 +544,11 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         record = load if isinstance(load, Record) else None
         moments = (self.initial_state, self.final_state)
         columns = {name: self.events[name] for name in EVENTS_OF_STRUCTURE.names or ()}
+        if s.outputs:
+            rows = np.array([*s.outputs.values()]).T
+            columns |= {
+                "outputs": self.states[:, 0] @ rows, "output_rates": self.states[:, 1] @ rows
+            }  # fmt: skip
         return {
             "events": (("event",), columns | {"q": self.states[:, 0], "q_dot": self.states[:, 1]}),
             "moments": (("moment",), {

@@ -354,6 +354,10 @@ class Friction(ByValue):
         return f"Friction({', '.join([f'{self.direction.tolist()}, {self.slip:g}', *shown])})"
 
 
+#: Columns of results, which are no names of outputs.
+RESERVED = ("time", "kind", "gap", "phase", "speed", "impulse")
+
+
 class Outputs(Mapping[str, _Array]):
     """Linear combinations of the coordinates by name, as read-only rows of coefficients."""
 
@@ -366,10 +370,10 @@ class Outputs(Mapping[str, _Array]):
         self._rows: dict[str, _Array] = {}
         for name, values in given.items():
             good = isinstance(name, str) and re.fullmatch(r"(?a:[a-z]\w{0,22})", name, re.I)
-            if not good or name.startswith("q_") or name in ("phase", "speed"):
+            if not good or name.startswith("q_") or name.endswith("_dot") or name in RESERVED:
                 raise ParameterError(
                     f"outputs: name {name!r}: must have at most 23 letters, digits and _, begin with a letter, "
-                    "and be none of phase, speed, q_..."
+                    f"and be none of {', '.join(RESERVED)}, q_..., ..._dot, which are columns of results"
                 )
             row = _numbers(values, f"outputs[{name!r}]", wanted, (coordinates,))
             if (np.abs(row) > LARGEST_MODAL).any():

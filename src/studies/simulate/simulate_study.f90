@@ -10,6 +10,7 @@ module vi_simulate_study
    use vi_structure_gaps, only: start_fault
    use vi_structure_groups, only: load_frequency, record_end, record_of, structure_of
    use vi_structure_keys, only: check_start_state, longest, start_keys
+   use vi_structure_matrices, only: output_rows
    use vi_structure_run, only: event_kinds, halt_event, hit_event => impact_event, &
       rest_event => stick_event, touch_event
    use vi_structure_tables, only: put_structure, structure_columns
@@ -108,6 +109,9 @@ module vi_simulate_study
       meaning='coordinates'), &
       column_type('events', 'q_dot', each='coordinate', label='q_dot_#', &
       meaning='velocities just after the event'), &
+      column_type('events', 'outputs', each='output', label='#', meaning='outputs'), &
+      column_type('events', 'output_rates', each='output', label='#_dot', &
+      meaning='their velocities just after the event'), &
       column_type('moments', 'moment', words, words='initial,final', listed=.false., &
       meaning='the start and the end'), &
       column_type('moments', 'time', listed=.false., meaning='time'), &
@@ -393,7 +397,8 @@ contains
          call result%fail(text)
          return
       end if
-      call put_events(result, table(:, :n), labels(:, :n))
+      call put_events(result, table(:, :n), labels(:, :n), &
+         output_rows(case%system, case%coordinates))
       call put_moments(result, [first, end_time], first_state, last_state)
       call result%open('rests', 'rest', [size(resting)])
       call result%put('rests', 'gap', resting - 1)
@@ -419,16 +424,19 @@ contains
    end subroutine run_structure
 
    !> Fills the table of events.
-   pure subroutine put_events(result, table, labels)
+   pure subroutine put_events(result, table, labels, outputs)
       !> The result.
       type(result_type), intent(inout) :: result
       !> (3 + 2n, events) and (2, events), as of `simulate_structure_arrays`.
       real(wp), intent(in) :: table(:, :)
       !> As in `table`.
       integer, intent(in) :: labels(:, :)
-      integer :: n
+      !> (outputs, n) The outputs as rows that give them from the coordinates.
+      real(wp), intent(in) :: outputs(:, :)
+      integer :: n, m
 
       n = (size(table, 1) - 3)/2
+      m = size(outputs, 1)
       call result%open('events', 'event', [size(labels, 2)])
       call result%put('events', 'time', table(1, :))
       call result%put('events', 'kind', labels(1, :))
@@ -437,6 +445,9 @@ contains
       call result%put('events', 'impulse', table(3, :))
       call result%put('events', 'q', [table(4:3 + n, :)], n)
       call result%put('events', 'q_dot', [table(4 + n:, :)], n)
+      if (m == 0) return
+      call result%put('events', 'outputs', [matmul(outputs, table(4:3 + n, :))], m)
+      call result%put('events', 'output_rates', [matmul(outputs, table(4 + n:, :))], m)
    end subroutine put_events
 
    !> Fills the tables of the record.

@@ -25,7 +25,7 @@ module vi_structure_matrices
    !> Most outputs.
    integer, parameter :: most_outputs = 100
    character(*), parameter :: output_takes = 'different names of at most 23 letters, digits and _ &
-      &that start with a letter, except phase, speed and names that start with q_'
+      &that start with a letter; not time, kind, gap, phase, speed, impulse, q_... or ..._dot'
 
    character(*), parameter :: matrix_takes = 'n numbers (the diagonal) or n*n numbers (a symmetric &
       &matrix, row by row) from -1e100 to 1e100, with n at most 500'
@@ -336,7 +336,8 @@ contains
          associate (name => names(i))
             if (len_trim(name) == len(name) .or. scan(name, letters) /= 1 .or. &
                verify(trim(name), letters//'_0123456789') > 0 .or. index(name, 'q_') == 1 .or. &
-               any(name == [character(24) :: 'phase', 'speed', names(:i - 1)])) then
+               index(name, '_dot ') > 0 .or. any(name == [character(24) :: 'time', 'kind', 'gap', &
+               'phase', 'speed', 'impulse', names(:i - 1)])) then
                call structure%refuse('outputs')
                return
             end if
