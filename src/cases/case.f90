@@ -69,7 +69,7 @@ module vi_case
       takes='units of length, force and time, as ''mm N s'', of '//lengths//', '//forces// &
       ' and '//times, &
       meaning='units of mass, stiffness and force in a result, whose other numbers are &
-      &dimensionless; where &system has values with units, these must have units too')]
+      &dimensionless; a &system written by hand needs units instead')]
 
    type(key_type), parameter, public :: output_keys(*) = [ &
       key_type('name', a_word, may_miss=.true., &
@@ -136,9 +136,8 @@ contains
       names = 'm N s'
       bare = undecided
       if (part%has('unit_names')) then
-         bare = dimensionless
-         ! a result has numbers alone; someone who writes units means them everywhere
-         if (has_texts(group)) bare = undecided
+         ! someone who writes units means them everywhere
+         if (is_of_result(group)) bare = dimensionless
          call part%text('unit_names', names)
       else if (part%has('units')) then
          bare = in_units
@@ -214,21 +213,28 @@ contains
       call read_values(group%name, own, some, part)
    end subroutine read_part
 
-   !> Whether a &system has values with units, or values that no result has.
-   pure logical function has_texts(group)
+   !> Whether a &system is written as in a result: numbers alone, both coefficients of restitution,
+   !! and the keys in the order of `system_keys`.
+   pure logical function is_of_result(group)
       !> The group as read from the file.
       type(group_type), intent(in) :: group
-      integer :: i
+      integer :: i, place, last
 
-      has_texts = .false.
+      is_of_result = .false.
+      last = 0
       do i = 1, size(group%items)
          associate (item => group%items(i))
-            if (item%key == 'unit_names' .or. item%key == 'units') cycle
-            has_texts = has_texts .or. scan(item%value, '''"') > 0 .or. item%key == 'damping' &
-               .or. item%key == 'free_mass'
+            place = findloc(system_keys%name == item%key, .true., 1)
+            if (place <= last) return
+            last = place
+            if (item%key == 'unit_names') cycle
+            if (scan(item%value, '''"') > 0 .or. any(item%key == [character(9) :: 'damping', &
+               'free_mass', 'units'])) return
+            if (item%key == 'restitution' .and. scan(trim(adjustl(item%value)), ', ') == 0) return
          end associate
       end do
-   end function has_texts
+      is_of_result = .true.
+   end function is_of_result
 
    !> The number of a key, 0 if it has none.
    pure real(wp) function number_or_0(values, name) result(number)

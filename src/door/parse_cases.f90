@@ -489,8 +489,8 @@ contains
             place = place_of(keys, trim(name(index(name, '.') + 1:)))
             if (place == 0 .or. system%units%bare == dimensionless) cycle
             if (is_ambiguous(case, keys(place))) call case%sweep%refuse('keys', 'values of '// &
-               trim(name)//' in a &sweep are dimensionless, so &system must have unit_names, not &
-               &units')
+               trim(name)//' in a &sweep are dimensionless, so &system must have units = &
+               &''dimensionless''')
          end do
       end if
       call pass_on(case%sweep, line, message)

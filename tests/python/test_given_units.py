@@ -254,19 +254,65 @@ def test_known_values_are_in_the_units_of_the_system(tmp_path):
         case_in(tmp_path, plain, study.format("4", "1.1e-4, primary_mass = 2.6"))
 
 
-def test_unit_names_beside_units_leaves_no_number_without_one(tmp_path):
-    """Numbers are dimensionless beside `unit_names` only if all of &system are numbers, as in a result."""
-    plain = "unit_names = 'mm N s', mass = 0.0027, stiffness = 42, force = 6, mu = 0.04, r = {}"
-    study = "simulate clearance = {}, cycles = 1"
-    assert case_in(tmp_path, plain.format("0.98"), study.format("4")).keys["clearance"] == 4
-    with pytest.raises(ParameterError, match=r"clearance = 4: .* in two ways"):
-        case_in(tmp_path, plain.format("'19.5 Hz'"), study.format("4"))
-    found = case_in(tmp_path, plain.format("'19.5 Hz'"), study.format("'4 mm'"))
-    assert found.keys["clearance"] == pytest.approx(28, rel=1e-12)
-    for system in (TEXTS, plain.format("0.98").replace("unit_names = 'mm N s', ", "")):
-        either = system.replace("r = 0.98", "r = 0.5") + ", units = 'dimensionless'"
-        either += "" if "r = " in either else ", r = 0.5"
-        assert case_in(tmp_path, either, study.format("4")).keys["clearance"] == 4
+def test_unit_names_leaves_no_number_without_a_unit(tmp_path):
+    """Numbers are dimensionless beside `unit_names` only in a &system as of a result; else they are refused."""
+    result = "xi = 0.01, mu = 0.04, restitution = 0.75, 0.75, r = {}, mass = 0.0027, stiffness = 42"
+    named = result + ", force = 6, unit_names = 'mm N s'"
+    study = "&simulate clearance = {}, cycles = 1 /"
+    path = tmp_path / "case.nml"
+
+    def read(system, clearance):
+        path.write_text(f"&system {system} /\n{study.format(clearance)}\n")
+        return vi.read_namelist(path)[0]
+
+    whole = named.format("0.98")
+    case = read(whole, "4")
+    assert case.keys["clearance"] == 4
+    assert case.osc.unit_names == "mm N s"
+    assert read(whole.replace(", force = 6", ""), "4").keys["clearance"] == 4
+    by_hand = (
+        whole.replace("0.75, 0.75", "0.75"),  # a result has both coefficients
+        whole.replace("xi = 0.01, mu = 0.04", "mu = 0.04, xi = 0.01"),  # in another order
+        "unit_names = 'mm N s', " + whole.replace(", unit_names = 'mm N s'", ""),
+        whole.replace(
+            "mu = 0.04, restitution = 0.75, 0.75, r = 0.98", "restitution = 0.75, r = 0.98"
+        )
+        + ", free_mass = 1.1e-4",
+        named.format("'19.5 Hz'"),
+    )
+    for system in (*by_hand, by_hand[0].replace(", force = 6", "")):
+        with pytest.raises(ParameterError, match=r"clearance = 4: .* in two ways"):
+            read(system, "4")
+    for system in by_hand:
+        assert read(system, "'4 mm'").keys["clearance"] == pytest.approx(28, rel=1e-12)
+        either = system.replace("unit_names = 'mm N s'", "units = 'mm N s'")
+        assert read(either, "4").keys["clearance"] == pytest.approx(28, rel=1e-12)
+    for system in (
+        TEXTS.replace("r = 0.98", "r = 0.5"),
+        by_hand[0].replace(", unit_names = 'mm N s'", ""),
+    ):
+        either = system + ", units = 'dimensionless'" + ("" if "r = " in system else ", r = 0.5")
+        if "xi" not in either:
+            either += ", xi = 0.01"
+        if "restitution" not in either:
+            either += ", restitution = 0.75"
+        assert read(either, "4").keys["clearance"] == 4
+
+
+def test_a_case_of_a_rig_is_read_back(tmp_path):
+    """Cases and headers of results keep their digits: they are written as `unit_names` requires."""
+    osc = vi.Oscillator.from_dimensional(
+        M="2.7 kg", K="42 kN/m", xi="1.1 %", m="0.11 kg", restitution=0.75, F0="6 N"
+    )
+    run = vi.simulate(osc.at("19.5 Hz", "4 mm"), cycles=3)
+    run.save(tmp_path / "run.csv")
+    (tmp_path / "run.nml").write_text(run.to_namelist())
+    for name in ("run.csv", "run.nml"):
+        (case,) = vi.read_namelist(tmp_path / name)
+        assert case.osc.units() == osc.units()
+        (again,) = case.run()
+        assert again.clearance == run.clearance
+        np.testing.assert_array_equal(again.events, run.events)
 
 
 def test_signals_take_units():

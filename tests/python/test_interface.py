@@ -304,6 +304,7 @@ OSC = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
 LAW = vi.Oscillator(xi=0.005, mu=0.042, restitution=vi.PowerLaw(0.75, speed=20, exponent=0.25))
 WALL = vi.Structure([1], [0.1], [1], [vi.Gap([1], 1, 0.8)])
 GUESS = ([0, 4.3], "RL")
+ROUGH = OSC.at(0.94, 37.0, friction=0.1)
 
 
 def test_a_point_stands_for_its_arguments():
@@ -475,6 +476,10 @@ def of_wall():
     (lambda point: vi.zone(point, "RL", (0.8, 1.2), (2, 200)), "must not be a point; give its osc"),
     (lambda point: vi.branch(point, "clearance", (10, 60)), "must not be a point; give a motion there"),
     (lambda point: vi.stability_flags(point, [[0.0], [3.0]], "RL"), "must not be a point; give its osc"),
+    (lambda point: vi.zone(ROUGH, "RL", (0.8, 1.2), (2, 200)), "must not be a point; give a motion there"),
+    (lambda point: vi.chart(ROUGH, "RL", [1.0], [25.0]), "must not be a point; give a motion there"),
+    (lambda point: vi.atlas(ROUGH, (0.9, 1.1), (10, 50)), "must not be a point; give its structure and load"),
+    (lambda point: vi.periodic(ROUGH, *GUESS), "must not be a point; give its structure and load"),
     (lambda point: vi.equispaced(OSC.at(0.94, 37.0, friction=0.1)), "must have rigid walls, no friction"),
     (lambda point: vi.equispaced(point, r=2.0), "r = 2.0: must be left out"),
     (lambda point: vi.simulate(LAW, 0.94, r=0.5, clearance=37.0, cycles=1), "r is given twice"),
@@ -488,6 +493,42 @@ def test_arguments_of_systems_are_neither_dropped_nor_given_twice(call, message)
     """Of a point, a structure, and an oscillator whose restitution depends on the speed."""
     with pytest.raises((TypeError, vi.ParameterError), match=message):
         call(OSC.at(0.94, 37.0))
+
+
+#: Small calls of every verb that takes a point: (arguments after the point, options).
+OF_POINTS = {
+    "equispaced": ((), {}),
+    "equispaced_batch": ((), {}),
+    "exact": ((GUESS,), {}),
+    "find": ((), {"max_impacts": 2, "max_cycles": 1, "guesses": 8, "states": 2, "settling": 50}),
+    "simulate": ((3,), {}),
+    "simulate_bundle": ((3,), {}),
+    "lyapunov": ((), {"cycles": 8, "discard": 5, "batches": 2, "state": {"x_dot": 60.0}}),
+    "bifurcation_diagram": (("clearance", [36.0, 37.0]), {"sweep": "up", "settling": 5, "keep": 5}),
+    "response": (([0.94, 0.95],), {"states": 2, "settling": 5, "keep": 5}),
+    "basins": ((), {"states": 3, "cycles": 20}),
+    "uncertainty": (("RL", {}), {"samples": 1, "bands": False}),
+    "limit_probability": (({}, {"displacement": 60.0}), {"samples": 2, "settling": 8}),
+    "prove_box": (("RL",), {}),
+    "prove_all": ((), {"max_impacts": 2}),
+}
+
+
+def test_every_form_for_points_runs():
+    """Each verb that help shows with a point runs with it, as with its oscillator, r and clearance by name."""
+    shown = {name for name in VERBS if f"``{name}(point" in getattr(vi, name).__doc__}
+    assert shown == {*OF_POINTS}
+    for name, (args, options) in OF_POINTS.items():
+        verb = getattr(vi, name)
+        if name.startswith("prove"):
+            pytest.importorskip("flint")
+        given = {"r": 0.94, "clearance": 37.0}
+        if name in ("bifurcation_diagram", "response"):
+            del given["clearance" if name == "bifurcation_diagram" else "r"]
+        names = [key for key in inspect.signature(verb).parameters if key not in ("osc", *given)]
+        found = verb(OSC.at(0.94, 37.0), *args, **options)
+        wanted = verb(OSC, **given, **dict(zip(names, args, strict=False)), **options)
+        assert repr(found) == repr(wanted), name
 
 
 def test_verbs_of_oscillators_alone_take_points_too():

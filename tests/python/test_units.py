@@ -137,7 +137,7 @@ def test_every_result_knows_the_units(every):
 
 def test_namelist(tmp_path):
     """A namelist gives the units to its results; errors name the key."""
-    text = "&system xi = 0, mu = 0.04, restitution = 1, r = 0.98, {} /\n&simulate clearance = 28, cycles = 2 /\n"
+    text = "&system xi = 0, mu = 0, restitution = 1, 1, r = 0.98, {} /\n&simulate clearance = 28, cycles = 2 /\n"
     path = tmp_path / "rig.nml"
     path.write_text(text.format("mass = 2.7, stiffness = 42000, force = 6, unit_names = 'm N s'"))
     case = vi.read_namelist(path)[0]
@@ -640,7 +640,7 @@ def test_command_draws_in_physical_units(tmp_path, capsys):
     """`vibroimpact plot --units` draws what has units, and refuses the rest before anything is drawn."""
     from vibroimpact.commands.command import main
 
-    text = "&system xi = 0, mu = 0.04, restitution = 1, r = 0.98, {} /\n&simulate clearance = 28, cycles = 2 /\n"
+    text = "&system xi = 0, mu = 0, restitution = 1, 1, r = 0.98, {} /\n&simulate clearance = 28, cycles = 2 /\n"
     path = tmp_path / "rig.nml"
     path.write_text(text.format("mass = 2.7, stiffness = 42000, force = 6, unit_names = 'm N s'"))
     assert main(["plot", str(path), "--units", MM, "-o", str(tmp_path)]) == 0

@@ -486,9 +486,10 @@ def atlas(
         In place of `osc`.
     x, y : (parameter, (float, float))
         For a structure, in place of r and clearance: each a parameter, as in `branch`, with its lowest and highest
-        value; the value of the structure lies between them.
+        value, or with an array, of which only the ends are used; the value of the structure lies between them.
     r, clearance : (float, float)
-        The window, as in `zone`: ranges (lo, hi) of the frequency ratio and of d K/F0.
+        The window, as in `zone`: ranges (lo, hi) of the frequency ratio and of d K/F0, or arrays, of which only
+        the ends are used.
     max_impacts, max_cycles : int
         Limits of the patterns, 2 to 8 symbols and 1 to 4 cycles; an accumulation counts as one symbol. For a
         structure, 1 to 24 impacts (4 by default) and 1 to 16 cycles.

@@ -875,7 +875,7 @@ def zone(
         In place of the oscillator and the pattern: a motion of a structure, as accepted by `branch`.
     x, y : (parameter, (float, float))
         For a structure, in place of r and clearance: each a parameter, as in `branch`, with its lowest and highest
-        value.
+        value, or with an array, of which only the ends are used.
     symmetric : bool, optional
         Only motions that are their own mirror image half a period later (True: the equispaced ones, of two
         impacts), only others (False), or both (None).

@@ -116,6 +116,13 @@ def every_system(
             for key, value in given.items():
                 if isinstance(value, Point) and (value is not first or no_point):
                     wanted = no_point or "an oscillator at a point is the first argument"
+                    if no_point and (value._has_elements or isinstance(value.amplitude, Load)):
+                        # its osc lacks the friction, the stops or the load
+                        wanted = (
+                            "give a motion there, as exact(point, guess)"
+                            if kind
+                            else "give its structure and load"
+                        )
                     raise ParameterTypeError(f"{key} = {value!r}: must not be a point; {wanted}")
             if isinstance(first, Point):
                 kwargs = spread_out(name, parameters, first, args[1:], kwargs, along)
