@@ -117,7 +117,7 @@ contains
    pure function row(name, values, format) result(text)
       !> Name of the row, and the edit descriptor of a number, 12 characters wide.
       character(*), intent(in) :: name, format
-      !> Its numbers.
+      !> Number of the state or task, and of the draw.
       real(wp), intent(in) :: values(:)
       character(16 + 12*size(values)) :: text
       integer :: i

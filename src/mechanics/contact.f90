@@ -34,7 +34,7 @@ module vi_contact
       !> Time of the contact after the start of the flight, and approach speed.
       real(wp) :: time = 0, speed = 0
       !> x and its derivatives at the contact. Assigned by name: flang 19 shifts an array that
-      !> starts at 0 when a structure constructor fills it.
+      !! starts at 0 when a structure constructor fills it.
       real(wp) :: d(0:5) = 0
       !> False if the step budget ran out.
       logical :: complete = .true.

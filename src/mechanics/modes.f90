@@ -438,7 +438,8 @@ contains
       !> Whether an undamped mode resonates: then there is no steady response. Near a resonance it
       !! is so large that its difference from free vibration has lost digits.
       logical, intent(out) :: resonant
-      !> Half of the least distance from a resonance, of which the digits lost are the inverse.
+      !> Half of the least distance from a resonance; the relative errors grow as the inverse of the
+      !! distance.
       real(wp), parameter :: nearest = 1.0e-9_wp
       complex(wp) :: divisor, turn
 

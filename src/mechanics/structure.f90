@@ -36,7 +36,8 @@ module vi_structure
    !> What follows where coupled gaps close at one instant: a status, Newton's law at all of them at
    !! once, or impacts one after the other.
    integer, parameter, public :: refused = 0, by_newton = 1, in_sequence = 2
-   !> These are told with the kind of the law of each gap, after 10 times its harmonics.
+   !> Factor with which these are added to the kind of the law of each gap, beside 10 times its
+   !! number of harmonics.
    integer, parameter, public :: law_unit = 10000
 
    !> A structure and its gaps.

@@ -169,7 +169,7 @@ contains
    end subroutine newton_equations
 
    !> Derivatives of x and x' after a given time with respect to x and x' at the start (S_1..S_4 of
-   !> (A6)), and with respect to the phase of the forced motion.
+   !! (A6)), and with respect to the phase of the forced motion.
    pure subroutine transfer(flight, t, s, forced)
       !> The flight.
       type(flight_type), intent(in) :: flight

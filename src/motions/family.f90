@@ -15,7 +15,7 @@ module vi_family
       !! that has passed.
       integer :: shift = 0
       real(wp) :: sign = 1, phase = 0
-      !> Of a structure: how many of the further displacements keep their sign at any rate.
+      !> Of a structure: how many of the further displacements keep their sign in any case.
       integer :: even = 0
       !> Whether it repeats after half the impacts: such motions are reached with a multiplier -1 of
       !! the shorter period.

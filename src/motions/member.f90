@@ -43,7 +43,7 @@ module vi_member
       !> Forced motion A sin(theta) and its velocity A r cos(theta).
       real(wp), dimension(0:most_impacts + 1) :: forced, forced_dot
       !> Of flight i: duration and its inverse, velocity of the free mass, C_1, C_2 of (9), (10),
-      !> S_1..S_4 of (A6).
+      !! S_1..S_4 of (A6).
       real(wp), dimension(0:most_impacts + 1) :: time, rate, speed, c1, c2
       real(wp) :: s(4, most_impacts)
       !> Velocity of the primary mass before and after impact i.

@@ -109,7 +109,7 @@ contains
       d = structure%wall(gap)*d
    end subroutine ripple_row
 
-   !> The same with the constant part of the pairs: what is there without impacts.
+   !> The same with the constant part of the pairs: the motion without impacts.
    pure subroutine forced_row(structure, regime, gap, phase, d)
       !> The structure.
       type(structure_type), intent(in) :: structure

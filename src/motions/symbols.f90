@@ -13,7 +13,7 @@ module vi_symbols
 contains
 
    !> The standard form of a pattern: of all its rotations, and of their mirror images if those are
-   !> equivalent, the one whose text is last in alphabetical order.
+   !! equivalent, the one whose text is last in alphabetical order.
    pure subroutine standard_symbols(symbols, may_mirror, standard, shift, mirrored)
       !> +1, -1 for an impact on the right, left wall; +2, -2 for accumulation and rest there.
       integer, intent(in) :: symbols(:)

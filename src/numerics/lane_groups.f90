@@ -79,8 +79,8 @@ contains
       real(wp), intent(in) :: norm(n), root, more
       !> Distance from the limits that is not used, and the limits (n).
       real(wp), intent(in) :: margin, upper(n), lower(n)
-      !> The longest time that is of use, the share of the time found that is told, and the length
-      !! of a cell.
+      !> The longest time of use, the share of the time found that is returned, and the length of a
+      !! cell.
       real(wp), intent(in) :: longest, share, h
       !> The time, not above 0 if there is none; the distance from the limits that is left then, and
       !! the largest rate up to then.

@@ -103,8 +103,8 @@ contains
       real(wp), intent(in) :: e(lanes, 4)
       !> Largest modulus of a zero in each lane.
       real(wp), intent(out) :: radius(lanes)
-      !> Modulus of the polynomial's derivative at that zero: small where zeros nearly coincide,
-      !> and 0 where the iteration has not settled.
+      !> Modulus of the polynomial's derivative at that zero: small where zeros nearly coincide, and
+      !! 0 where the iteration has not settled.
       real(wp), intent(out) :: slope(lanes)
       real(wp), dimension(lanes) :: a, b, sum
       !> Largest relative change of the factor by a further iteration.

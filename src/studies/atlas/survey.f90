@@ -55,7 +55,7 @@ module vi_survey
       integer :: cycles = 0
       integer, allocatable :: symbols(:)
       !> x_i/D and theta_i of the whole pattern; with rest phase and velocity over D at the last
-      !> release, then zeros.
+      !! release, then zeros.
       real(wp), allocatable :: unknowns(:)
    end type attractor_type
 

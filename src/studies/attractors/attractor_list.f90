@@ -515,8 +515,8 @@ contains
          max(tiny(decay), -log(motion%largest))))), left, spent, label, progress)
    end subroutine approach
 
-   !> Simulates a state until it has reached a known motion, and sees at last whether it is on
-   !! another one.
+   !> Simulates a state until it has reached a known motion; finally tests whether it is on another
+   !! one.
    subroutine wait_for(list, end, cycles, left, spent, label, progress)
       !> In and out: the attractors known so far.
       type(attractor_list_type), intent(inout) :: list
@@ -550,8 +550,8 @@ contains
    !> Watches a motion that is not periodic, and adds its attractor, unless its impacts are those of
    !! a known one.
    !!
-   !! It may be a transient, which ends at random: then states in the same cells settle, if this one
-   !! does not.
+   !! It may be a transient, which ends at random: then other states in the same cells may settle
+   !! even if this one does not.
    subroutine watch(list, new, others, cycles, settling, left, spent, label, progress)
       !> In and out: the attractors known so far.
       type(attractor_list_type), intent(inout) :: list

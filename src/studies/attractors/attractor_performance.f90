@@ -45,8 +45,8 @@ module vi_attractor_performance
    real(wp), parameter :: attracted = 1.0e-2_wp
    !> Turns of the free mass within this share of the clearance are one, found twice.
    real(wp), parameter :: same = 1.0e-9_wp
-   !> Damping ratio times load cycles after which a transient without impacts is below 1e-4, and
-   !! the largest number of load cycles that are waited for it.
+   !> Damping ratio times load cycles after which a transient without impacts is below 1e-4, and the
+   !! largest number of load cycles simulated until then.
    real(wp), parameter :: decayed = 1.5_wp
    integer, parameter :: longest_decay = 100000
    !> Runs that a thread takes at once, and motions of a system that it keeps for the next ones.
@@ -369,7 +369,7 @@ contains
       end if
    end function mark_after
 
-   !> Whether two marks are near each other; their states are computed if z does not tell.
+   !> Whether two marks are near each other; their states are computed if z alone does not decide.
    pure subroutine compare(system, one, other, within, are_near)
       !> The forced system.
       type(forced_system_type), intent(in) :: system

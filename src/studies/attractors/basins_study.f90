@@ -558,7 +558,7 @@ contains
       text = text//'; t, x, x_dot, z, z_dot = '//exact_list(known%state)
    end subroutine add_details
 
-   !> Names of the attractors: sides and load cycles, or the kind; equal names get a number.
+   !> Names of the attractors: sides and load cycles, or the kind; equal names are numbered.
    pure subroutine find_names(list, names)
       !> The attractors.
       type(attractor_list_type), intent(in) :: list

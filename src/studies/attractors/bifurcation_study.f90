@@ -592,7 +592,7 @@ contains
       type(structure_path_type), intent(out) :: path
       !> What is wrong with the parameter; empty if nothing is.
       character(:), allocatable, intent(out) :: message
-      !> The bound with which that is wrong, 1 or 2; 0 if it is another key.
+      !> The bound that is wrong, 1 or 2; 0 if another key is.
       integer, intent(out) :: bound
       type(change_type) :: change
       type(structure_type) :: structure

@@ -49,7 +49,7 @@ contains
       type(examination_type), intent(in) :: how
       !> Number of OpenMP threads.
       integer, intent(in) :: threads
-      !> What was found; nothing from the link at which the study was stopped.
+      !> What was found; empty from the link at which the study was stopped.
       type(cell_type), intent(out) :: cells(chains%links, chains%chains)
       !> Progress counters, see vi_progress.
       integer, intent(inout), optional :: progress(3)

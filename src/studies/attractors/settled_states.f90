@@ -215,7 +215,7 @@ contains
       call follow_on(structure, own, start, how, found, outcome, progress)
    end subroutine settle_one
 
-   !> Whether it is known on what a simulation settles, or that it cannot go on.
+   !> Whether the motion on which a simulation settles is known, or the simulation cannot continue.
    pure logical function is_decided(found, status)
       !> The motion.
       type(settled_type), intent(in) :: found
@@ -244,7 +244,7 @@ contains
       integer, intent(in) :: cycles
       !> The motion, if it settles.
       type(settled_type), intent(out) :: found
-      !> In and out: what became of it; of no kind if it settles, or can not go on.
+      !> In and out: what became of it; without a kind if it settles or cannot continue.
       type(outcome_type), intent(inout) :: outcome
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
@@ -361,7 +361,7 @@ contains
       integer, intent(in) :: peers(:)
       !> In and out: the motions that are known.
       type(found_list_type), intent(inout) :: list
-      !> In and out: what became of each state; of no kind if it has settled.
+      !> In and out: what became of each state; without a kind if it has settled.
       type(outcome_type), intent(inout) :: outcomes(:)
       !> Whether one has settled.
       logical, intent(out) :: transient
@@ -433,7 +433,7 @@ contains
       integer, intent(in) :: cycles
       !> Units of the speeds and places.
       type(scales_type), intent(in) :: scales
-      !> In and out: with the state, which is taken on.
+      !> In and out: with the state, which is advanced.
       type(outcome_type), intent(inout) :: outcome
       !> The cells.
       type(group_type), intent(out) :: own
@@ -489,11 +489,12 @@ contains
       type(settling_type), intent(in) :: how
       !> In and out: the motion.
       type(settled_type), intent(inout) :: found
-      !> In and out: what became of it, with the state, which is taken on.
+      !> In and out: what became of it, with the state, which is advanced.
       type(outcome_type), intent(inout) :: outcome
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
-      !> How nearly a motion repeats that is approached.
+      !> Differences below which a state counts as one that repeats: as usual, and where a motion is
+      !! still being approached.
       real(wp), parameter :: usual = 1.0e-4_wp, loose = 1.0e-2_wp
       !> A contraction per load cycle below this is rounding.
       real(wp), parameter :: rounding = 1.0e-12_wp

@@ -271,9 +271,9 @@ contains
 
    !> A random number between 0 and 1, neither of them included.
    pure real(wp) function uniform(seed, stream, i, j)
-      !> Seed, and what it is for.
+      !> Seed, and number of the stream: each use of random numbers has its own.
       integer, intent(in) :: seed, stream
-      !> Its numbers.
+      !> Number of the state or task, and of the draw.
       integer, intent(in) :: i, j
       integer(int64) :: words(4)
 

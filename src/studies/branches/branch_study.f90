@@ -407,7 +407,7 @@ contains
    pure subroutine put_starts(branches, starts, result)
       !> The branches, with their points.
       type(points_type), intent(in) :: branches(:)
-      !> The motion that each starts from.
+      !> The motion from which each starts.
       type(motion_type), intent(in) :: starts(:)
       !> The result.
       type(result_type), intent(inout) :: result

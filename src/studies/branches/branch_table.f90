@@ -149,8 +149,8 @@ contains
    !> Cuts a branch where rounding leaves no digits of its motions.
    !!
    !! Two impacts on the same wall come together there, for example where a coefficient of
-   !! restitution approaches 0: the flight between them, and the approach speed of the second one,
-   !! approach 0. The last motion that is known is marked as such an end.
+   !! restitution approaches 0: the flight between them and the approach speed of the second one
+   !! approach 0. The last motion with correct digits is marked as the end.
    pure subroutine cut_ends(request, curve, points, origin, parameters, phases, impacts, scalars, &
       multipliers, verdicts, codes, special, n, reasons)
       !> What is followed.

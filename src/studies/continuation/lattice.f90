@@ -50,7 +50,7 @@ contains
    pure function even_lattice(lines, rows) result(lattice)
       !> Number of lines in each direction, at least 2.
       integer, intent(in) :: lines
-      !> Another number of those along which the second coordinate is constant.
+      !> Number of lines along which the second coordinate is constant, if it differs.
       integer, intent(in), optional :: rows
       type(lattice_type) :: lattice
 

@@ -164,7 +164,7 @@ module vi_motion_family
          type(condition_type), intent(in) :: condition
       end function condition_value_in
 
-      !> What a table tells of a motion: a number and the load phase of each impact.
+      !> What a table shows of a motion: a number and the load phase of each impact.
       pure function whole_of_in(family, unknowns) result(whole)
          import :: motion_family_type, wp
          implicit none (type, external)
@@ -192,7 +192,7 @@ module vi_motion_family
 
 contains
 
-   !> The unknowns from what a table tells of a motion.
+   !> The unknowns from what a table shows of a motion.
    pure function from_vertex(family, c, x, theta) result(unknowns)
       !> The family.
       class(motion_family_type), intent(in) :: family

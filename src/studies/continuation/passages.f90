@@ -39,7 +39,7 @@ module vi_passages
    type, public :: birth_type
       type(pattern_type) :: pattern
       !> The parameter that changes along the line where it was found, its place there, and the
-      !> unknowns (x_i/D, theta_i).
+      !! unknowns (x_i/D, theta_i).
       integer :: direction = 0
       real(wp) :: place = 0
       real(wp), allocatable :: unknowns(:)
@@ -61,7 +61,7 @@ module vi_passages
       logical :: alike = .false.
       integer, public :: n = 0, n_births = 0
       !> For each motion: x_i/D and theta_i (2N, capacity), and whether its lines of constant D and
-      !> of constant r have been followed (2, capacity).
+      !! of constant r have been followed (2, capacity).
       real(wp), allocatable, public :: unknowns(:, :)
       logical, allocatable :: followed(:, :)
       type(birth_type), public :: births(most_births)

@@ -372,7 +372,7 @@ contains
       values([fold, flip]) = continued*values([fold, flip])
    end subroutine numbers_of
 
-   !> Includes a factor 1 - z in the sign of a product and among its two least factors.
+   !> Multiplies the sign of a product by that of a factor 1 - z, and updates the two least factors.
    pure subroutine include(z, alone, sign_of, least)
       !> z.
       complex(wp), intent(in) :: z

@@ -235,7 +235,8 @@ contains
       real(wp), intent(out) :: basis(:, :), factors(:, :)
       !> False if they are not independent.
       logical, intent(out) :: good
-      !> What is left of a gradient beside the others, as a share of it, if it is independent.
+      !> Least component of a gradient orthogonal to the others, over its length, for it to be
+      !! independent of them.
       real(wp), parameter :: least = 1.0e-9_wp
       real(wp) :: left(size(basis, 1)), best(size(basis, 1)), part
       integer :: i, j, m, pass
@@ -780,7 +781,7 @@ contains
       class(structure_resting_type), intent(in) :: family
       !> The parameters.
       real(wp), intent(in) :: c(:)
-      !> What a table tells of a motion.
+      !> What a table shows of a motion.
       real(wp), intent(in) :: whole(:)
       real(wp), allocatable :: unknowns(:)
 

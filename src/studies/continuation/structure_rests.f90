@@ -112,7 +112,7 @@ module vi_structure_rests
       real(wp), allocatable :: begins(:)
       !> (2n) The rate of the state at the start by the load phase, in units of the family.
       real(wp), allocatable :: flow(:)
-      !> The time from which a flight is too long, and what a negative one is compared with.
+      !> The longest duration of a flight, and the scale with which a negative one is compared.
       real(wp) :: longest = 0, whole = 0
       !> The flights and rests in order.
       type(segment_type), allocatable :: segments(:)
@@ -121,7 +121,7 @@ module vi_structure_rests
       logical :: exists = .false.
    end type course_type
 
-   !> Where a period has got to.
+   !> How far a period has been followed.
    type :: here_type
       integer :: regime = 1
       real(wp) :: phase = 0
@@ -405,7 +405,7 @@ contains
       !> Its load phase (rad), and the number of the unknown that it is.
       real(wp), intent(in) :: phase
       integer, intent(in) :: column
-      !> In and out: where the period has got to.
+      !> In and out: how far the period has been followed.
       type(here_type), intent(inout) :: here
       !> In and out: the period.
       type(course_type), intent(inout) :: course
@@ -723,7 +723,7 @@ contains
       end if
    end function unit_of_row
 
-   !> Gives what sticks the speed that it keeps.
+   !> Sets the speed of friction that sticks to that of its belt, and removes its changes.
    pure subroutine hold(structure, regime, rate, p)
       !> The structure.
       type(structure_type), intent(in) :: structure
@@ -779,7 +779,7 @@ contains
       integer, intent(in) :: symbol
       !> The departure speed.
       real(wp), intent(in) :: departure
-      !> In and out: where the period has got to.
+      !> In and out: how far the period has been followed.
       type(here_type), intent(inout) :: here
       !> In and out: the period.
       type(course_type), intent(inout) :: course
@@ -951,7 +951,7 @@ contains
       end subroutine grow
    end subroutine settle_down
 
-   !> Sets the place to an event.
+   !> Moves the place to an event.
    pure subroutine go_to(run, event, here)
       !> The run.
       type(run_type), intent(in) :: run
@@ -982,7 +982,7 @@ contains
       closing = run%structure%wall(gap)*d(2)
    end subroutine closing_of
 
-   !> Has all gaps but one ignored, and contact forces as well.
+   !> Ignores all gaps but one, and the contact forces.
    pure subroutine watch_one(structure, gap, regime)
       !> The structure.
       type(structure_type), intent(in) :: structure

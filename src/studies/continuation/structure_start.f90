@@ -270,7 +270,7 @@ contains
       call finish_resting(family, unknowns, changes, curve, point)
    end subroutine start_resting
 
-   !> Takes the first half of the symbols of a motion with stops or friction, if it is its own
+   !> Keeps only the first half of the symbols of a motion with stops or friction, if it is its own
    !! mirror image.
    pure subroutine take_half(family, unknowns)
       !> In and out: the family.

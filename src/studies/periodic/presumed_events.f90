@@ -113,8 +113,8 @@ contains
       end do
    end subroutine sequence_fault
 
-   !> What is closed before the first event: what is after the last one. Friction without an event
-   !! slips against its belt.
+   !> What is closed before the first event: the same as after the last one. Friction without an
+   !! event slips against its belt.
    pure subroutine set_at_start(structure, gaps, kinds, closed)
       !> As in `sequence_fault`.
       type(structure_type), intent(in) :: structure
@@ -315,7 +315,7 @@ contains
       equations%n = equations%n + 2*n
    end subroutine set_equations
 
-   !> Adds what holds at an event, and passes it.
+   !> Adds the equations of an event, and advances through it.
    subroutine add_event(run, number, event, unknown_speed, at, equations)
       !> The run.
       type(run_type), intent(in) :: run

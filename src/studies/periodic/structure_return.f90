@@ -336,7 +336,7 @@ contains
       end do
    end subroutine shorten
 
-   !> Makes a motion that was looked for too early empty again.
+   !> Resets a motion that was sought too early.
    pure subroutine forget(found)
       !> The motion.
       type(settled_type), intent(out) :: found
@@ -439,7 +439,8 @@ contains
       end if
    end subroutine conclude
 
-   !> Whether friction without a belt sticks through a whole period, wherever it came to.
+   !> Whether friction without a belt sticks through a whole period, at whatever position it came to
+   !! a halt.
    pure logical function sticks_throughout(run, last, events) result(sticks)
       !> The run.
       type(run_type), intent(in) :: run
@@ -588,7 +589,7 @@ contains
       real(wp), intent(in) :: section
       !> In: the events of the period. Out: those of the motion.
       type(run_event_type), intent(inout) :: events(:)
-      !> In: their number. Out: of no use.
+      !> In: their number. Out: meaningless.
       integer, intent(inout) :: n
       !> In: with its cycles. Out: the motion.
       type(settled_type), intent(inout) :: found

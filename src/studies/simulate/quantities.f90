@@ -378,10 +378,11 @@ contains
       sums%parts = 0
    end subroutine settle
 
-   !> Adds what stops, friction and belts take and give in a regime.
+   !> Adds the energy that stops and friction dissipate and belts supply in a regime.
    !!
-   !! Friction that slips takes h |s|. It acts on the structure with -h sgn(s) D, of which the belt
-   !! gives -h sgn(s) V; one that sticks is given -phi V by the force phi that holds it.
+   !! Friction that slips dissipates h |s| in each unit of time. It acts on the structure with -h
+   !! sgn(s) D, and its belt supplies -h sgn(s) V; where friction sticks, its belt supplies -phi V
+   !! by the force phi that holds it.
    pure subroutine add_elements(run, products, rates, sums)
       !> The run.
       type(run_type), intent(in) :: run
@@ -424,8 +425,8 @@ contains
       end associate
    end subroutine add_elements
 
-   !> Adds what walls that move put in while gaps rest on them and stops are pressed, and what the
-   !! dashpots of these stops take.
+   !> Adds the work of moving walls while gaps rest on them and stops are pressed, and the energy
+   !! that the dashpots of these stops dissipate.
    pure subroutine add_walls(run, sums)
       !> The run.
       type(run_type), intent(in) :: run

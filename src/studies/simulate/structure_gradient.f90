@@ -384,11 +384,10 @@ contains
       slope = (1 + value + rate*speed)*system%effective(gap)
    end subroutine strike
 
-   !> Changes a state and its changes to those of gaps that rest, at the end of an accumulation on
-   !! one.
+   !> Takes a state and its small changes to where a gap begins to rest, at the end of an
+   !! accumulation on it.
    !!
-   !! What is left of its gap closes by impulses in no time, and dashpots take their share of that
-   !! motion.
+   !! The rest of its gap is closed by impulses at this instant, and dashpots resist that motion.
    pure subroutine stop_on(system, resting, gap, load, state, matrix, status)
       !> The system.
       type(system_type), intent(in) :: system

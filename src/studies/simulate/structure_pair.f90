@@ -36,7 +36,7 @@ module vi_structure_pair
       !> Time after the last whole cycle of the load.
       real(wp) :: elapsed = 0
       !> Coordinates and velocities, those of the host first; the parts of the host's that are due
-      !> to the free vibration.
+      !! to the free vibration.
       real(wp) :: q(2) = 0, rate(2) = 0, free(2) = 0
       !> The gap, approach speed, and departure speed.
       integer :: gap = 1

@@ -61,14 +61,14 @@ module vi_structure_run
       integer :: released = 0
       !> Rests and releases at this instant.
       integer :: changes = 0
-      !> Friction that changed at this instant, of which no event tells yet.
+      !> Friction that changed at this instant, without an event so far.
       integer, allocatable :: pending(:)
       !> While coupled gaps are closed at one instant: the gaps, those of them that still rest, the
       !! number of impacts so far, and (n) the largest velocities.
       integer, allocatable :: together(:), freed(:)
       integer :: impacts = 0
       real(wp), allocatable :: largest(:)
-      !> (together) By Newton's law: approach speeds, and impulses of which no event tells yet.
+      !> (together) By Newton's law: approach speeds, and impulses without an event so far.
       real(wp), allocatable :: approaches(:), impulses(:)
       !> How the flight begins: the impact just before it, and gaps that part from there without a
       !! speed; the lengths of the cells of the previous search.
@@ -259,7 +259,8 @@ contains
       end do
    end function without_force
 
-   !> Lets a stop press at which the structure is without a speed, if it is moving into it.
+   !> Makes a stop press that the structure touches without a speed, if the structure begins to move
+   !! into it.
    pure subroutine enter_stop(run, number, phase, q, rate, state, status)
       !> In and out: regimes are added.
       type(run_type), intent(inout) :: run
@@ -768,9 +769,10 @@ contains
       force = d(0)
    end function holding_force
 
-   !> Tells of friction that changed at this instant, and judges anew what sticks.
+   !> Reports friction that changed at this instant as an event, and decides anew which friction
+   !! sticks.
    !!
-   !! A force that jumps, of a load, a stop or friction elsewhere, may be more than what holds.
+   !! A force of a load, a stop or other friction that jumps may exceed the stick level.
    pure subroutine judge_friction(run, state, event, changed, status)
       !> In and out: regimes are added.
       type(run_type), intent(inout) :: run

@@ -441,7 +441,7 @@ contains
       type(moment_type), intent(in) :: from
       !> Time after its start (1/omega).
       real(wp), intent(in) :: time
-      !> What is varied.
+      !> The quantities that are varied.
       type(variation_type), intent(in) :: change
       type(flow_type) :: flow
 

@@ -161,7 +161,7 @@ contains
       end if
    end subroutine find_coordinates
 
-   !> The key with which a matrix was given.
+   !> The key by which a matrix was given.
    pure function given_as(structure, i) result(name)
       !> &structure.
       type(values_type), intent(in) :: structure

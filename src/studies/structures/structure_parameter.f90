@@ -102,7 +102,7 @@ contains
       type(change_type), intent(out) :: change
       !> What is wrong with it; empty if nothing is.
       character(:), allocatable, intent(out) :: message
-      !> The bound with which that is wrong, 1 or 2; 0 if it is another key.
+      !> The bound that is wrong, 1 or 2; 0 if another key is.
       integer, intent(out), optional :: bound
       character(:), allocatable :: word
       real(wp) :: bounds(2)

@@ -390,7 +390,7 @@ contains
       type(change_type), intent(out) :: change
       !> What is wrong with it; empty if nothing is.
       character(:), allocatable, intent(out) :: message
-      !> The bound with which that is wrong, 1 or 2; 0 if it is the name.
+      !> The bound that is wrong, 1 or 2; 0 if the name is.
       integer, intent(out), optional :: bound
       character(:), allocatable :: word
       integer, allocatable :: entries(:, :)
@@ -542,7 +542,7 @@ contains
       type(change_type), intent(in) :: change
       !> Out: what is wrong, if anything is.
       character(:), allocatable, intent(inout) :: message
-      !> Out: the bound with which that is wrong.
+      !> Out: the bound that is wrong, 1 or 2.
       integer, intent(inout), optional :: bound
 
       if (kind == of_restitution .and. .not. (change%low >= 0 .and. change%high <= 1)) then

@@ -39,7 +39,7 @@ module vi_zone
       real(wp), allocatable :: unknowns(:)
       real(wp) :: at(2) = 0
       !> Whether it belongs to the family and lies in the window; whether it is also stable and
-      !> admissible; whether it could be continued to a node of the lattice.
+      !! admissible; whether it could be continued to a node of the lattice.
       logical :: there = .false., inside = .false., at_node = .false.
       !> Of a seed inside a zone: the place at which a line from it leaves the zone, and whether the
       !! loop there is closed.

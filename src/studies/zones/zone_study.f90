@@ -347,7 +347,7 @@ contains
    pure subroutine tell_pieces(found, what, none, result)
       !> The pieces.
       type(pieces_type), intent(in) :: found
-      !> What has these zones, with a comma; may be empty.
+      !> The motions that have these zones, followed by a comma; may be empty.
       character(*), intent(in) :: what
       !> The fault if there are none.
       character(*), intent(in) :: none
@@ -555,7 +555,7 @@ call find_structure_motion(case, case%start, .true., structure, load, motion, st
          &on the lines of the lattice', result)
    end subroutine run_structure
 
-   !> Brings the pieces from the unit square to the parameters.
+   !> Converts the pieces from the unit square to values of the parameters.
    pure subroutine in_parameters(case, surface, changes, found)
       !> The case.
       type(case_type), intent(in) :: case
