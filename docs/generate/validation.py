@@ -235,7 +235,25 @@ def elements():
     return lines
 
 
-def written(text, names=("one_wall", "bifurcations", "chain", "ball", "elements")):
+#: SDND104: amplitude of the acceleration of the base, and the published power.
+WEAR = ((15.0, "15.2670995894"), (1.5, "0.40906245"), (1.01, "0.0002261641"), (0.99, "0"))
+
+
+def wear():
+    """The power of wear of a mass on a base that vibrates, beside published numbers."""
+    lines = ["| acceleration of the base | published | here | difference |", "|---|---|---|---|"]
+    mass = vi.Structure([1], [0], [0], friction=[vi.Friction([1], slip=1)])
+    for amplitude, published_power in WEAR:
+        load = vi.Load(2 * math.pi, sine=[-amplitude])
+        run = vi.simulate(mass, load, cycles=8, discard=4, state=([0], [0]))
+        # the speed has one sign between two events
+        positions = run.sample(np.r_[run.start, run.events["time"], run.end])[0][0]
+        power = 10 * np.abs(np.diff(positions)).sum() / 8
+        lines.append(row(f"{amplitude:g}", published_power, float(power)))
+    return lines
+
+
+def written(text, names=("one_wall", "bifurcations", "chain", "ball", "elements", "wear")):
     """The page with some of its tables computed again."""
 
     def table(found):
