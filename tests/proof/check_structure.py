@@ -17,6 +17,11 @@ class System:
 
     def __init__(self, data):
         system, self.cycles = data["system"], data["cycles"]
+        directions = [gap["direction"] for gap in system["gaps"]]
+        names = ("mass", "damping", "stiffness", "sine", "cosine")
+        lists = [system["constant"], *directions, *(system[name] for name in names)]
+        lists += [row for name in names for row in system[name]]
+        need(all(isinstance(one, list) for one in lists), "lists of numbers")
         rows = lambda name: [[number(one) for one in row] for row in system[name]]  # noqa: E731
         self.M, self.C, self.K = (arb_mat(rows(name)) for name in ("mass", "damping", "stiffness"))
         self.n = n = self.M.nrows()

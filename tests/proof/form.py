@@ -36,6 +36,7 @@ def check_form(data):
     need(set(system) == set(STRUCTURE if "mass" in system else PAIR), "the items of a system")
     need(all(set(gap) == set(GAP) for gap in system.get("gaps", [])), "the items of a gap")
     need("mass" not in system or kind in ("motion", "branch"), "a motion or branch of a structure")
+    need("mass" in system or isinstance(system["restitution"], list), "a list of R")
     need(sheets, "a sheet")
     need(kind not in ("motion", "box") or len(sheets) == 1, "one sheet")
     need(kind != "motion" or sheets == [{}], "a motion at one point")

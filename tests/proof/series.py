@@ -37,7 +37,7 @@ def exact(text):
 
 def number(text):
     """The ball of that number."""
-    value = exact(text) if isinstance(text, str) else text
+    value = text if isinstance(text, Fraction) else exact(text)
     return arb(fmpq(value.numerator, value.denominator))
 
 

@@ -385,6 +385,18 @@ def test_centres_of_another_form(kind):
             checker.check(false)
 
 
+def test_numbers_are_texts():
+    """A structure's entries are exact texts in lists, and neither JSON's numbers nor true."""
+    data = json.loads(KINDS["structure"]().to_json())
+    for path, value in (
+        (("mass", 0, 0), 1), (("mass", 0, 0), True), (("frequency",), 1), (("gaps", 0, "opening"), True),
+        (("mass", 0), "1"), (("constant",), "0"), (("gaps", 0, "direction"), "1"), (("sine",), "0"),
+    ):  # fmt: skip
+        _, false = changed_in(data, "", "system", *path, value=lambda _, v=value: v)
+        with pytest.raises(checker.RejectedError):
+            checker.check(false)
+
+
 def test_regions_that_are_ambiguous():
     """A branch has one parameter, all its sheets the same, and restitution means both R1 and R2."""
     data = json.loads(KINDS["branch"]().to_json())
