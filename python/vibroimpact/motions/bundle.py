@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,7 +16,7 @@ from ..base.errors import ParameterError
 from ..base.interrupt import new_counters, stoppable
 from ..base.progress import reported
 from ..results.states import TWO_PI
-from ..systems.oscillator import Oscillator, of_numbers
+from ..systems.oscillator import Oscillator, Point, of_numbers
 from ..systems.verbs import physical_arguments
 
 __all__ = ["Bundle", "simulate_bundle"]
@@ -58,7 +59,20 @@ class Bundle:
         )
 
 
-@physical_arguments
+@overload
+def simulate_bundle(
+    osc: Oscillator, r: ArrayLike, clearance: ArrayLike, cycles: float, states: ArrayLike | None = None,
+    load: ArrayLike = 1.0, max_events: int = 10_000_000, threads: int | None = None, *,
+    progress: Callable[[float, str], None] | None = None,
+) -> Bundle: ...  # fmt: skip
+@overload
+def simulate_bundle(
+    point: Point, /, cycles: float, states: ArrayLike | None = None, max_events: int = 10_000_000,
+    threads: int | None = None, *, progress: Callable[[float, str], None] | None = None,
+) -> Bundle: ...  # fmt: skip
+
+
+@physical_arguments  # type: ignore[misc]  # the other form
 def simulate_bundle(
     osc: Oscillator,
     r: ArrayLike,

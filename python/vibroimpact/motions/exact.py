@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,6 +27,9 @@ from .periodic import (
     periodic,
 )
 from .trajectory import Trajectory, core_arrays, end_of, letters_of, not_periodic
+
+if TYPE_CHECKING:
+    from ..systems.units import Value
 
 __all__ = ["exact"]
 
@@ -171,8 +174,8 @@ def settled(
 
 @overload
 def exact(
-    osc: Oscillator, r: float, clearance: float, guess: Motion | Trajectory | tuple[Any, Pattern | str],
-    load: float | Load = 1.0,
+    osc: Oscillator, r: Value, clearance: Value, guess: Motion | Trajectory | tuple[Any, Pattern | str],
+    load: Value | Load = 1.0,
 ) -> Motion: ...  # fmt: skip
 @overload
 def exact(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,7 +15,7 @@ from ..base.interrupt import with_stack
 from ..base.progress import in_parts, reported
 from ..base.status import NO_MOTION, raise_status
 from ..results import door
-from ..systems.oscillator import Oscillator, Pattern, of_numbers, plain_pattern
+from ..systems.oscillator import Oscillator, Pattern, Point, of_numbers, plain_pattern
 from ..systems.structure import Load, Structure, check_load
 from ..systems.verbs import every_system, physical_arguments
 from .motion import (
@@ -28,6 +28,9 @@ from .motion import (
     rests_of,
 )
 from .trajectory import core_arrays
+
+if TYPE_CHECKING:
+    from ..systems.units import Value
 
 __all__ = ["equispaced", "equispaced_batch", "linear_system", "periodic", "periodic_batch"]
 
@@ -370,7 +373,17 @@ def periodic_batch(
     return _motions(osc, frozen(ratios), pattern, each, frozen(table), results, precision)
 
 
-@physical_arguments
+@overload
+def equispaced(
+    osc: Oscillator, r: Value, clearance: Value, cycles: int = 1, precision: str = "double",
+) -> list[Motion]: ...  # fmt: skip
+@overload
+def equispaced(
+    point: Point, /, cycles: int = 1, precision: str = "double",
+) -> list[Motion]: ...  # fmt: skip
+
+
+@physical_arguments  # type: ignore[misc]  # the other form
 def equispaced(
     osc: Oscillator,
     r: float,
@@ -436,7 +449,17 @@ def equispaced(
     return motions
 
 
-@physical_arguments
+@overload
+def equispaced_batch(
+    osc: Oscillator, r: ArrayLike, clearance: ArrayLike, cycles: int = 1, precision: str = "double",
+) -> tuple[Motions, Motions]: ...  # fmt: skip
+@overload
+def equispaced_batch(
+    point: Point, /, cycles: int = 1, precision: str = "double",
+) -> tuple[Motions, Motions]: ...  # fmt: skip
+
+
+@physical_arguments  # type: ignore[misc]  # the other form
 def equispaced_batch(
     osc: Oscillator,
     r: ArrayLike,

@@ -61,7 +61,7 @@ from ..systems.verbs import every_system, physical_arguments
 from .quantities import Quantities, oscillator_quantities, structure_quantities
 
 if TYPE_CHECKING:
-    from ..systems.units import Units
+    from ..systems.units import Units, Value
 
 __all__ = ["Period", "State", "Trajectory", "simulate"]
 
@@ -1007,8 +1007,8 @@ def _refuse_opening(structure: Structure, arguments: tuple[Any, ...], q: _Array)
 
 @overload
 def simulate(
-    osc: Oscillator, r: float, clearance: float, cycles: float, state: Mapping[str, float] | None = None,
-    load: float | Load = 1.0, discard: float = 0, max_events: int = 10_000_000,
+    osc: Oscillator, r: Value, clearance: Value, cycles: float, state: Mapping[str, Value] | None = None,
+    load: Value | Load = 1.0, discard: float = 0, max_events: int = 10_000_000,
     progress: Callable[[float, str], None] | None = None,
 ) -> Trajectory: ...  # fmt: skip
 @overload

@@ -7,14 +7,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import product
-from typing import Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
 from ..base import checks
 from ..base.errors import ParameterError
 from ..base.progress import with_progress
-from ..systems.oscillator import Oscillator
+from ..systems.oscillator import Oscillator, Point
 from ..systems.verbs import physical_arguments
 from .balls import ball, decimal, flint
 from .boxes import PARAMETERS, Family
@@ -22,6 +22,9 @@ from .certificate import Certificate
 from .gaps import Word
 from .prove import attempt, best_attempt
 from .verdicts import approximate_inverse
+
+if TYPE_CHECKING:
+    from ..systems.units import Value
 
 __all__ = ["prove_all"]
 
@@ -49,7 +52,19 @@ REFINED = 12
 SLACK, TINY = 1 + 2.0**-40, 1e-30
 
 
-@physical_arguments
+@overload
+def prove_all(
+    osc: Oscillator, r: Value, clearance: Value, max_impacts: int = 3, max_cycles: int = 1, *,
+    progress: Callable[[float, str], None] | None = None,
+) -> Certificate: ...  # fmt: skip
+@overload
+def prove_all(
+    point: Point, /, max_impacts: int = 3, max_cycles: int = 1, *,
+    progress: Callable[[float, str], None] | None = None,
+) -> Certificate: ...  # fmt: skip
+
+
+@physical_arguments  # type: ignore[misc]  # the other form
 @with_progress
 def prove_all(
     osc: Oscillator, r: float, clearance: float, max_impacts: int = 3, max_cycles: int = 1, *,

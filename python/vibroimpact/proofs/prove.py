@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,7 @@ from ..motions.motion import Motion
 from ..motions.periodic import equispaced
 from ..studies.branch import Branch
 from ..studies.find import find
-from ..systems.oscillator import Oscillator, Pattern, pattern_of
+from ..systems.oscillator import Oscillator, Pattern, Point, pattern_of
 from ..systems.verbs import physical_arguments
 from .balls import decimal, decimal_text, flint, hexadecimal, upward
 from .boxes import (
@@ -253,7 +253,22 @@ def prove_branch(
     )  # fmt: skip
 
 
-@physical_arguments
+@overload
+def prove_box(
+    osc: Oscillator, pattern: Pattern | str, r: Interval, clearance: Interval, *,
+    xi: Interval | None = None, mu: Interval | None = None,
+    R1: Interval | None = None, R2: Interval | None = None, restitution: Interval | None = None,
+    most_boxes: int = 2000, progress: Callable[[float, str], None] | None = None,
+) -> Certificate: ...  # fmt: skip
+@overload
+def prove_box(
+    point: Point, /, pattern: Pattern | str, *, xi: Interval | None = None, mu: Interval | None = None,
+    R1: Interval | None = None, R2: Interval | None = None, restitution: Interval | None = None,
+    most_boxes: int = 2000, progress: Callable[[float, str], None] | None = None,
+) -> Certificate: ...  # fmt: skip
+
+
+@physical_arguments  # type: ignore[misc]  # the other form
 @with_progress
 def prove_box(
     osc: Oscillator, pattern: Pattern | str, r: Interval, clearance: Interval, *, xi: Interval | None = None,

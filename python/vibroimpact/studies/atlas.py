@@ -20,7 +20,7 @@ from ..systems.verbs import every_system, physical_arguments
 from .zone import NAMES, OnPlane, Zone, keys_of_plane, window
 
 if TYPE_CHECKING:
-    from ..systems.units import Units
+    from ..systems.units import Units, Value
 
 __all__ = ["Atlas", "Survey", "SurveyMotion", "SurveyPoint", "WithoutImpacts", "atlas"]
 
@@ -433,9 +433,9 @@ def atlas_structure(
 
 @overload
 def atlas(
-    osc: Oscillator, r: tuple[float, float], clearance: tuple[float, float], max_impacts: int = 5,
-    max_cycles: int = 1, survey: int = 400, settling: int = 400, lines: int = 17, guesses: int = 24,
-    max_points: int = 20_000, max_events: int = 10_000_000, threads: int | None = None,
+    osc: Oscillator, r: ArrayLike | tuple[Value, Value], clearance: ArrayLike | tuple[Value, Value],
+    max_impacts: int = 5, max_cycles: int = 1, survey: int = 400, settling: int = 400, lines: int = 17,
+    guesses: int = 24, max_points: int = 20_000, max_events: int = 10_000_000, threads: int | None = None,
     progress: door.Progress | None = None,
 ) -> Atlas: ...  # fmt: skip
 @overload

@@ -28,7 +28,7 @@ from .find import structure_motions_of
 from .lyapunov import Lyapunov, lyapunov
 
 if TYPE_CHECKING:
-    from ..systems.units import Units
+    from ..systems.units import Units, Value
 
 __all__ = ["Attractor", "Basins", "basins"]
 
@@ -342,9 +342,9 @@ def basins_structure(
 
 @overload
 def basins(
-    osc: Oscillator, r: float, clearance: float, plane: tuple[Any, Any] | None = None,
+    osc: Oscillator, r: Value, clearance: Value, plane: tuple[Any, Any] | None = None,
     states: int | ArrayLike | None = None, points: int | tuple[int, int] | None = None,
-    fixed: Mapping[str, float] | None = None, load: float | Load = 1.0,
+    fixed: Mapping[str, Value] | None = None, load: Value | Load = 1.0,
     cycles: int = 1000, probes: int = 200, max_cycles: int = 16, rng: Rng = 0, max_events: int = 10_000_000,
     threads: int | None = None, progress: Callable[[float, str], None] | None = None,
 ) -> Basins: ...  # fmt: skip

@@ -24,7 +24,7 @@ from ..systems.units import range_text
 from ..systems.verbs import every_system, physical_arguments
 
 if TYPE_CHECKING:
-    from ..systems.units import Units
+    from ..systems.units import Units, Value
 
 __all__ = ["BifurcationDiagram", "PeriodicWindow", "bifurcation_diagram"]
 
@@ -471,7 +471,7 @@ def _along_parameter(given: dict[str, Any]) -> None:
 def bifurcation_diagram(
     osc: Oscillator, parameter: str, values: ArrayLike, r: ArrayLike | None = None,
     clearance: ArrayLike | None = None, sweep: str = "both", states: int = 12,
-    state: Mapping[str, float] | None = None, load: float | Load = 1.0, settling: int = 300, keep: int = 33,
+    state: Mapping[str, Value] | None = None, load: Value | Load = 1.0, settling: int = 300, keep: int = 33,
     points: int | None = None, impacts: int = 100, max_events: int = 10_000_000, threads: int | None = None,
     progress: Callable[[float, str], None] | None = None,
 ) -> BifurcationDiagram: ...  # fmt: skip

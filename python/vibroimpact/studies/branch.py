@@ -31,7 +31,7 @@ from ..systems.verbs import every_system, physical_arguments
 from .switching import KINDS, switched
 
 if TYPE_CHECKING:
-    from ..systems.units import Units
+    from ..systems.units import Units, Value
 
 __all__ = ["Branch", "Branches", "SpecialPoint", "branch"]
 
@@ -745,7 +745,7 @@ def run_from(
 
 @overload
 def branch(
-    motion: Motion, parameter: str = "clearance", bounds: tuple[float, float] | None = None,
+    motion: Motion, parameter: str = "clearance", bounds: tuple[Value, Value] | None = None,
     longest_step: float = 0.05, max_points: int = 4000,
     progress: Callable[[float, str], None] | None = None,
 ) -> Branch: ...  # fmt: skip

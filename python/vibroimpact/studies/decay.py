@@ -19,7 +19,7 @@ from ..systems.units import SI, has_unit, own_number, positive
 from ..systems.verbs import physical_arguments
 
 if TYPE_CHECKING:
-    from ..systems.units import Units
+    from ..systems.units import Units, Value
 
 __all__ = ["Decay", "decay"]
 
@@ -154,11 +154,11 @@ def with_length(function: Callable[Given, Decay]) -> Callable[Given, Decay]:
 def decay(
     osc: Oscillator,
     clearance: ArrayLike | None = None,
-    amplitude: float = 1.0,
+    amplitude: Value = 1.0,
     inverse_clearance: ArrayLike | None = None,
-    x_dot: float = 0.0,
-    y: float = 0.0,
-    z_dot: float = 0.0,
+    x_dot: Value = 0.0,
+    y: Value = 0.0,
+    z_dot: Value = 0.0,
     cycles: int = 20,
     points: int | None = None,
     max_events: int = 10_000_000,

@@ -27,7 +27,7 @@ from ..systems.units import place_text
 from ..systems.verbs import every_system, physical_arguments
 
 if TYPE_CHECKING:
-    from ..systems.units import Units
+    from ..systems.units import Units, Value
 
 __all__ = ["FoundMotions", "Search", "find"]
 
@@ -343,8 +343,8 @@ def find_structure(
 
 @overload
 def find(
-    osc: Oscillator, r: float, clearance: float, max_impacts: int = 6, max_cycles: int = 2,
-    load: float | Load = 1.0, guesses: int = 96, states: int = 24, settling: int = 600, releases: int = 32,
+    osc: Oscillator, r: Value, clearance: Value, max_impacts: int = 6, max_cycles: int = 2,
+    load: Value | Load = 1.0, guesses: int = 96, states: int = 24, settling: int = 600, releases: int = 32,
     max_events: int = 10_000_000, progress: Callable[[float, str], None] | None = None,
 ) -> FoundMotions: ...  # fmt: skip
 @overload

@@ -20,7 +20,7 @@ from ..systems.units import place_text
 from ..systems.verbs import every_system, physical_arguments
 
 if TYPE_CHECKING:
-    from ..systems.units import Units
+    from ..systems.units import Units, Value
 
 __all__ = ["Lyapunov", "lyapunov"]
 
@@ -180,7 +180,7 @@ def lyapunov_structure(
 @overload
 def lyapunov(
     osc: Oscillator, r: ArrayLike, clearance: ArrayLike, cycles: int = 10_000,
-    state: Mapping[str, float] | None = None, load: float | Load = 1.0, discard: int = 1000, batches: int = 20,
+    state: Mapping[str, Value] | None = None, load: Value | Load = 1.0, discard: int = 1000, batches: int = 20,
     max_events: int = 10_000_000, points: int | None = None, threads: int | None = None,
     progress: Callable[[float, str], None] | None = None,
 ) -> Lyapunov: ...  # fmt: skip

@@ -19,7 +19,7 @@ from ..systems.verbs import every_system, physical_arguments
 from .bifurcation import ENDS, SettledMotions, cell, distinct, first_point, keys_of_values
 
 if TYPE_CHECKING:
-    from ..systems.units import Units
+    from ..systems.units import Units, Value
 
 __all__ = ["Response", "response"]
 
@@ -250,7 +250,7 @@ def _along_frequency(given: dict[str, Any]) -> None:
 @overload
 def response(
     osc: Oscillator, r: ArrayLike, clearance: ArrayLike | None = None,
-    inverse_clearance: ArrayLike | None = None, states: int = 24, load: float | Load = 1.0, settling: int = 600,
+    inverse_clearance: ArrayLike | None = None, states: int = 24, load: Value | Load = 1.0, settling: int = 600,
     keep: int = 33, points: int | None = None, max_events: int = 10_000_000, threads: int | None = None,
     progress: door.Progress | None = None,
 ) -> Response: ...  # fmt: skip

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import pairwise, takewhile
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,7 +20,7 @@ from ..base.spacing import ascending, range_axes, range_values
 from ..results import door
 from ..results.performance import FIGURES, LEAST, Performance, perform
 from ..systems.distribution import Uncertain, interval, shares, systems, uncertain_parameters
-from ..systems.oscillator import Oscillator, Pattern, of_numbers, pattern_of
+from ..systems.oscillator import Oscillator, Pattern, Point, of_numbers, pattern_of
 from ..systems.units import value_text
 from ..systems.verbs import physical_arguments
 from .boundary_band import BoundaryBand, bands_of, keeps_symmetry, quantile_pair
@@ -28,7 +28,7 @@ from .chart import compute_chart
 from .zone import Zone, zone
 
 if TYPE_CHECKING:
-    from ..systems.units import Units
+    from ..systems.units import Units, Value
 
 __all__ = [
     "LimitProbability", "Uncertainty", "limit_probability", "uncertainty",
@@ -190,7 +190,19 @@ class Uncertainty:
         )
 
 
-@physical_arguments
+@overload
+def uncertainty(
+    osc: Oscillator, pattern: Pattern | str, r: ArrayLike, clearance: ArrayLike, uncertain: Mapping[str, Any],
+    symmetric: bool | None = None, **options: Any,
+) -> Uncertainty: ...  # fmt: skip
+@overload
+def uncertainty(
+    point: Point, /, pattern: Pattern | str, uncertain: Mapping[str, Any], symmetric: bool | None = None,
+    **options: Any,
+) -> Uncertainty: ...  # fmt: skip
+
+
+@physical_arguments  # type: ignore[misc]  # the other form
 @with_progress
 def uncertainty(
     osc: Oscillator,
@@ -409,7 +421,18 @@ class LimitProbability:
         return xarray("probabilities").Dataset(items, attrs=attrs)
 
 
-@physical_arguments
+@overload
+def limit_probability(
+    osc: Oscillator, r: ArrayLike, clearance: ArrayLike, uncertain: Mapping[str, Any],
+    limit: Mapping[str, Value], **options: Any,
+) -> LimitProbability: ...  # fmt: skip
+@overload
+def limit_probability(
+    point: Point, /, uncertain: Mapping[str, Any], limit: Mapping[str, Value], **options: Any,
+) -> LimitProbability: ...  # fmt: skip
+
+
+@physical_arguments  # type: ignore[misc]  # the other form
 @with_progress
 def limit_probability(
     osc: Oscillator,

@@ -31,7 +31,7 @@ from .branch import Followed, branch_structure, run_from
 from .geometry import signed_area, winding
 
 if TYPE_CHECKING:
-    from ..systems.units import Units
+    from ..systems.units import Units, Value
 
 __all__ = ["Piece", "Zone", "ZoneSearch", "zone"]
 
@@ -811,7 +811,8 @@ def keys_of_plane(
 
 @overload
 def zone(
-    osc: Oscillator, pattern: Pattern | str, r: tuple[float, float], clearance: tuple[float, float],
+    osc: Oscillator, pattern: Pattern | str, r: ArrayLike | tuple[Value, Value],
+    clearance: ArrayLike | tuple[Value, Value],
     symmetric: bool | None = None, lines: int = 17, guesses: int = 12, seeds: Sequence[Motion] = (),
     max_points: int = 20_000, progress: door.Progress | None = None,
 ) -> Zone: ...  # fmt: skip

@@ -57,6 +57,20 @@ DIMENSIONS = {"F0": (0, 1, 0), "K": (-1, 1, 0), "omega": (0, 0, -1)}
 #: Powers of length, force and time.
 Powers: TypeAlias = tuple[int, int, int]
 
+
+class Quantity(Protocol):
+    """A quantity of pint."""
+
+    @property
+    def magnitude(self) -> Any: ...
+    @property
+    def units(self) -> Any: ...
+
+
+#: An argument that may have a unit: a number, a text such as "4 mm", or a quantity of pint.
+Value: TypeAlias = float | str | Quantity
+
+
 #: Powers for the quantities of a rig.
 POWERS: dict[str, Powers] = {
     "M": (-1, 1, 2), "m": (-1, 1, 2), "K": (-1, 1, 0), "C": (-1, 1, 1), "xi": (0, 0, 0), "F0": (0, 1, 0),
