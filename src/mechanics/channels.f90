@@ -6,8 +6,8 @@
 !! f'''', prove that most rows stay within their limits. A row in doubt is searched by steps that
 !! cannot jump over a zero, up to the first event found so far in the cell.
 !!
-!! Groups of rows that, by a certificate, stay away from their limits during the cell are skipped,
-!! with the same result (vi_watch).
+!! Rows that, by a certificate, stay away from their limits during the cell are skipped, with the
+!! same result (vi_watch).
 !!
 !! A row in doubt is evaluated by its Taylor series about the beginning of the cell, as far as the
 !! omitted terms are below rounding (vi_series).
@@ -25,7 +25,7 @@ module vi_channels
    use vi_series, only: follow, new_opening, opening_type, order, series_type, step_budget, &
       tolerated
    use vi_structure, only: regime_type
-   use vi_watch, only: begin_watch, leave_group, leaving_type, list_doubts, look_at_groups, never, &
+   use vi_watch, only: begin_watch, leave_row, leaving_type, list_doubts, look_at_rows, never, &
       rounding, rounding_share, set_at_limit, watch_type
    implicit none (type, external)
    private
@@ -173,7 +173,7 @@ contains
       complex(wp), intent(inout) :: turns(harmonics, 2)
       !> The rows in doubt, as in `find_doubts`.
       integer, intent(inout) :: doubtful(2, rows)
-      !> The certificates of groups of rows that need no look.
+      !> The certificates of rows that need no look.
       type(watch_type), intent(inout) :: watch
       !> The event.
       type(reached_type), intent(out) :: reached
@@ -196,7 +196,7 @@ contains
       if (grouped) then
          call begin_watch(regime, x0, v0, pairs(:, 5), watch)
          do j = 1, starts
-            call leave_group(leaving(j)%row, watch)
+            call leave_row(leaving(j)%row, watch)
          end do
       else
          call bound_rows(regime, pairs(:, 5), pairs(:, 6), values(:, 5))
@@ -245,7 +245,7 @@ contains
          end do
          n = 0
          if (grouped) then
-            call look_at_groups(regime, m, rows, harmonics, starts, leaving, t, h, now, pairs, &
+            call look_at_rows(regime, m, rows, harmonics, starts, leaving, t, h, now, pairs, &
                turns, values, watch, doubtful, n)
          else
             call row_values(regime%rows, regime%frequency, pairs(:, 2*next - 1), &

@@ -5,8 +5,9 @@
 !! Pairs that occur in most rows of a range form dense blocks; the others are listed one by one.
 module vi_rows
    use vi_kinds, only: wp
-   use vi_lane_groups, only: add_group, bound_group, group
-   use vi_lane_groups_wide, only: add_group_wide => add_group, bound_group_wide => bound_group
+   use vi_lane_groups, only: add_group, add_rows, bound_group, group
+   use vi_lane_groups_wide, only: add_group_wide => add_group, add_rows_wide => add_rows, &
+      bound_group_wide => bound_group
    use vi_lane_rows, only: add_product, add_products, side_by_side
    use vi_lane_rows_wide, only: add_product_wide => add_product, add_products_wide => add_products
    use vi_modes, only: modes_type
@@ -15,7 +16,7 @@ module vi_rows
    private
 
    public :: add_harmonic, add_ripple, bound_of_group, bound_values, free_sums, free_value, &
-      free_values, group_values, new_rows, row_values
+      free_values, group_values, new_rows, row_values, rough_values
 
    !> Pairs (first_pair to last_pair) that occur in most rows from first_row to last_row.
    type, public :: block_type
@@ -28,6 +29,8 @@ module vi_rows
       !! block, 0 in the others, and the first of these groups.
       real(wp), allocatable :: grouped(:, :, :)
       integer :: first_group = 1
+      !> (pairs, rows) The coefficients of x by rows, where rows are evaluated by groups.
+      real(wp), allocatable :: by_row(:, :)
    end type block_type
 
    !> The rows.
@@ -39,7 +42,7 @@ module vi_rows
       integer, allocatable, dimension(:) :: row, pair
       real(wp), allocatable, dimension(:) :: position, velocity, rate_position, rate_velocity
       !> Groups of `group` rows that can be evaluated alone, 0 if none can; the coefficients that
-      !! are in no block by groups: listed(listed_begins(i):listed_begins(i + 1) - 1) of group i.
+      !! are in no block by rows: listed(listed_begins(i):listed_begins(i + 1) - 1) of row i.
       integer :: groups = 0
       !> The largest norm of positions and size of constants, and (harmonics) the largest ripples.
       real(wp) :: most_norm = 0, most_constant = 0
@@ -186,12 +189,11 @@ contains
                k = (i - 1)/group
                b%grouped(i - k*group, :, k + 2 - b%first_group) = b%position(i - b%first_row + 1, :)
             end do
+            b%by_row = transpose(b%position)
          end associate
       end do
-      associate (of => (rows%row - 1)/group + 1)
-         rows%listed_begins = [1, (1 + count(of <= i), i=1, rows%groups)]
-         rows%listed = [(pack([(k, k=1, size(of))], of == i), i=1, rows%groups)]
-      end associate
+      rows%listed_begins = [1, (1 + count(rows%row <= i), i=1, n)]
+      rows%listed = [(pack([(k, k=1, size(rows%row))], rows%row == i), i=1, n)]
    end subroutine set_groups
 
    !> The pairs of each row.
@@ -418,13 +420,88 @@ contains
             end if
          end associate
       end do
-      do j = rows%listed_begins(g), rows%listed_begins(g + 1) - 1
+      do j = rows%listed_begins((g - 1)*group + 1), &
+         rows%listed_begins(min(g*group, size(rows%offset)) + 1) - 1
          i = rows%listed(j)
          at = rows%row(i) - (g - 1)*group
          y(at) = y(at) + rows%position(i)*x(rows%pair(i))
          rate(at) = rate(at) + rows%position(i)*v(rows%pair(i))
       end do
    end subroutine add_sums
+
+   !> Values and first two derivatives of some rows, in an order of sums of their own: only for
+   !! bounds. The constants must not grow.
+   pure subroutine rough_values(rows, frequency, n, list, x, v, w, turn, y, rate, second)
+      !> The rows.
+      type(rows_type), intent(in) :: rows
+      !> Omega of the load.
+      real(wp), intent(in) :: frequency
+      !> Number of rows that are wanted, and which.
+      integer, intent(in) :: n, list(n)
+      !> The pairs, and the rates of v.
+      real(wp), dimension(rows%pairs), intent(in) :: x, v, w
+      !> (harmonics) e^(i h Omega t).
+      complex(wp), intent(in) :: turn(size(rows%ripple, 2))
+      !> (n) Values and derivatives.
+      real(wp), dimension(n), intent(out) :: y, rate, second
+      complex(wp) :: here
+      integer :: h, j
+
+      call start_listed(n, list, size(rows%offset), size(rows%row), rows%pairs, rows%offset, &
+         rows%rate_offset, rows%listed_begins, rows%listed, rows%pair, rows%position, x, v, w, y, &
+         rate, second)
+      do j = 1, size(rows%blocks)
+         associate (b => rows%blocks(j), k => rows%blocks(j)%first_pair)
+            if (rows%wide) then
+               call add_rows_wide(n, list, b%first_row - 1, size(b%by_row, 2), &
+                  size(b%by_row, 1), b%by_row, x(k), v(k), w(k), y, rate, second)
+            else
+               call add_rows(n, list, b%first_row - 1, size(b%by_row, 2), size(b%by_row, 1), &
+                  b%by_row, x(k), v(k), w(k), y, rate, second)
+            end if
+         end associate
+      end do
+      do h = 1, size(turn)
+         do j = 1, n
+            here = rows%ripple(list(j), h)*turn(h)
+            y(j) = y(j) + here%re
+            rate(j) = rate(j) - (h*frequency)*here%im
+            second(j) = second(j) - (h*frequency)**2*here%re
+         end do
+      end do
+   end subroutine rough_values
+
+   !> The constants of some rows, and their coefficients that are in no block.
+   pure subroutine start_listed(n, list, rows, coefficients, pairs, offset, rate_offset, begins, &
+      listed, pair, position, x, v, w, y, rate, second)
+      !> Number of rows that are wanted, and which.
+      integer, intent(in) :: n, list(n)
+      !> Numbers of rows, of coefficients and of pairs.
+      integer, intent(in) :: rows, coefficients, pairs
+      !> The constants.
+      real(wp), dimension(rows), intent(in) :: offset, rate_offset
+      !> The coefficients by rows, as `listed_begins` and `listed`; their pairs, and their values.
+      integer, intent(in) :: begins(rows + 1), listed(coefficients), pair(coefficients)
+      real(wp), intent(in) :: position(coefficients)
+      !> As in `rough_values`.
+      real(wp), dimension(pairs), intent(in) :: x, v, w
+      real(wp), dimension(n), intent(out) :: y, rate, second
+      integer :: i, j, k
+
+      do j = 1, n
+         y(j) = offset(list(j))
+         rate(j) = rate_offset(list(j))
+         second(j) = 0
+         do i = begins(list(j)), begins(list(j) + 1) - 1
+            associate (a => position(listed(i)))
+               k = pair(listed(i))
+               y(j) = y(j) + a*x(k)
+               rate(j) = rate(j) + a*v(k)
+               second(j) = second(j) + a*w(k)
+            end associate
+         end do
+      end do
+   end subroutine start_listed
 
    !> As `bound_values`, of a group of rows.
    pure subroutine bound_of_group(rows, g, n, of_x, bound)
@@ -452,7 +529,8 @@ contains
             end if
          end associate
       end do
-      do j = rows%listed_begins(g), rows%listed_begins(g + 1) - 1
+      do j = rows%listed_begins((g - 1)*group + 1), &
+         rows%listed_begins(min(g*group, size(rows%offset)) + 1) - 1
          i = rows%listed(j)
          at = rows%row(i) - (g - 1)*group
          all(at) = all(at) + abs(rows%position(i))*of_x(rows%pair(i))

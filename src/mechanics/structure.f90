@@ -139,9 +139,8 @@ module vi_structure
       type(rows_type) :: rows, coordinates
       !> (m, gaps) Change of x and v due to an impulse of -1 on each gap.
       real(wp), allocatable, dimension(:, :) :: kick_x, kick_v
-      !> (groups of rows, rows) Bounds on the change of the rates of the rows of each group for some
-      !! time after an impulse of 1 on a gap of each row, filled in by vi_watch at the first impact
-      !! there; below 0 before it.
+      !> (rows, rows) Bounds on the change of the rates of the rows for some time after an impulse
+      !! of 1 on a gap of each row, filled in by vi_watch at the first impact there; below 0 before.
       real(wp), allocatable :: reach(:, :)
       !> (rows) Roots of the sums of squares of the second derivatives of the pairs after such an
       !! impulse, filled in likewise.

@@ -1,25 +1,31 @@
 !> Rows of a structure that cannot come near a limit for some time, and need not be evaluated.
 !!
-!! A certificate of a group of rows is a time up to which they stay away from their limits by more
-!! than a distance, and a bound on their rates. It follows from their values and rates and a bound
-!! on their second derivatives. An impulse adds a motion of its own: certificates keep their times,
-!! and their distances shrink by a bound on that motion. Rows far from the impulse hardly change,
-!! as the first derivatives of that motion are 0.
+!! A certificate of a row is a time up to which it stays away from its limits by more than a
+!! distance, and a bound on its rate. It follows from its value and its first two derivatives and
+!! bounds on the second and third. An impulse adds a motion of its own: certificates keep their
+!! times, and their distances shrink by a bound on that motion. Rows far from the impulse hardly
+!! change, as the first derivatives of that motion are 0.
+!!
+!! A row without a certificate is evaluated in an order of sums that is fast for a single row.
+!! Where this does not prove that it stays within its limits for a cell, its group is evaluated as
+!! if all rows were, with the same bits.
 module vi_watch
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_kinds, only: wp
-   use vi_lane_groups, only: certify, group, sum_bounds
-   use vi_lane_groups_wide, only: certify_wide => certify, sum_bounds_wide => sum_bounds
+   use vi_lane_groups, only: accelerate, certify, group, list_uncovered, lower_slack, sum_bounds
+   use vi_lane_groups_wide, only: accelerate_wide => accelerate, certify_wide => certify, &
+      list_uncovered_wide => list_uncovered, lower_slack_wide => lower_slack, &
+      sum_bounds_wide => sum_bounds
    use vi_lane_rows, only: mark_doubts
    use vi_lane_rows_wide, only: mark_doubts_wide => mark_doubts
-   use vi_rows, only: add_ripple, bound_of_group, free_sums, group_values, rows_type
+   use vi_rows, only: add_ripple, bound_of_group, free_sums, group_values, rough_values, rows_type
    use vi_series, only: order
    use vi_structure, only: regime_type
    implicit none (type, external)
    private
 
-   public :: begin_watch, keep_watch, leave_group, list_doubts, look_at_groups, most_second, &
-      rounding, set_at_limit
+   public :: begin_watch, keep_watch, leave_row, list_doubts, look_at_rows, most_second, rounding, &
+      set_at_limit
 
    !> How a flight begins: at a wall of a row (+1 upper, -1 lower) with a departure speed, or at no
    !! wall (row 0).
@@ -31,26 +37,29 @@ module vi_watch
       integer :: order = 1
    end type leaving_type
 
-   !> Certificates of groups of rows, kept from one flight to the next by `keep_watch`.
+   !> Certificates of rows, kept from one flight to the next by `keep_watch`.
    type, public :: watch_type
       !> Whether a flight begins with an impact that `keep_watch` knows.
       logical :: kept = .false.
-      !> (groups) Time since the beginning of the flight, below 0 for none; distance; a third of the
+      !> (rows) Time since the beginning of the flight, below 0 for none; distance; a third of the
       !! largest rate.
       real(wp), allocatable, dimension(:) :: due, slack, speed
-      !> A bound on the second derivatives of rows, as a factor of their norms, and the part of all
-      !! rows that is due to the load.
-      real(wp) :: second = 0, ripple_second = 0
+      !> Bounds on the second and third derivatives of rows, as factors of their norms, and the
+      !! parts of all rows that are due to the load.
+      real(wp) :: curving(2) = 0, of_ripple(2) = 0
       !> Bounds on the fourth derivatives and on the rounding errors of the rows.
       real(wp) :: most_fourth = 0, reserve = 0
       !> Roots of sums of squares of bounds on the pairs.
       real(wp) :: root_x = 0, root_v = 0
-      !> How often a row was looked at.
+      !> How often a row was evaluated for a cell, roughly or with its group.
       integer(int64) :: looks = 0
       !> (groups, 2) Whether the values of the rows at the beginning and at the end of a cell, in
       !! turns, are known; (groups) the bounds on their fourth derivatives and on
       !! their rounding errors.
       logical, allocatable :: valued(:, :), bounded(:), weighed(:)
+      !> (rows) The rows without a certificate; (rows, 10) room for these; (m) the rates of v.
+      integer, allocatable :: list(:)
+      real(wp), allocatable :: room(:, :), rates(:)
    end type watch_type
 
    !> The order of a function of which no derivative differs from 0.
@@ -59,7 +68,7 @@ module vi_watch
    real(wp), parameter, public :: rounding_share = 16*epsilon(1.0_wp)
    !> The longest certificate, as a multiple of the shortest time scale; the share of the time found
    !! for which a certificate is given, so that it outlasts some impulses.
-   real(wp), parameter :: longest = 1, share = 0.7_wp
+   real(wp), parameter :: longest = 1, share = 0.8_wp
    !> Derivatives of the motion after an impulse that are summed.
    integer, parameter :: terms = 6
 
@@ -73,99 +82,57 @@ contains
       real(wp), contiguous, intent(in) :: x0(:), v0(:), of_x(:)
       !> In and out: the certificates.
       type(watch_type), intent(inout) :: watch
-      real(wp) :: second, fourth
+      real(wp) :: second, third, fourth
       integer :: h
       logical :: fits
 
-      associate (groups => regime%rows%groups, modes => regime%modes, rows => regime%rows)
+      associate (groups => regime%rows%groups, n => size(regime%upper), modes => regime%modes, &
+         rows => regime%rows)
          fits = allocated(watch%due)
-         if (fits) fits = size(watch%due) == groups
+         if (fits) fits = size(watch%due) == n .and. size(watch%rates) == size(x0)
          if (.not. fits) then
             if (allocated(watch%due)) deallocate (watch%due, watch%slack, watch%speed, &
-               watch%valued, watch%bounded, watch%weighed)
-            allocate (watch%due(groups), watch%slack(groups), watch%speed(groups), &
-               watch%valued(groups, 2), watch%bounded(groups), watch%weighed(groups))
+               watch%valued, watch%bounded, watch%weighed, watch%list, watch%room, watch%rates)
+            allocate (watch%due(n), watch%slack(n), watch%speed(n), watch%valued(groups, 2), &
+               watch%bounded(groups), watch%weighed(groups), watch%list(n), watch%room(n, 10), &
+               watch%rates(size(x0)))
          end if
          if (.not. (fits .and. watch%kept)) watch%due = -1
          watch%kept = .false.
          watch%bounded = .false.
          if (modes%wide) then
             call sum_bounds_wide(modes%bent, modes%stiffness, modes%damping, modes%inverse, &
-               modes%drift, modes%force, x0, v0, of_x, second, fourth)
+               modes%drift, modes%force, x0, v0, of_x, second, third, fourth)
          else
             call sum_bounds(modes%bent, modes%stiffness, modes%damping, modes%inverse, &
-               modes%drift, modes%force, x0, v0, of_x, second, fourth)
+               modes%drift, modes%force, x0, v0, of_x, second, third, fourth)
          end if
          ! by the inequality of Cauchy and Schwarz
-         watch%second = sqrt(second)
-         watch%ripple_second = 0
+         watch%curving = sqrt([second, third])
+         watch%of_ripple = 0
          watch%most_fourth = rows%most_norm*sqrt(fourth)
          do h = 1, size(regime%ripple, 2)
-            watch%ripple_second = watch%ripple_second + rows%most_ripple(h)*(h*regime%frequency)**2
+            watch%of_ripple = watch%of_ripple + rows%most_ripple(h)*(h*regime%frequency)**[2, 3]
             watch%most_fourth = watch%most_fourth + rows%most_ripple(h)*(h*regime%frequency)**4
          end do
       end associate
    end subroutine begin_watch
 
-   !> Whether the certificate of a group shows that none of its rows comes near a limit in a cell.
-   !!
-   !! The Bernstein coefficients of the cell differ from a value of the row within it by at most a
-   !! third of its largest rate times the length, and by a share of the fourth derivative.
-   pure logical function covers(watch, g, t, h)
-      !> The certificates, and the number of the group.
-      type(watch_type), intent(in) :: watch
-      integer, intent(in) :: g
-      !> The beginning and the length of the cell.
-      real(wp), intent(in) :: t, h
-
-      covers = t + h <= watch%due(g) .and. watch%slack(g) > h*watch%speed(g) &
-         + (h*h)**2/144*watch%most_fourth + 2*watch%reserve
-   end function covers
-
-   !> Ends the certificate of the group of a row that leaves a limit.
-   pure subroutine leave_group(row, watch)
+   !> Ends the certificate of a row that leaves a limit.
+   pure subroutine leave_row(row, watch)
       !> The row, 0 for none.
       integer, intent(in) :: row
       !> In and out: the certificates.
       type(watch_type), intent(inout) :: watch
 
-      if (row > 0) watch%due((row - 1)/group + 1) = -1
-   end subroutine leave_group
+      if (row > 0) watch%due(row) = -1
+   end subroutine leave_row
 
-   !> Certifies a group of rows from a time on, if they are not near a limit.
-   pure subroutine certify_group(regime, g, t, h, n, y, rate, watch, clear)
-      !> The regime, and the number of the group.
-      type(regime_type), intent(in) :: regime
-      integer, intent(in) :: g
-      !> The time after the beginning of the flight, and the length of a cell that begins then.
-      real(wp), intent(in) :: t, h
-      !> Number of rows of the group, and their values and rates then.
-      integer, intent(in) :: n
-      real(wp), intent(in) :: y(n), rate(n)
-      !> In and out: the certificates.
-      type(watch_type), intent(inout) :: watch
-      !> Whether no row comes near a limit in the cell.
-      logical, intent(out) :: clear
-      real(wp) :: left, span
-
-      associate (first => (g - 1)*group + 1)
-         if (regime%modes%wide) then
-            call certify_wide(n, y, rate, regime%rows%position_norm(first), watch%second, &
-               watch%ripple_second, 2*watch%reserve, regime%upper(first), regime%lower(first), &
-               longest*regime%unit, share, h, span, watch%slack(g), watch%speed(g), left)
-         else
-            call certify(n, y, rate, regime%rows%position_norm(first), watch%second, &
-               watch%ripple_second, 2*watch%reserve, regime%upper(first), regime%lower(first), &
-               longest*regime%unit, share, h, span, watch%slack(g), watch%speed(g), left)
-         end if
-      end associate
-      watch%due(g) = t + span
-      watch%speed(g) = watch%speed(g)/3
-      clear = left > (h*h)**2/144*watch%most_fourth + 2*watch%reserve
-   end subroutine certify_group
-
-   !> Looks at the groups of rows that no certificate covers, for rows that may reach a limit.
-   pure subroutine look_at_groups(regime, m, rows, harmonics, starts, leaving, t, h, now, pairs, &
+   !> Looks at the rows that no certificate covers, for those that may reach a limit.
+   !!
+   !! The Bernstein coefficients of a cell differ from a value of the row within it by at most a
+   !! third of its largest rate times the length, and by a share of the fourth derivative.
+   pure subroutine look_at_rows(regime, m, rows, harmonics, starts, leaving, t, h, now, pairs, &
       turns, values, watch, doubtful, n)
       !> The regime.
       type(regime_type), intent(in) :: regime
@@ -186,52 +153,166 @@ contains
       !> In and out: the rows, and which limits they may reach: 1 the upper one, 2 the lower one, 3
       !! both. Their number.
       integer, intent(inout) :: doubtful(2, rows), n
-      integer :: before, g, here, next
-      logical :: clear
+      real(wp) :: margin, sag
+      integer :: g, i, j, last, listed
+
+      watch%valued(:, 3 - now) = .false.
+      sag = (h*h)**2/144*watch%most_fourth
+      margin = sag + 2*watch%reserve
+      if (regime%modes%wide) then
+         call list_uncovered_wide(rows, t + h, h, margin, watch%due, watch%slack, watch%speed, &
+            watch%room(:, 1), watch%list, listed)
+      else
+         call list_uncovered(rows, t + h, h, margin, watch%due, watch%slack, watch%speed, &
+            watch%room(:, 1), watch%list, listed)
+      end if
+      if (listed == 0) return
+      call certify_listed(regime, m, harmonics, listed, t, h, sag, pairs(:, 2*now - 1), &
+         pairs(:, 2*now), turns(:, now), watch)
+      last = 0
+      do j = 1, listed
+         i = watch%list(j)
+         g = (i - 1)/group + 1
+         if (g == last .or. .not. watch%room(j, 10) > 0) cycle
+         last = g
+         call look_at_group(regime, m, rows, harmonics, starts, leaving, t, h, now, g, pairs, &
+            turns, values, watch, doubtful, n)
+      end do
+   end subroutine look_at_rows
+
+   !> Certifies the rows of the list from a time on, if they are not near a limit.
+   pure subroutine certify_listed(regime, m, harmonics, listed, t, h, sag, x, v, turn, watch)
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      !> Number of pairs, of harmonics of the load, and of rows of the list.
+      integer, intent(in) :: m, harmonics, listed
+      !> The time after the beginning of the flight, the length of a cell that begins then, and what
+      !! the fourth derivative adds to its Bernstein coefficients.
+      real(wp), intent(in) :: t, h, sag
+      !> The pairs then, and e^(i h Omega t).
+      real(wp), intent(in) :: x(m), v(m)
+      complex(wp), intent(in) :: turn(harmonics)
+      !> In and out: the certificates; its room has in column 10 above 0 the rows that may come near
+      !! a limit in the cell.
+      type(watch_type), intent(inout) :: watch
+      real(wp) :: margin
+
+      associate (modes => regime%modes, unit => regime%unit, room => watch%room)
+         ! also for the rounding errors of the derivatives
+         margin = 3*watch%reserve + 2*rounding_share*regime%rows%most_norm*(watch%root_x &
+            + unit*watch%root_v)*max(1.0_wp, (h/unit)**2)
+         if (modes%wide) then
+            call accelerate_wide(m, modes%stiffness, modes%damping, modes%force, x, v, watch%rates)
+         else
+            call accelerate(m, modes%stiffness, modes%damping, modes%force, x, v, watch%rates)
+         end if
+         call rough_values(regime%rows, regime%frequency, listed, watch%list, x, v, watch%rates, &
+            turn, room(:, 1), room(:, 2), room(:, 3))
+         call pick(listed, watch%list, size(regime%upper), regime%rows%position_norm, room(:, 4))
+         call pick(listed, watch%list, size(regime%upper), regime%upper, room(:, 5))
+         call pick(listed, watch%list, size(regime%upper), regime%lower, room(:, 6))
+         watch%looks = watch%looks + listed
+         if (modes%wide) then
+            call certify_wide(listed, room(:, 1), room(:, 2), room(:, 3), room(:, 4), room(:, 5), &
+               room(:, 6), watch%curving, watch%of_ripple, margin, sag, longest*unit, share, h, &
+               room(:, 7), room(:, 8), room(:, 9), room(:, 10))
+         else
+            call certify(listed, room(:, 1), room(:, 2), room(:, 3), room(:, 4), room(:, 5), &
+               room(:, 6), watch%curving, watch%of_ripple, margin, sag, longest*unit, share, h, &
+               room(:, 7), room(:, 8), room(:, 9), room(:, 10))
+         end if
+         call keep_certificates(listed, watch%list, size(watch%due), t, room(:, 7), room(:, 8), &
+            room(:, 9), watch%due, watch%slack, watch%speed)
+      end associate
+   end subroutine certify_listed
+
+   !> Picks the numbers of some rows.
+   pure subroutine pick(n, list, rows, all, some)
+      !> Number of rows that are wanted, and which; number of all rows.
+      integer, intent(in) :: n, list(n), rows
+      !> The numbers of all rows, and of those that are wanted.
+      real(wp), intent(in) :: all(rows)
+      real(wp), intent(out) :: some(n)
+      integer :: j
+
+      do j = 1, n
+         some(j) = all(list(j))
+      end do
+   end subroutine pick
+
+   !> Keeps the certificates of some rows.
+   pure subroutine keep_certificates(n, list, rows, t, span, left, most, due, slack, speed)
+      !> Number of rows that have them, and which; number of all rows.
+      integer, intent(in) :: n, list(n), rows
+      !> The time from which on they hold.
+      real(wp), intent(in) :: t
+      !> (n) How long, the distance that is left, and the largest rate.
+      real(wp), dimension(n), intent(in) :: span, left, most
+      !> (rows) In and out: the certificates.
+      real(wp), dimension(rows), intent(inout) :: due, slack, speed
+      integer :: j
+
+      do j = 1, n
+         due(list(j)) = t + span(j)
+         slack(list(j)) = left(j)
+         speed(list(j)) = most(j)/3
+      end do
+   end subroutine keep_certificates
+
+   !> Looks at a group of rows, as if all rows were looked at.
+   pure subroutine look_at_group(regime, m, rows, harmonics, starts, leaving, t, h, now, g, pairs, &
+      turns, values, watch, doubtful, n)
+      !> As in `look_at_rows`.
+      type(regime_type), intent(in) :: regime
+      integer, intent(in) :: m, rows, harmonics, starts
+      type(leaving_type), intent(in) :: leaving(starts)
+      real(wp), intent(in) :: t, h
+      integer, intent(in) :: now
+      !> The number of the group.
+      integer, intent(in) :: g
+      !> As in `look_at_rows`.
+      real(wp), intent(in) :: pairs(m, 6)
+      complex(wp), intent(in) :: turns(harmonics, 2)
+      real(wp), intent(inout) :: values(rows, 8)
+      type(watch_type), intent(inout) :: watch
+      integer, intent(inout) :: doubtful(2, rows), n
+      integer :: before, here, next
 
       next = 3 - now
-      do g = 1, regime%rows%groups
-         watch%valued(g, next) = .false.
-         if (covers(watch, g, t, h)) cycle
-         before = (g - 1)*group
-         here = min(group, rows - before)
-         associate (i => before + 1)
-            if (.not. watch%valued(g, now)) then
-               call group_values(regime%rows, regime%frequency, g, here, pairs(:, 2*now - 1), &
-                  pairs(:, 2*now), turns(:, now), values(i, 2*now - 1), values(i, 2*now))
-               if (t <= 0) call set_at_limit(starts, leaving, regime, i, before + here, &
-                  values(i, 2*now - 1), values(i, 2*now))
-               watch%valued(g, now) = .true.
-            end if
-            call certify_group(regime, g, t, h, here, values(i, 2*now - 1), values(i, 2*now), &
-               watch, clear)
-            if (clear) cycle
-            if (.not. watch%bounded(g)) then
-               call bound_of_group(regime%rows, g, here, pairs(:, 5), values(i, 5))
-               call add_ripple(regime%rows, regime%frequency, before, here, values(i, 5))
-               watch%bounded(g) = .true.
-            end if
-            if (.not. watch%weighed(g)) call rounding(regime%rows, i, before + here, &
-               watch%root_x, watch%root_v, values(:, 6))
-            watch%weighed(g) = .true.
-            call group_values(regime%rows, regime%frequency, g, here, pairs(:, 2*next - 1), &
-               pairs(:, 2*next), turns(:, next), values(i, 2*next - 1), values(i, 2*next))
-            watch%valued(g, next) = .true.
-            watch%looks = watch%looks + here
-            if (regime%rows%wide) then
-               call mark_doubts_wide(here, h, values(i, 2*now - 1), values(i, 2*now), &
-                  values(i, 2*next - 1), values(i, 2*next), values(i, 5), values(i, 6), &
-                  regime%upper(i), regime%lower(i), values(i, 7), values(i, 8))
-            else
-               call mark_doubts(here, h, values(i, 2*now - 1), values(i, 2*now), &
-                  values(i, 2*next - 1), values(i, 2*next), values(i, 5), values(i, 6), &
-                  regime%upper(i), regime%lower(i), values(i, 7), values(i, 8))
-            end if
-         end associate
-         call list_doubts(regime, rows, before, here, starts, leaving, t, h, now, values, &
-            doubtful, n)
-      end do
-   end subroutine look_at_groups
+      before = (g - 1)*group
+      here = min(group, rows - before)
+      associate (i => before + 1)
+         if (.not. watch%valued(g, now)) then
+            call group_values(regime%rows, regime%frequency, g, here, pairs(:, 2*now - 1), &
+               pairs(:, 2*now), turns(:, now), values(i, 2*now - 1), values(i, 2*now))
+            if (t <= 0) call set_at_limit(starts, leaving, regime, i, before + here, &
+               values(i, 2*now - 1), values(i, 2*now))
+            watch%valued(g, now) = .true.
+         end if
+         if (.not. watch%bounded(g)) then
+            call bound_of_group(regime%rows, g, here, pairs(:, 5), values(i, 5))
+            call add_ripple(regime%rows, regime%frequency, before, here, values(i, 5))
+            watch%bounded(g) = .true.
+         end if
+         if (.not. watch%weighed(g)) call rounding(regime%rows, i, before + here, &
+            watch%root_x, watch%root_v, values(:, 6))
+         watch%weighed(g) = .true.
+         call group_values(regime%rows, regime%frequency, g, here, pairs(:, 2*next - 1), &
+            pairs(:, 2*next), turns(:, next), values(i, 2*next - 1), values(i, 2*next))
+         watch%valued(g, next) = .true.
+         watch%looks = watch%looks + here
+         if (regime%rows%wide) then
+            call mark_doubts_wide(here, h, values(i, 2*now - 1), values(i, 2*now), &
+               values(i, 2*next - 1), values(i, 2*next), values(i, 5), values(i, 6), &
+               regime%upper(i), regime%lower(i), values(i, 7), values(i, 8))
+         else
+            call mark_doubts(here, h, values(i, 2*now - 1), values(i, 2*now), &
+               values(i, 2*next - 1), values(i, 2*next), values(i, 5), values(i, 6), &
+               regime%upper(i), regime%lower(i), values(i, 7), values(i, 8))
+         end if
+      end associate
+      call list_doubts(regime, rows, before, here, starts, leaving, t, h, now, values, doubtful, n)
+   end subroutine look_at_group
 
    !> Lists the rows of a range that are marked: not proved to stay within their limits over a cell.
    pure subroutine list_doubts(regime, rows, before, here, starts, leaving, t, h, now, values, &
@@ -330,12 +411,11 @@ contains
       real(wp), intent(in) :: impulse, time
       !> In and out: the certificates.
       type(watch_type), intent(inout) :: watch
-      integer :: g
 
       if (regime%rows%groups == 0) return
       watch%kept = .true.
       if (.not. allocated(regime%reach)) then
-         allocate (regime%reach(regime%rows%groups, size(regime%upper)), source=-1.0_wp)
+         allocate (regime%reach(size(regime%upper), size(regime%upper)), source=-1.0_wp)
          allocate (regime%bend(size(regime%upper)), source=0.0_wp)
       end if
       if (regime%reach(1, channel) < 0) then
@@ -343,14 +423,15 @@ contains
          regime%bend(channel) = sqrt(sum((regime%modes%stiffness*regime%kick_x(:, gap) &
             + 2*regime%modes%damping*regime%kick_v(:, gap))**2))
       end if
-      watch%second = watch%second + impulse*regime%bend(channel)
-      do g = 1, size(watch%due)
-         watch%due(g) = watch%due(g) - time
-         ! the pairs are also rounded
-         watch%slack(g) = watch%slack(g) - impulse*regime%reach(g, channel) &
-            *max(watch%due(g), 0.0_wp) - 2*watch%reserve
-         watch%speed(g) = watch%speed(g) + impulse*regime%reach(g, channel)/3
-      end do
+      watch%curving(1) = watch%curving(1) + impulse*regime%bend(channel)
+      ! the pairs are also rounded
+      if (regime%modes%wide) then
+         call lower_slack_wide(size(watch%due), time, impulse, 2*watch%reserve, &
+            regime%reach(:, channel), watch%due, watch%slack, watch%speed)
+      else
+         call lower_slack(size(watch%due), time, impulse, 2*watch%reserve, &
+            regime%reach(:, channel), watch%due, watch%slack, watch%speed)
+      end if
    end subroutine keep_watch
 
    !> A bound on the absolute second derivative of a row just after an impact that `keep_watch`
@@ -362,31 +443,32 @@ contains
       type(rows_type), intent(in) :: rows
       integer, intent(in) :: row
 
-      most_second = (rows%position_norm(row)*watch%second + watch%ripple_second)*(1 + 1.0e-9_wp)
+      most_second = (rows%position_norm(row)*watch%curving(1) + watch%of_ripple(1)) &
+         *(1 + 1.0e-9_wp)
    end function most_second
 
-   !> Bounds on the rates of the rows of each group after an impulse of 1 on a gap, for the time of
+   !> Bounds on the rates of the rows after an impulse of 1 on a gap, for the time of
    !! the longest certificate: the Taylor series of each rate, term by term, and its remainder.
    pure subroutine find_reach(regime, gap, reach)
       !> The regime.
       type(regime_type), intent(in) :: regime
       !> The gap.
       integer, intent(in) :: gap
-      !> (groups) The bounds.
+      !> (rows) The bounds.
       real(wp), intent(out) :: reach(:)
       real(wp), dimension(size(regime%kick_x, 1)) :: before, x, v
-      real(wp), dimension(size(regime%upper)) :: d, total
+      real(wp), dimension(size(regime%upper)) :: d
       real(wp) :: factor
-      integer :: g, i
+      integer :: i
 
       x = regime%kick_x(:, gap)
       v = regime%kick_v(:, gap)
-      total = 0
+      reach = 0
       factor = 1
       do i = 1, terms
          if (any(abs(v) > 0)) then
             call free_sums(regime%rows, v, d)
-            total = total + factor*abs(d)
+            reach = reach + factor*abs(d)
          end if
          before = x
          x = v
@@ -394,11 +476,8 @@ contains
          factor = factor*(longest*regime%unit)/i
       end do
       ! v^2 + omega^2 x^2 never grows
-      total = (total + factor*regime%rows%position_norm*sqrt(sum(v**2 &
+      reach = (reach + factor*regime%rows%position_norm*sqrt(sum(v**2 &
          + regime%modes%stiffness*x**2)))*(1 + 1.0e-9_wp)
-      do g = 1, size(reach)
-         reach(g) = maxval(total((g - 1)*group + 1:min(g*group, size(total))))
-      end do
    end subroutine find_reach
 
 end module vi_watch

@@ -10,7 +10,8 @@ module vi_lane_groups
    implicit none (type, external)
    private
 
-   public :: add_group, bound_group, bound_pairs, certify, sizes_of_pairs, sum_bounds
+   public :: accelerate, add_group, add_rows, bound_group, bound_pairs, certify, list_uncovered, &
+      lower_slack, sizes_of_pairs, sum_bounds
 
    !> Rows of a group.
    integer, parameter, public :: group = 4
@@ -67,72 +68,178 @@ contains
       y = p
    end subroutine bound_group
 
-   !> How long rows stay away from their limits, from their values and rates now and bounds on
-   !! their second derivatives from now on.
-   pure subroutine certify(n, y, rate, norm, root, more, margin, upper, lower, longest, share, h, &
-      span, slack, speed, left)
-      !> Number of rows, at most `group`.
+   !> Adds the products of rows of a list with x, v and w, in an order of sums of their own: only
+   !! for bounds.
+   pure subroutine add_rows(listed, list, before, n, m, a, x, v, w, y, rate, second)
+      !> Number of rows of the list, and the rows.
+      integer, intent(in) :: listed, list(listed)
+      !> Number of rows before the first one of the matrix, and its numbers of rows and columns.
+      integer, intent(in) :: before, n, m
+      !> The transposed matrix; x, v and w (m).
+      real(wp), intent(in) :: a(m, n), x(m), v(m), w(m)
+      !> (listed) The sums; rows that are not in the matrix stay as they are.
+      real(wp), dimension(listed), intent(inout) :: y, rate, second
+      real(wp), dimension(0:group - 1) :: p, q, r
+      integer :: i, j, k, l
+
+      do j = 1, listed
+         i = list(j) - before
+         if (i < 1 .or. i > n) cycle
+         p = 0
+         q = 0
+         r = 0
+         do k = 1, m - group + 1, group
+            do l = 0, group - 1
+               p(l) = p(l) + a(k + l, i)*x(k + l)
+               q(l) = q(l) + a(k + l, i)*v(k + l)
+               r(l) = r(l) + a(k + l, i)*w(k + l)
+            end do
+         end do
+         do k = m - mod(m, group) + 1, m
+            p(0) = p(0) + a(k, i)*x(k)
+            q(0) = q(0) + a(k, i)*v(k)
+            r(0) = r(0) + a(k, i)*w(k)
+         end do
+         y(j) = y(j) + ((p(0) + p(1)) + (p(2) + p(3)))
+         rate(j) = rate(j) + ((q(0) + q(1)) + (q(2) + q(3)))
+         second(j) = second(j) + ((r(0) + r(1)) + (r(2) + r(3)))
+      end do
+   end subroutine add_rows
+
+   !> The rates of v of pairs.
+   pure subroutine accelerate(n, stiffness, damping, force, x, v, w)
+      !> Number of pairs.
       integer, intent(in) :: n
-      !> (n) Values and rates.
-      real(wp), dimension(n), intent(in) :: y, rate
-      !> The bounds: norm (n) times root, and a further part.
-      real(wp), intent(in) :: norm(n), root, more
-      !> Distance from the limits that is not used, and the limits (n).
-      real(wp), intent(in) :: margin, upper(n), lower(n)
-      !> The longest time of use, the share of the time found that is returned, and the length of a
-      !! cell.
+      !> (n) As in `bound_pairs`, and the pairs.
+      real(wp), dimension(n), intent(in) :: stiffness, damping, force, x, v
+      !> (n) The rates.
+      real(wp), intent(out) :: w(n)
+      integer :: k
+
+      do k = 1, n
+         w(k) = force(k) - stiffness(k)*x(k) - 2*damping(k)*v(k)
+      end do
+   end subroutine accelerate
+
+   !> How long rows stay away from their limits, from their values and first two derivatives now
+   !! and bounds on their second and third derivatives from now on.
+   pure subroutine certify(n, y, rate, second, norm, upper, lower, root, more, margin, sag, &
+      longest, share, h, span, slack, speed, doubt)
+      !> Number of rows.
+      integer, intent(in) :: n
+      !> (n) Values and derivatives, and the limits.
+      real(wp), dimension(n), intent(in) :: y, rate, second, norm, upper, lower
+      !> The bounds on the second and third derivatives: norm (n) times root, and a further part.
+      real(wp), intent(in) :: root(2), more(2)
+      !> Distance from the limits that is not used, and what the fourth derivative adds to
+      !! Bernstein coefficients of the cell.
+      real(wp), intent(in) :: margin, sag
+      !> The longest time of use, the share of the time found that is returned, and the length of
+      !! the cell.
       real(wp), intent(in) :: longest, share, h
-      !> The time, not above 0 if there is none; the distance from the limits that is left then, and
-      !! the largest rate up to then.
-      real(wp), intent(out) :: span, slack, speed
-      !> The distance from the limits to which the Bernstein coefficients of the cell come at most,
-      !! without the part that is due to the fourth derivative.
-      real(wp), intent(out) :: left
+      !> (n) The time, not above 0 if there is none; the distance from the limits that is left then,
+      !! and the largest rate up to then.
+      real(wp), dimension(n), intent(out) :: span, slack, speed
+      !> (n) 0 where no Bernstein coefficient of the cell reaches a limit, else 1.
+      real(wp), intent(out) :: doubt(n)
       !> A row without a limit has a distance of this.
       !! The smallest sum of rates makes a time that is a number.
       real(wp), parameter :: far = 1.0e100_wp, small = 1.0e-200_wp
-      real(wp), dimension(group) :: above, below, bend, rise, fall, time
-      integer :: i
+      real(wp) :: above, below, bend, fall, first, fourth, horizon, last, most, rise, third, time, &
+         twist
+      integer :: i, turn
 
-      ! loops may compute with all lanes of a register
-      above = 0
-      below = 0
-      bend = 0
-      rise = 0
-      fall = 0
-      time = 0
       do i = 1, n
-         bend(i) = norm(i)*root + more
-         above(i) = min(upper(i) - y(i) - margin, far)
-         below(i) = min(y(i) - lower(i) - margin, far)
-         rise(i) = max(rate(i), 0.0_wp)
-         fall(i) = max(-rate(i), 0.0_wp)
-         ! where the distance is rate t + bend t^2/2
-         time(i) = min(2*above(i)/(rise(i) + sqrt(rise(i)*rise(i) &
-            + 2*bend(i)*max(above(i), 0.0_wp)) + small), 2*below(i)/(fall(i) &
-            + sqrt(fall(i)*fall(i) + 2*bend(i)*max(below(i), 0.0_wp)) + small))
-      end do
-      span = longest
-      do i = 1, n
-         ! written so that a NaN is kept
-         span = merge(span, share*time(i), span <= share*time(i))
-      end do
-      do i = 1, n
-         time(i) = min(above(i) - rise(i)*h, below(i) - fall(i)*h) - 0.75_wp*bend(i)*h*h
-      end do
-      span = max(span, -1.0_wp)                      ! rows beyond a limit: no square overflows
-      left = far
-      do i = 1, n
-         left = merge(left, time(i), left <= time(i))
-      end do
-      slack = far
-      speed = 0
-      do i = 1, n
-         slack = min(slack, min(above(i) - rise(i)*span, below(i) - fall(i)*span) &
-            - 0.5_wp*bend(i)*span*span)
-         speed = max(speed, (rise(i) + fall(i)) + bend(i)*span)
+         bend = norm(i)*root(1) + more(1)
+         twist = norm(i)*root(2) + more(2)
+         above = min(upper(i) - y(i) - margin, far)
+         below = min(y(i) - lower(i) - margin, far)
+         ! the coefficients less y, with a remainder of at most 7/24 h^3 times the bound
+         first = 0.25_wp*h*rate(i)
+         third = 0.5_wp*h*rate(i) + h*h*second(i)/12
+         fourth = 0.75_wp*h*rate(i) + 0.25_wp*h*h*second(i)
+         last = h*rate(i) + 0.5_wp*h*h*second(i)
+         most = 0.3_wp*h*h*h*twist + sag
+         ! written so that a NaN is in doubt
+         doubt(i) = merge(0.0_wp, 1.0_wp, above > most .and. below > most &
+            .and. max(max(first, third), max(fourth, last)) + most < above &
+            .and. max(max(-first, -third), max(-fourth, -last)) + most < below)
+         ! a distance g is at least g - rate t - rise t^2/2 up to a horizon; a nearer one allows a
+         ! smaller bound
+         horizon = longest
+         rise = 0
+         fall = 0
+         time = 0
+         do turn = 1, 2
+            rise = min(bend, max(second(i), 0.0_wp) + twist*horizon/3)
+            fall = min(bend, max(-second(i), 0.0_wp) + twist*horizon/3)
+            time = min(2*above/(rate(i) + sqrt(rate(i)*rate(i) + 2*rise*max(above, 0.0_wp)) &
+               + small), 2*below/(sqrt(rate(i)*rate(i) + 2*fall*max(below, 0.0_wp)) - rate(i) &
+               + small))
+            time = merge(time, horizon, .not. time > horizon)
+            if (turn == 1) horizon = min(horizon, 1.5_wp*max(time, 0.0_wp))
+         end do
+         time = max(share*time, -1.0_wp)             ! rows beyond a limit: no square overflows
+         span(i) = time
+         slack(i) = min(min(above, below), min(above - rate(i)*time - 0.5_wp*rise*time*time, &
+            below + rate(i)*time - 0.5_wp*fall*time*time))
+         speed(i) = abs(rate(i)) + min(bend, abs(second(i)) + 0.5_wp*twist*horizon)*max(time, &
+            0.0_wp)
       end do
    end subroutine certify
+
+   !> Which rows no certificate keeps away from their limits in a cell.
+   pure subroutine list_uncovered(n, end, h, margin, due, slack, speed, marks, list, listed)
+      !> Number of rows.
+      integer, intent(in) :: n
+      !> The end and the length of the cell, and a distance that has to be left.
+      real(wp), intent(in) :: end, h, margin
+      !> (n) The certificates.
+      real(wp), dimension(n), intent(in) :: due, slack, speed
+      !> (n) Room.
+      real(wp), intent(out) :: marks(n)
+      !> (n) The rows, and their number.
+      integer, intent(out) :: list(n), listed
+      integer :: i, j
+
+      do i = 1, n
+         ! written so that a NaN is not covered
+         marks(i) = merge(0.0_wp, 1.0_wp, slack(i) > h*speed(i) + margin)
+         marks(i) = merge(marks(i), 1.0_wp, end <= due(i))
+      end do
+      listed = 0
+      do j = 1, n - group + 1, group
+         if (.not. marks(j) + marks(j + 1) + (marks(j + 2) + marks(j + 3)) > 0) cycle
+         do i = j, j + group - 1
+            list(listed + 1) = i
+            listed = listed + merge(1, 0, marks(i) > 0)
+         end do
+      end do
+      do i = n - mod(n, group) + 1, n
+         if (.not. marks(i) > 0) cycle
+         listed = listed + 1
+         list(listed) = i
+      end do
+   end subroutine list_uncovered
+
+   !> Lowers certificates by what an impulse may change.
+   pure subroutine lower_slack(n, time, impulse, margin, reach, due, slack, speed)
+      !> Number of rows.
+      integer, intent(in) :: n
+      !> Length of the flight before the impulse, the impulse, and the rounding error of the pairs.
+      real(wp), intent(in) :: time, impulse, margin
+      !> (n) Bounds on the change of rates by an impulse of 1.
+      real(wp), intent(in) :: reach(n)
+      !> (n) In and out: the certificates.
+      real(wp), dimension(n), intent(inout) :: due, slack, speed
+      integer :: i
+
+      do i = 1, n
+         due(i) = due(i) - time
+         slack(i) = slack(i) - impulse*reach(i)*max(due(i), 0.0_wp) - margin
+         speed(i) = speed(i) + impulse*reach(i)/3
+      end do
+   end subroutine lower_slack
 
    !> Bounds on the absolute fourth derivatives of pairs, from now on: v^2 + omega^2 x^2 never
    !! grows, and above critical damping neither does x exceed the other bound of `bound_on` in
@@ -217,10 +324,10 @@ contains
       sum_v = (part(0, 2) + part(1, 2)) + (part(2, 2) + part(3, 2))
    end subroutine sizes_of_pairs
 
-   !> Sums over pairs of the squares of bounds on their second and fourth derivatives, from now on,
-   !! where the constant terms do not grow.
+   !> Sums over pairs of the squares of bounds on their second, third and fourth derivatives, from
+   !! now on, where the constant terms do not grow.
    pure subroutine sum_bounds(n, stiffness, damping, inverse, drift, force, x0, v0, of_x, second, &
-      fourth)
+      third, fourth)
       !> Number of pairs.
       integer, intent(in) :: n
       !> (n) omega^2, sigma, 1/omega and the constant terms, as in `modes_type` of vi_modes.
@@ -228,28 +335,34 @@ contains
       !> (n) The pairs now, and the bounds on the fourth derivatives of x.
       real(wp), intent(in) :: x0(n), v0(n), of_x(n)
       !> The sums.
-      real(wp), intent(out) :: second, fourth
-      real(wp), dimension(0:group - 1) :: of_second, of_fourth
-      real(wp) :: x2, v2
+      real(wp), intent(out) :: second, third, fourth
+      real(wp), dimension(0:group - 1) :: of_second, of_third, of_fourth
+      real(wp) :: x2, x3, v2
       integer :: j, k, l
 
       of_second = 0
+      of_third = 0
       of_fourth = 0
       do k = 1, n - group + 1, group
          do l = 0, group - 1
             j = k + l
             x2 = -stiffness(j)*x0(j) - 2*damping(j)*v0(j) + force(j)
-            v2 = (-stiffness(j)*(v0(j) + drift(j)) - 2*damping(j)*x2)*inverse(j)
+            x3 = -stiffness(j)*(v0(j) + drift(j)) - 2*damping(j)*x2
+            v2 = x3*inverse(j)
             of_second(l) = of_second(l) + (x2*x2 + v2*v2)
+            of_third(l) = of_third(l) + (x3*x3 + stiffness(j)*x2*x2)
             of_fourth(l) = of_fourth(l) + of_x(j)*of_x(j)
          end do
       end do
+      third = (of_third(0) + of_third(1)) + (of_third(2) + of_third(3))
       second = (of_second(0) + of_second(1)) + (of_second(2) + of_second(3))
       fourth = (of_fourth(0) + of_fourth(1)) + (of_fourth(2) + of_fourth(3))
       do j = n - mod(n, group) + 1, n
          x2 = -stiffness(j)*x0(j) - 2*damping(j)*v0(j) + force(j)
-         v2 = (-stiffness(j)*(v0(j) + drift(j)) - 2*damping(j)*x2)*inverse(j)
+         x3 = -stiffness(j)*(v0(j) + drift(j)) - 2*damping(j)*x2
+         v2 = x3*inverse(j)
          second = second + (x2*x2 + v2*v2)
+         third = third + (x3*x3 + stiffness(j)*x2*x2)
          fourth = fourth + of_x(j)*of_x(j)
       end do
    end subroutine sum_bounds

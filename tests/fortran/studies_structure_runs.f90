@@ -48,8 +48,8 @@ contains
             looks(i) = looks_of_lattice(cells(i), kind)
          end do
          if (kind > 1) cycle
-         call check(looks(4) < 60, 'lattices: few looks an event')
-         call check(looks(4) < 1.6_wp*looks(2), 'lattices: and hardly more in long chains')
+         call check(looks(4) < 50, 'lattices: few looks an event')
+         call check(looks(4) < 1.7_wp*looks(2), 'lattices: and hardly more in long chains')
       end do
    end subroutine test_lattices
 
