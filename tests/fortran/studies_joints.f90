@@ -8,8 +8,8 @@ module studies_joints
    use vi_kinds, only: wp
    use vi_loop, only: begins, ends, loop_type, picked, reversed
    use vi_motion_family, only: alike, condition_type, contact_vanishes, edge, event_vanishes, &
-      events_meet, flip, fold, grazing, joint, neimark_sacker, repetition, rest_splits, &
-      rest_vanishes, stick_begins, stick_vanishes, together, zero_approach
+      events_meet, flight_vanishes, flip, fold, grazing, joint, neimark_sacker, repetition, &
+      rest_splits, rest_vanishes, stick_begins, stick_vanishes, together, zero_approach
    use vi_resting_family, only: new_resting_family
    implicit none (type, external)
    private
@@ -202,12 +202,13 @@ contains
          do i = 1, size(plain)
             call named(plain(i), 1, names(i))
          end do
-         call named(event_vanishes + 1, 1, 'unknown')
+         call named(flight_vanishes + 1, 1, 'unknown')
          call named(stick_begins, 1, 'stick_begins')
          call named(stick_vanishes, 1, 'stick_vanishes')
          call named(contact_vanishes, 1, 'contact_vanishes')
          call named(event_vanishes, 1, 'event_vanishes')
          call named(events_meet, 1, 'simultaneous')
+         call named(flight_vanishes, 1, 'flight_vanishes')
          call named(fold, 0, 'fold')
          call named(fold, together, 'pitchfork')
          call named(fold, alike, 'branch_point')

@@ -224,6 +224,77 @@ def test_a_contact_vanishes():
     assert end.detail == "stop 0"
 
 
+def pressed(frequency, force, stop):
+    """A mass that a constant force presses on a stop, and lifts off it under a load."""
+    s = vi.Structure([1.0], [0.6], [1.0], [vi.Stop([1.0], **stop)])
+    return s, vi.Load(frequency, cosine=[force], constant=[1.0])
+
+
+def ends_of(frequency, force, stop, parameter=None, bounds=(0.01, 30.0)):
+    """The branch, the share of the start in contact, and the points where a contact or a flight vanishes."""
+    s, load = pressed(frequency, force, stop)
+    motion = vi.exact(s, load, vi.simulate(s, load, cycles=300))
+    if parameter is None:
+        branch = vi.branch(motion, lambda f: pressed(frequency, f, stop), bounds=bounds, at=force)
+    else:
+        branch = vi.branch(motion, parameter, bounds=bounds)
+    touched = motion.sample(np.linspace(0, 2 * np.pi * motion.cycles / frequency, 999))[0][0]
+    kinds = ("contact_vanishes", "flight_vanishes")
+    return (
+        branch, np.mean(touched > s.gaps[0].opening),
+        [p for p in branch.special_points if p.type in kinds],
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.5])
+def test_a_flight_vanishes(damping):
+    """Both where the period begins with the flight that vanishes and where it begins with the contact, a stop is
+    left until the amplitude of the motion in contact is its static displacement."""
+    stop = {"opening": 0.0, "stiffness": 10.0, "damping": damping}
+    for frequency, forces in ((3.0, (0.8, 2.5)), (6.0, (2.5, 12.0))):
+        wanted = abs(11 - frequency**2 + 1j * frequency * (0.6 + damping)) / 11
+        values, shares = [], []
+        for force in forces:
+            branch, share, points = ends_of(frequency, force, stop)
+            assert branch.ends[0] == "a flight vanishes"
+            assert points[0].type == "flight_vanishes"
+            assert points[0].detail == "stop 0"
+            values.append(points[0].value)
+            shares.append(share)
+            # the derivative of the period is that of the motion in contact, whatever the flight
+            last = branch.multipliers[:, points[0].index]
+            trace = (0.6 + damping) * 2 * np.pi / frequency
+            assert np.prod(last) == pytest.approx(np.exp(-trace), rel=1e-7)
+        assert values == pytest.approx([wanted] * 2, abs=1e-9)
+        if frequency == 3.0:
+            assert min(shares) < 0.5 < max(shares)
+
+
+@pytest.mark.parametrize("opening", [-0.6, 0.6])
+def test_a_contact_vanishes_wherever_the_period_begins(opening):
+    """The stop is only touched where its opening is the largest displacement without it."""
+    stop = {"opening": opening, "stiffness": 10.0}
+    branch, share, points = ends_of(3.0, 1.2, stop, "opening", (-1.0, 3.0))
+    assert (share > 0.5) == (opening < 0)
+    assert branch.ends[1] == "a contact vanishes"
+    assert points[-1].value == pytest.approx(1 + 1.2 / abs(1 - 9 + 1.8j), abs=1e-9)
+
+
+def test_a_preloaded_stop_is_only_just_touched():
+    """Its force jumps: a multiplier grows beyond all bounds, and the motion at the end has none."""
+    stop = {"opening": 0.3, "stiffness": 10.0, "preload": 0.3}
+    branch, _, points = ends_of(3.0, 1.2, stop, "opening", (-1.0, 3.0))
+    assert points[-1].value == pytest.approx(1 + 1.2 / abs(1 - 9 + 1.8j), abs=1e-9)
+    moduli = np.abs(branch.multipliers).max(axis=0)
+    assert np.isnan(moduli[-1])
+    assert branch.stable[-1] == -1
+    distance = points[-1].value - branch.values
+    near = (distance < 1e-4) & (distance > 0)
+    assert near.sum() >= 5
+    # the speed of the touch, and so the inverse of that multiplier, falls in proportion to the distance
+    assert moduli[near] * distance[near] == pytest.approx(moduli[-2] * distance[-2], rel=0.02)
+
+
 def test_a_stop_is_touched_in_between():
     """Where a second stop is reached the motion is not admissible any more; simulations touch it."""
     stops = [vi.Stop([1.0], 0.5, 5.0), vi.Stop([-1.0], 2.0, 50.0)]

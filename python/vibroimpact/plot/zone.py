@@ -27,7 +27,7 @@ LINES = {
 #: The same for structures, also with stops and friction.
 LINES_OF_STRUCTURE = LINES | {
     "stick_begins": ((0, (7, 1, 1, 1)), style.FREE), "stick_vanishes": ((0, (7, 1, 1, 1, 1, 1)), style.REST),
-    "contact_vanishes": ((0, (7, 3)), style.IMPACT),
+    "contact_vanishes": ((0, (7, 3)), style.IMPACT), "flight_vanishes": ((0, (7, 3, 1, 3)), style.IMPACT),
 }  # fmt: skip
 
 

@@ -55,9 +55,10 @@ class SpecialPoint:
         also branch_point (a pitchfork or transcritical point where simultaneous impacts separate), simultaneous
         (two events at one instant, beyond which their order changes), rest_vanishes (the impacts before a rest
         just fail to accumulate), rest_splits (the contact force touches zero within a rest), stick_begins
-        (friction that changes its direction begins to stick), stick_vanishes and contact_vanishes (the duration of
-        a stick or contact falls to zero), and event_vanishes (the speed or the force that makes friction halt or
-        slip only just reaches its limit).
+        (friction that changes its direction begins to stick), stick_vanishes, contact_vanishes and flight_vanishes
+        (the duration of a stick, of a contact with a stop, or of the flight between two contacts with one stop
+        falls to zero), and event_vanishes (the speed or the force that makes friction halt or slip only just
+        reaches its limit).
     index : int
         Its index among the points of the branch.
     detail : str
@@ -237,8 +238,8 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
         Why the branch ends, at its first and last point: "bound of the parameter", "meets a motion that repeats
         itself", "two impacts at one instant" (on one wall: the special point there is the last motion that is
         accurate to rounding), "a rest vanishes", "two events at one instant" (a rest ends at another event),
-        "friction begins to stick", "a stick vanishes", "a contact vanishes", "a halt or a slip vanishes",
-        "closed", "full", "stopped", or "cannot be followed".
+        "friction begins to stick", "a stick vanishes", "a contact vanishes", "a flight vanishes",
+        "a halt or a slip vanishes", "closed", "full", "stopped", or "cannot be followed".
     osc, pattern : Oscillator, Pattern
         For an oscillator.
     symmetric : bool

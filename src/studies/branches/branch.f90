@@ -9,8 +9,8 @@ module vi_branch
    use vi_curve, only: curve_type, distance_from
    use vi_kinds, only: wp
    use vi_motion_family, only: condition_type, contact_vanishes, edge, event_vanishes, &
-      events_meet, fold, grazing, is_exchange, neimark_sacker, repetition, rest_splits, &
-      rest_vanishes, stick_begins, stick_vanishes, zero_approach
+      events_meet, flight_vanishes, fold, grazing, is_exchange, neimark_sacker, repetition, &
+      rest_splits, rest_vanishes, stick_begins, stick_vanishes, zero_approach
    use vi_spectrum, only: is_neutral_saddle, outside_circle
    use vi_steps, only: begin_walk, can_shorten, place_type, stride_type, take_step
    use vi_progress, only: is_stopped, report_share
@@ -22,7 +22,8 @@ module vi_branch
    !> Why a branch ends.
    integer, parameter, public :: end_bound = 1, end_repetition = 2, end_closed = 3, end_stuck = 4, &
       end_full = 5, end_stopped = 6, end_simultaneous = 7, end_rest = 8, end_exchange = 9, &
-      end_stick_begins = 10, end_stick = 11, end_contact = 12, end_event = 13
+      end_stick_begins = 10, end_stick = 11, end_contact = 12, end_event = 13, &
+      end_flight = 14
 
    !> A step this short is not repeated to search for hidden special points.
    real(wp), parameter :: least_step = 1.0e-6_wp
@@ -72,6 +73,8 @@ contains
          text = 'a stick vanishes'
       case (end_contact)
          text = 'a contact vanishes'
+      case (end_flight)
+         text = 'a flight vanishes'
       case (end_event)
          text = 'a halt or a slip vanishes'
       case (end_closed)
@@ -339,7 +342,8 @@ contains
       type(condition_type) :: none(0)
       type(place_type) :: found(size(now%values))
       real(wp) :: share(size(now%values)), least
-      logical :: crossed(size(now%values)), good, short, beside, vanishes
+      logical, dimension(size(now%values)) :: crossed, turns
+      logical :: good, short, beside, vanishes
       integer :: order(size(now%values)), i, j, n
 
       done = .false.
@@ -348,6 +352,7 @@ contains
       ! a start on a bound may lie outside by rounding: entering the range is not an event
       crossed = now%values*next%values < 0 .and. (next%values < 0 .or. now%conditions%kind /= &
          edge) .and. .not. stays_on_circle(now, next)
+      turns = now%conditions%kind == contact_vanishes .or. now%conditions%kind == flight_vanishes
       beside = nearly_repeats(now, next)
       ! the parameter turns back there, and a multiplier may pass infinity
       vanishes = any(crossed .and. now%conditions%kind == event_vanishes)
@@ -358,9 +363,9 @@ contains
       else if (beside) then
          ! the difference of the parameter from the bifurcation is of second order in the distance
          crossed(fold) = .false.
-      else if ((crossed(fold) .neqv. turns_back(now, next)) .neqv. any(crossed .and. &
-         now%conditions%kind == contact_vanishes)) then
-         ! the parameter turns back at folds, and where a contact becomes a touch
+      else if ((crossed(fold) .neqv. turns_back(now, next)) .neqv. any( &
+         crossed .and. turns)) then
+         ! the parameter turns back at folds, and where a contact or a flight becomes a touch
          unsure = .not. short
          if (unsure) return
          ! the end of the step is on another curve
@@ -418,13 +423,15 @@ contains
             ! beyond it the accumulation is not completed
             branch%reason = end_rest
             done = .true.
-         case (events_meet, stick_begins, stick_vanishes, contact_vanishes, event_vanishes)
+         case (events_meet, stick_begins, stick_vanishes, contact_vanishes, flight_vanishes, &
+            event_vanishes)
             ! beyond it the events are others
             associate (kind => found(j)%conditions(j)%kind)
                branch%reason = end_exchange
                if (kind == stick_begins) branch%reason = end_stick_begins
                if (kind == stick_vanishes) branch%reason = end_stick
                if (kind == contact_vanishes) branch%reason = end_contact
+               if (kind == flight_vanishes) branch%reason = end_flight
                if (kind == event_vanishes) branch%reason = end_event
             end associate
             done = .true.

@@ -10,9 +10,9 @@ module vi_branch_study
    use vi_curve_point, only: curve_type, parameters_of, unknowns_of
    use vi_kinds, only: two_pi, wp
    use vi_motion, only: motion_type
-   use vi_motion_family, only: condition_type, contact_vanishes, edge, event_vanishes, grazing, &
-      is_exchange, &
-      repetition, rest_splits, rest_vanishes, stick_begins, stick_vanishes, zero_approach
+   use vi_motion_family, only: condition_type, contact_vanishes, edge, event_vanishes, &
+      flight_vanishes, grazing, is_exchange, repetition, rest_splits, rest_vanishes, &
+      stick_begins, stick_vanishes, zero_approach
    use vi_motion_study, only: check_motion, check_structure_motion, find_motions, &
       find_structure_motion, motion_request, motion_request_type
    use vi_orbit, only: by_clearance, by_r, by_right, by_xi, most_impacts
@@ -765,10 +765,10 @@ contains
       type(change_type), intent(in) :: change
       character(*), intent(in) :: name
       type(line_type) :: special(size(motions)), detail(size(motions)), ends(2)
-      character(name_length), parameter :: names(14) = [character(name_length) :: 'fold', &
+      character(name_length), parameter :: names(15) = [character(name_length) :: 'fold', &
          'pitchfork', 'branch_point', 'flip', 'neimark_sacker', 'grazing', 'zero_approach', &
          'simultaneous', 'rest_vanishes', 'rest_splits', 'stick_begins', 'stick_vanishes', &
-         'contact_vanishes', 'event_vanishes']
+         'contact_vanishes', 'flight_vanishes', 'event_vanishes']
       character(:), allocatable :: text
       real(wp) :: values(size(motions)), phases(size(found%gaps), size(motions)), &
          shift(size(motions))
@@ -865,7 +865,7 @@ contains
             if (condition%kind == rest_vanishes) gap = family%rests%gaps(number)
             if (condition%kind == rest_splits) gap = condition%side - structure%channels
             if (any(condition%kind == [stick_begins, stick_vanishes, contact_vanishes, &
-               event_vanishes])) gap = family%rests%gaps(number)
+               flight_vanishes, event_vanishes])) gap = family%rests%gaps(number)
             if (condition%kind == grazing .and. allocated(family%rests%rows)) then
                if (.not. (structure%rubs(max(1, gap)) .or. structure%elastic(max(1, gap)))) gap = &
                   -gap
@@ -894,7 +894,7 @@ contains
          text = 'friction '//whole(gap - 1)
       case (event_vanishes)
          text = 'friction '//whole(gap - 1)//' in event '//whole(number)
-      case (contact_vanishes)
+      case (contact_vanishes, flight_vanishes)
          text = 'stop '//whole(gap - 1)
       case (zero_approach)
          text = 'impact '//whole(number)

@@ -1,8 +1,8 @@
 !> The standard names of the conditions that bound the motions of a branch or a zone.
 module vi_condition_names
-   use vi_motion_family, only: contact_vanishes, edge, event_vanishes, events_meet, flip, fold, &
-      grazing, joint, neimark_sacker, repetition, rest_splits, rest_vanishes, stick_begins, &
-      stick_vanishes, together, zero_approach
+   use vi_motion_family, only: contact_vanishes, edge, event_vanishes, events_meet, &
+      flight_vanishes, flip, fold, grazing, joint, neimark_sacker, repetition, rest_splits, &
+      rest_vanishes, stick_begins, stick_vanishes, together, zero_approach
    implicit none (type, external)
    private
 
@@ -54,6 +54,8 @@ contains
          name = 'stick_vanishes'
       case (contact_vanishes)
          name = 'contact_vanishes'
+      case (flight_vanishes)
+         name = 'flight_vanishes'
       case (events_meet)
          name = 'simultaneous'
       case (event_vanishes)

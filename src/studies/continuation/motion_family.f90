@@ -29,9 +29,10 @@ module vi_motion_family
    integer, parameter, public :: rest_splits = 10
 
    !> With friction and stops: friction that changes its sense begins to stick, or time between two
-   !! events falls to zero, of which the first may begin a stick or a contact that the other ends.
+   !! events falls to zero, of which the first may begin a stick or a contact that the other ends,
+   !! or end a contact with the stop that the other touches.
    integer, parameter, public :: stick_begins = 11, stick_vanishes = 12, contact_vanishes = 13, &
-      events_meet = 14
+      events_meet = 14, flight_vanishes = 16
 
    !> With friction: the speed or force that brings a halt or a slip about only touches its limit.
    integer, parameter, public :: event_vanishes = 15

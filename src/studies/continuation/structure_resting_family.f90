@@ -16,14 +16,14 @@ module vi_structure_resting_family
    use vi_lapack_routines, only: geev
    use vi_linear, only: most
    use vi_motion_family, only: at_fault, condition_type, contact_vanishes, coordinates_type, &
-      edge, event_vanishes, events_meet, flip, fold, grazing, motion_family_type, neimark_sacker, &
-      parameters_at, repetition, rest_splits, rest_vanishes, set_differences, stick_begins, &
-      stick_vanishes, zero_approach
+      edge, event_vanishes, events_meet, flight_vanishes, flip, fold, grazing, &
+      motion_family_type, neimark_sacker, parameters_at, repetition, rest_splits, rest_vanishes, &
+      set_differences, stick_begins, stick_vanishes, zero_approach
    use vi_orbit, only: n_parameters
    use vi_spectrum, only: outside_circle, spectrum_type
    use vi_structure_family, only: numbers_of
-   use vi_structure_rests, only: course_type, first, follow_period, monodromy, release, &
-      rests_type, segment_type, switch, unit_of_row
+   use vi_structure_rests, only: course_type, first, follow_period, follows_itself, monodromy, &
+      release,       rests_type, segment_type, switch, unit_of_row
    use vi_structure_touches, only: least_gap, rows_at, touch_value, wide
    implicit none (type, external)
    private
@@ -404,7 +404,7 @@ contains
             if (.not. halts_or_slips(family, symbol)) value = course%excess(symbol)
          case (event_vanishes)
             value = course%excess(symbol)
-         case (stick_vanishes, contact_vanishes, events_meet)
+         case (stick_vanishes, contact_vanishes, flight_vanishes, events_meet)
             i = findloc(course%segments(:course%parts)%symbol, symbol, dim=1)
             value = course%run%load%frequency*course%segments(i)%duration
          case (rest_vanishes)
@@ -571,8 +571,11 @@ contains
          ! the last symbol is the event that begins the period, or its mirror image
          if (next == 1) gap = s%first_gap
          if (gap /= s%gaps(next) .or. (symbol == next .and. .not. s%halved)) return
-         if (any(s%closed(modulo(symbol, size(s%kinds)))%set == gap)) kind = merge( &
-            stick_vanishes, contact_vanishes, s%path%structure%rubs(gap))
+         if (any(s%closed(modulo(symbol, size(s%kinds)))%set == gap)) then
+            kind = merge(stick_vanishes, contact_vanishes, s%path%structure%rubs(gap))
+         else if (s%path%structure%elastic(gap) .and. follows_itself(s, next)) then
+            kind = flight_vanishes
+         end if
       end associate
    end function end_of
 

@@ -12,8 +12,9 @@
 !! So the equations stay smooth where a gap is touched during a flight, where an approach speed
 !! falls to zero and where a contact force touches zero before its release. An accumulation that
 !! just fails to complete is still treated as complete, at the impact that comes nearest to that.
-!! Between two switches of one row its mean rate is zero instead of its second value: so a contact
-!! that becomes infinitely short and then negative is followed as well.
+!! Between two switches of one row its mean rate is zero instead of its second value: so a contact,
+!! or a flight between two contacts, that becomes infinitely short and then negative is followed as
+!! well. If all events are switches of one row, it is at its limit after the longest interval.
 !!
 !! Without restitution (R = 0) the first impact of an accumulation is also the last one.
 !!
@@ -39,7 +40,7 @@ module vi_structure_rests
    implicit none (type, external)
    private
 
-   public :: follow_period, monodromy, symbols_to_state, unit_of_row
+   public :: follow_period, follows_itself, monodromy, symbols_to_state, unit_of_row
 
    !> Kinds of symbols: an impact, the first impact of an accumulation, a release, a switch.
    integer, parameter, public :: single = 1, first = 2, release = 3, switch = 4
@@ -112,6 +113,10 @@ module vi_structure_rests
       real(wp), allocatable :: begins(:)
       !> (2n) The rate of the state at the start by the load phase, in units of the family.
       real(wp), allocatable :: flow(:)
+      !> The symbol that is at its limit by itself although it follows another of its row, or 0; and
+      !! the derivatives of the value of the first symbol, whose mean rate depends on the start.
+      integer :: level = 0
+      real(wp), allocatable :: first_slopes(:)
       !> The longest duration of a flight, and the scale with which a negative one is compared.
       real(wp) :: longest = 0, whole = 0
       !> The flights and rests in order.
@@ -205,6 +210,7 @@ contains
       here%phase = s%begin_of(unknowns)
       here%symbol = m
       here%begins = s%first_gap
+      call choose_level(s, unknowns, course%level)
       here%column = 2*n + 1
       associate (regime => course%run%regimes(here%regime))
          allocate (here%x(size(regime%xq, 1)), here%v(size(regime%xq, 1)), here%d(2*size( &
@@ -291,6 +297,7 @@ contains
       here%phase = phases(symbol)
       here%symbol = symbol
       here%begins = s%gaps(symbol)
+      course%level = 0
       associate (regime => course%run%regimes(here%regime))
          allocate (here%x(size(regime%xq, 1)), here%v(size(regime%xq, 1)), here%d(2*size( &
             regime%xq, 1), 0))
@@ -576,7 +583,8 @@ contains
             by(column) = by(column) + d(1)/frequency
             if (symbol == size(s%kinds)) by(size(by)) = d(1)/frequency
          end if
-         if (.not. follows_itself(s, symbol)) then
+         if (symbol == 1) course%first_slopes = by/unit
+         if (.not. follows_itself(s, symbol) .or. symbol == course%level) then
             course%residuals(equation) = (d(0) - limit)/unit
             if (size(by) > 0) course%slopes(:, equation) = by/unit
          else
@@ -685,19 +693,46 @@ contains
       end associate
    end subroutine find_excess
 
-   !> Whether a switch concerns the same row and limit as the one before it; one of them all has to
-   !! be at its limit by itself.
+   !> Whether a switch concerns the same row and limit as the one before it; the one before the
+   !! first is the event that begins the period.
    pure logical function follows_itself(s, symbol) result(does)
       !> The family.
       type(rests_type), intent(in) :: s
       !> The switch.
       integer, intent(in) :: symbol
+      integer :: before, gap
 
-      does = symbol > 1
-      if (does) does = s%kinds(symbol - 1) == switch .and. s%rows(symbol - 1) == s%rows(symbol) &
-         .and. s%gaps(symbol - 1) == s%gaps(symbol) .and. s%rows(symbol) <= &
-         s%path%structure%channels
+      before = modulo(symbol - 2, size(s%kinds)) + 1
+      gap = s%gaps(before)
+      ! that event is the last symbol, or its mirror image
+      if (symbol == 1) gap = s%first_gap
+      does = s%kinds(before) == switch .and. gap == s%gaps(symbol) .and. &
+         s%rows(symbol) <= s%path%structure%channels
+      if (.not. does) return
+      does = s%rows(before) == s%rows(symbol)
+      if (gap /= s%gaps(before)) does = all(s%rows([before, symbol]) == &
+         s%path%structure%channel([s%gaps(before), gap]))
    end function follows_itself
+
+   !> The symbol that is at its limit by itself if all others have mean rates: after the longest
+   !! interval, since no interval may be one whose duration passes zero.
+   pure subroutine choose_level(s, unknowns, level)
+      !> The family.
+      type(rests_type), intent(in) :: s
+      !> As in `follow_period`.
+      real(wp), intent(in) :: unknowns(:)
+      !> The symbol; 0 where there is no need of one.
+      integer, intent(out) :: level
+      real(wp) :: phases(0:size(s%kinds))
+      integer :: i, m
+
+      level = 0
+      m = size(s%kinds)
+      if (any(s%kinds /= switch)) return
+      if (.not. all([(follows_itself(s, i), i=1, m)])) return
+      phases = [s%begin_of(unknowns), unknowns(size(unknowns) - m + 2:), s%end_of_turn(unknowns)]
+      level = maxloc(phases(1:) - phases(:m - 1), dim=1)
+   end subroutine choose_level
 
    !> The unit of a row: of a position, of a speed of friction, or of a force.
    pure real(wp) function unit_of_row(s, structure, row, number, frequency) result(unit)
@@ -1070,13 +1105,19 @@ contains
       allocate (by(m, n), events(m, m))
       by = transpose(course%slopes(:n, n + moves))
       events = transpose(course%slopes(n + 1 + moves, n + moves))
+      if (moves(1) == 1 .and. s%kinds(1) == switch) then
+         ! a state from which the period is disturbed need not be at the limit
+         by(1, :) = course%first_slopes(:n)
+         events(1, :) = course%first_slopes(n + 1 + moves)
+      end if
       call solve_columns(events, by, status)
       good = status == stat%ok
       if (good) p = p - matmul(transpose(course%slopes(n + 1 + moves, :n)), by)
    end subroutine monodromy
 
-   !> Whether a symbol begins or ends a contact with a stop that has vanished. Its instants have no
-   !! derivative, but what a small contact changes is of the order of its duration.
+   !> Whether a symbol begins or ends a contact with a stop, or a flight between two of them, that
+   !! has vanished. Its instants have no derivative, but unless the force jumps, what a small
+   !! interval changes is of the order of its duration.
    pure logical function is_vanishing(s, course, symbol)
       !> The family.
       type(rests_type), intent(in) :: s
@@ -1084,17 +1125,20 @@ contains
       type(course_type), intent(in) :: course
       !> The symbol.
       integer, intent(in) :: symbol
-      !> The longest contact that counts as none, over the shortest time scale of its regime.
+      !> The longest interval that counts as none, over the shortest time scale of its regime.
       real(wp), parameter :: none = 1.0e-6_wp
-      integer :: i
+      integer :: before, i, next
 
       is_vanishing = .false.
       if (.not. allocated(s%rows)) return
-      do i = max(1, symbol - 1), min(symbol, size(s%kinds) - 1)
-         if (s%gaps(i) /= s%gaps(i + 1) .or. any(s%kinds(i:i + 1) /= switch)) cycle
-         if (.not. course%run%structure%elastic(s%gaps(i))) cycle
-         if (all(s%closed(i)%set /= s%gaps(i))) cycle
-         associate (part => course%segments(findloc(course%segments(:course%parts)%symbol, i, 1)))
+      do i = symbol - 1, symbol
+         before = modulo(i - 1, size(s%kinds)) + 1
+         next = modulo(before, size(s%kinds)) + 1
+         if (s%kinds(next) /= switch .or. .not. follows_itself(s, next)) cycle
+         if (.not. course%run%structure%elastic(s%gaps(next))) cycle
+         if (abs(course%run%structure%laws(s%gaps(next))%numbers(3)) > 0) cycle
+         associate (part => course%segments(findloc(course%segments(:course%parts)%symbol, &
+            before, 1)))
             is_vanishing = is_vanishing .or. abs(part%duration) < none* &
                course%run%regimes(part%regime)%unit
          end associate

@@ -9,7 +9,8 @@ module vi_structure_start
    use vi_columns, only: solve_columns
    use vi_linear, only: most
    use vi_motion, only: no, unknown, yes
-   use vi_motion_family, only: condition_type, edge, event_vanishes, neimark_sacker, zero_approach
+   use vi_motion_family, only: condition_type, contact_vanishes, edge, event_vanishes, &
+      flight_vanishes, neimark_sacker, zero_approach
    use vi_orbit, only: family_type, most_impacts, n_parameters
    use vi_pattern, only: pattern_type
    use vi_responses, only: offset_pairs
@@ -870,7 +871,7 @@ contains
                verdicts%admissible = yes
             end if
             if (condition%kind == zero_approach) return
-            if (condition%kind == event_vanishes) then
+            if (condition%kind == event_vanishes .or. is_touch_with_preload(s, condition)) then
                ! the instant of the event has no derivative
                i = verdicts%admissible
                call without_derivative(verdicts)
@@ -899,6 +900,18 @@ contains
          end associate
       end associate
    end subroutine resting_motion
+
+   !> Whether a stop with a preload is only just touched, or left: its force jumps there, and a
+   !! multiplier is infinite, as where a rigid wall is only just touched.
+   pure logical function is_touch_with_preload(s, condition) result(is_one)
+      !> The family.
+      type(rests_type), intent(in) :: s
+      !> The condition that is zero; kind 0 if none.
+      type(condition_type), intent(in) :: condition
+
+      is_one = condition%kind == contact_vanishes .or. condition%kind == flight_vanishes
+      if (is_one) is_one = abs(s%path%structure%laws(s%gaps(condition%index))%numbers(3)) > 0
+   end function is_touch_with_preload
 
    !> Adds the second half of a motion that is its own mirror image, by its events and extremes.
    pure subroutine add_image(s, motion, extremes)
