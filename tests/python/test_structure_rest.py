@@ -541,3 +541,47 @@ def test_contacts_whose_forces_vanish_together_with_those_of_a_record(step):
     assert run.events["time"] == pytest.approx([step / 2] * 2, abs=1e-12)
     q = run.sample(0.9 * step)[0]
     assert q[0] < q[1] < 0
+
+
+@pytest.mark.parametrize("many", [None, 8, 12, 20])
+def test_phases_of_an_accumulation(many):
+    """All impacts before a rest, or the first of them, are no guess of a motion without rest: `exact` recognises
+    the accumulation, and returns the motion of the simulation from which they were taken."""
+    one_wall = (
+        vi.Structure([1.0], [0.1], [1.0], [vi.Gap([1.0], 0.2, 0.4)]),
+        vi.Load(0.5, cosine=[1]),
+    )
+    for s, load in (one_wall, unequal_walls()):
+        settled = vi.exact(s, load, vi.simulate(s, load, cycles=4, discard=200))
+        assert len(settled.rests) == 1
+        # the last one of two walls is on the other wall
+        kept = np.r_[: len(settled.gaps) if many is None else many]
+        if many and settled.gaps[-1] != settled.gaps[0]:
+            with pytest.raises(SingularError, match="accumulate"):
+                vi.exact(s, load, (settled.phases[kept], settled.gaps[kept]))
+            kept = np.append(kept, -1)
+        found = vi.exact(s, load, (settled.phases[kept], settled.gaps[kept]))
+        for name in ("gap", "begin", "end"):
+            assert found.rests[name] == pytest.approx(settled.rests[name], abs=1e-9)
+        assert found.phases[:6] == pytest.approx(settled.phases[:6], abs=1e-9)
+        assert found.states[:6] == pytest.approx(settled.states[:6], abs=1e-9)
+        with pytest.raises(
+            SingularError, match=r"accumulate, so the motion rests there.* use a sim"
+        ):
+            vi.exact(s, load, (settled.phases[kept] + 0.5, settled.gaps[kept]))
+
+
+def test_phases_of_an_accumulation_of_an_oscillator():
+    osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
+    events = vi.simulate(osc, 0.9, 6.0, cycles=1, discard=200).events
+    impacts = events[events["kind"] == "impact"][:24]
+    guess = 0.9 * impacts["time"], vi.Pattern("".join(impacts["side"]))
+    with pytest.raises(SingularError, match="the impacts 1 to 23 on wall L accumulate"):
+        vi.exact(osc, 0.9, 6.0, guess)
+
+
+def test_phases_that_do_not_accumulate():
+    """A guess that does not converge, without impacts that follow each other ever faster."""
+    s, load = unequal_walls()
+    with pytest.raises(SingularError, match="did not converge"):
+        vi.exact(s, load, ([0.1, 0.5, 0.9, 1.3, 4.0], [0, 0, 0, 0, 1]))

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core
 from ..base import checks
-from ..base.errors import ParameterError, ParameterTypeError
+from ..base.errors import ParameterError, ParameterTypeError, SingularError
 from ..base.interrupt import with_stack
 from ..base.status import MORE_EVENTS, SHORTER_PERIOD, SYMMETRIC, raise_status
 from ..results import door
@@ -38,6 +38,9 @@ MOST_ITERATIONS = 50
 REST_EVENTS = (200, 20_000)
 #: Relative distance at which motions count as the same, as in the core.
 ALIKE = 1e-6
+#: Load cycles that are simulated for a motion with rest from q = 0, and how far its impacts may be from those of
+#: the guess, in load phase.
+SETTLING, NEAR = 500, 0.05
 
 
 def _guess_by_gaps(given: dict[str, Any]) -> None:
@@ -102,8 +105,92 @@ def exact_structure(
             f"guess = {guess!r}: must be a Motion, a Trajectory, (phases, gaps) or (phases, gaps, cycles)"
         )
     numbers, phases, cycles = gap_pattern(structure, load, phases, gaps, cycles)
-    found = motion_from_phases(structure, load, numbers, phases, cycles, EXACT)
-    return of_same_kind(found, guess) if isinstance(guess, Motion) else found
+    if isinstance(guess, Motion):
+        return of_same_kind(
+            motion_from_phases(structure, load, numbers, phases, cycles, EXACT), guess
+        )
+    chain = accumulation(numbers, phases, cycles)
+    try:
+        found = motion_from_phases(structure, load, numbers, phases, cycles, EXACT)
+        # impacts without approach speed solve the equations of an accumulation, too
+        if chain is None or found.admissible or not np.isnan(found.multipliers).any():
+            return found
+    except SingularError:
+        if chain is None:
+            raise
+    return resting_motion(structure, load, numbers, phases, cycles, chain)
+
+
+def accumulation(
+    labels: NDArray[np.int32], phases: NDArray[np.float64], cycles: int
+) -> tuple[int, int] | None:
+    """Index of the first and last impact of a series on one gap or wall that follow each other ever faster; None
+    if there is none."""
+    n = len(labels)
+    time = np.diff(np.append(phases, phases[0] + 2 * np.pi * cycles))
+    for last in range(n):
+        flight = last - 1  # before the last impact
+        while (
+            last - flight < n - 1
+            and labels[flight % n] == labels[last]
+            and labels[(flight - 1) % n] == labels[last]
+            and time[(flight - 1) % n] > time[flight % n]
+        ):
+            flight -= 1
+        # four flights at least, the last of which is much shorter than the first
+        if (
+            last - flight > 3
+            and labels[flight % n] == labels[last]
+            and time[(last - 1) % n] < 0.1 * time[flight % n]
+            and time[last] > time[flight % n]
+        ):
+            return flight % n, last
+    return None
+
+
+def resting_motion(
+    structure: Structure, load: Load, numbers: NDArray[np.int32], phases: NDArray[np.float64],
+    cycles: int, chain: tuple[int, int],
+) -> Motion:  # fmt: skip
+    """The motion with rest on which a simulation from q = 0 settles, if its impacts are those of a guess."""
+    still = np.zeros(structure.coordinates)
+    try:
+        found = settled(structure, load, 0.0, (still, still), SETTLING, cycles=cycles)
+    except (ParameterError, SingularError):
+        raise rests_after(chain, f"gap {numbers[chain[1]]}") from None
+    turn = 2 * np.pi * cycles
+    off = np.subtract.outer(phases, found.phases) + turn / 2
+    off = np.abs(np.mod(off, turn) - turn / 2)
+    off[numbers[:, None] != found.gaps] = turn
+    # the number of the last impacts of an accumulation depends on rounding
+    sure = [alone(phases, turn), alone(found.phases, turn)]
+    sure[0][chain[0]] = True
+    # nor need the guess have all of them
+    for gap, begin in found.rests[["gap", "begin"]].tolist():
+        left = np.mod(begin - np.array([phases[chain[1]], *found.phases]) + NEAR, turn)
+        sure[1] &= (found.gaps != gap) | (left[1:] > left[0])
+    if (
+        len(found.rests)
+        and (off.min(axis=1)[sure[0]] < NEAR).all()
+        and (off.min(axis=0)[sure[1]] < NEAR).all()
+    ):
+        return found
+    raise rests_after(chain, f"gap {numbers[chain[1]]}")
+
+
+def alone(phases: NDArray[np.float64], turn: float) -> NDArray[np.bool_]:
+    """Which impacts are not near another one of the same motion."""
+    flights = np.diff(np.append(phases, phases[0] + turn))
+    return np.minimum(flights, np.roll(flights, 1)) > 2 * NEAR
+
+
+def rests_after(chain: tuple[int, int], place: str) -> SingularError:
+    """The error of a guess whose impacts accumulate."""
+    return SingularError(
+        f"guess: the impacts {chain[0]} to {chain[1]} on {place} accumulate, so the motion rests there, which "
+        "phases of impacts do not describe; use a simulation on it, or a motion with rest at other parameters, as "
+        "the guess"
+    )
 
 
 def self_excited(structure: Structure, load: Load | None, guess: Motion | Trajectory) -> Motion:
@@ -225,7 +312,9 @@ def exact(
         cycles found at the end of a trajectory (see `Trajectory.period`), the one that repeats most accurately is
         used, because just past a period doubling the shorter period repeats approximately, too. A structure with
         stops or friction, or without a load, needs a motion or a trajectory; without a load the trajectory is
-        continued for its own length once more, and its events must repeat at the end.
+        continued for its own length once more, and its events must repeat at the end. If the impacts of a guess by
+        phases accumulate, the motion on which a structure settles from q = 0 is returned if it has these impacts
+        and rests after them.
     load : float
         As in `simulate`.
 
@@ -241,7 +330,8 @@ def exact(
         periodic.
     SingularError
         If the iteration does not converge, or leads from a motion to one with a shorter period or to one that is
-        its own mirror image: motions like the guess then end at a flip or a pitchfork.
+        its own mirror image: motions like the guess then end at a flip or a pitchfork. If the impacts of a guess
+        by phases accumulate and the motion with rest is not found, the message says so.
 
     Examples
     --------
@@ -312,8 +402,15 @@ def exact(
         raise ParameterTypeError(
             f"guess = {guess!r}: must be a Motion, a Trajectory or a tuple (phases, pattern)"
         )
-    found = newton(osc, r, clearance, load, pattern, x, theta, each, given)
-    return of_same_kind(found, guess) if isinstance(guess, Motion) else found
+    if isinstance(guess, Motion):
+        return of_same_kind(newton(osc, r, clearance, load, pattern, x, theta, each, given), guess)
+    try:
+        return newton(osc, r, clearance, load, pattern, x, theta, each, given)
+    except SingularError:
+        chain = accumulation(pattern.signs, theta, pattern.cycles)
+        if chain is None:
+            raise
+        raise rests_after(chain, f"wall {pattern.sides[chain[1]]}") from None
 
 
 def of_same_kind(found: Motion, guess: Motion) -> Motion:
