@@ -99,6 +99,65 @@ def test_a_continuum_is_only_marginally_stable(b):
         assert abs(motion.multipliers[1]) < 1e-12
 
 
+def wall_of(direction, opening, restitution, mass, stiffness):
+    """A rigid wall, or one with a spring and the dashpot that loses as much."""
+    if stiffness is None:
+        return vi.Gap(direction, opening, restitution)
+    effective = 1 / (direction @ np.linalg.solve(mass, direction))
+    loss = -math.log(restitution)
+    damping = 2 * loss / math.hypot(math.pi, loss) * math.sqrt(stiffness * effective)
+    return vi.Stop(direction, opening, stiffness, damping)
+
+
+def damper(k):
+    """The pair of 1983 with walls of a stiffness."""
+    mass = np.diag([1.0, 0.028])
+    walls = [wall_of(np.array(g), 12.5, 0.75, mass, k) for g in ([-1.0, 1.0], [1.0, -1.0])]
+    return vi.Structure(mass, [0.0228, 0], [1, 0], walls), vi.Load(1.04, sine=[1, 0])
+
+
+def chain(k):
+    """Four masses, the last of which hits a wall."""
+    K = 2 * np.eye(4) - np.eye(4, k=1) - np.eye(4, k=-1)
+    wall = wall_of(np.array([0, 0, 0, 1.0]), 0.6, 0.7, np.eye(4), k)
+    return vi.Structure(np.eye(4), 0.05 * K + 0.02 * np.eye(4), K, [wall]), vi.Load(
+        0.6, cosine=[1, 0, 0, 0]
+    )
+
+
+def beam(k):
+    """A cantilever by four modes, the tip of which hits a wall, five times a cycle."""
+    w = (np.array([1.8751, 4.6941, 7.8548, 10.9955]) / 1.8751) ** 2
+    tip = np.array([2.0, -2, 2, -2])
+    wall = wall_of(tip, 0.8, 0.6, np.eye(4), k)
+    return vi.Structure(np.eye(4), np.diag(0.04 * w), np.diag(w**2), [wall]), vi.Load(
+        0.9, cosine=0.1 * tip
+    )
+
+
+@pytest.mark.parametrize("system", [damper, chain, beam])
+def test_stiff_stops_tend_to_rigid_walls(system):
+    """Multipliers and times of touch converge to those of rigid walls as k^(-1/2), up to a ratio of 1e8."""
+    rigid = settled(*system(None), 400)
+    distances = []
+    for k in (1e6, 1e7, 1e8):
+        stiff = settled(*system(k), 400)
+        assert stiff.admissible
+        assert stiff.stable == rigid.stable
+        assert len(stiff.gaps) == 2 * len(rigid.gaps)
+        assert stiff.determinant == pytest.approx(stiff.law, rel=1e-8)
+        # the touch of a stop is at the time of the impact, and its end half a period of the contact later
+        touch, wall = (np.sort(m.phases % (TURN * m.cycles)) for m in (stiff, rigid))
+        distances.append([
+            np.abs(np.sort(np.abs(stiff.multipliers)) - np.sort(np.abs(rigid.multipliers))).max(),
+            np.abs(touch.reshape(-1, 2).mean(axis=1) - wall).max(),
+        ])  # fmt: skip
+    slopes = np.diff(np.log10(distances), axis=0)
+    # the next term, of the order 1/k, is a tenth as large from 1e7 to 1e8
+    assert slopes[0] == pytest.approx([-0.5, -0.5], abs=0.06)
+    assert slopes[1] == pytest.approx([-0.5, -0.5], abs=0.02)
+
+
 def test_grazing_has_no_verdict():
     """An impact without a speed beside friction: the period has no derivative there."""
     s, load = of_chance(1)
