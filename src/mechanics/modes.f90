@@ -73,7 +73,7 @@ contains
    !> The functions u and w of a pair, and the responses to constant and linearly growing terms:
    !! s2'' + 2 sigma s2' + omega^2 s2 = 1, and s3 the integral of s2.
    elemental subroutine step_functions(stiffness, damping, t, u, w, s2, s3)
-      !> omega^2 >= 0, sigma >= 0, and the time t >= 0.
+      !> omega^2 >= 0, sigma >= 0, and the time t, which may be negative.
       real(wp), intent(in) :: stiffness, damping, t
       !> x from x = 1, and x from v = 1.
       real(wp), intent(out) :: u, w
@@ -91,7 +91,7 @@ contains
          w = t
       else if (square > 0) then
          w = t
-         if (rate*t > 1.0e-8_wp) w = sin(rate*t)/rate
+         if (abs(rate*t) > 1.0e-8_wp) w = sin(rate*t)/rate
          u = cos(rate*t) + damping*w
          if (damping > 0) then
             shrink = exp(-damping*t)
@@ -110,9 +110,9 @@ contains
       if (.not. fast > 0 .and. .not. stiffness > 0) then
          s2 = 0.5_wp*t**2
          s3 = t**3/6
-      else if (max(sqrt(stiffness), 2*damping)*t < 0.5_wp) then
+      else if (max(sqrt(stiffness), 2*damping)*abs(t) < 0.5_wp) then
          call short_responses(stiffness, damping, t, s2, s3)
-      else if (fast > 0 .and. (rate*t > 0.25_wp .or. stiffness*t**2 < 0.05_wp)) then
+      else if (fast > 0 .and. (rate*abs(t) > 0.25_wp .or. stiffness*t**2 < 0.05_wp)) then
          ! 1 - u would lose digits where the stiffness is small
          s2 = t*(mean_decay(slow*t) - mean_decay(fast*t))/(2*rate)
          s3 = t**2*(mean_lag(slow*t) - mean_lag(fast*t))/(2*rate)
@@ -140,10 +140,10 @@ contains
 
    !> (1 - exp(-z))/z, the mean of exp(-z) from 0 to z.
    elemental real(wp) function mean_decay(z)
-      !> z >= 0.
+      !> The argument.
       real(wp), intent(in) :: z
 
-      if (z > 0.5_wp) then
+      if (abs(z) > 0.5_wp) then
          mean_decay = (1 - exp(-z))/z
       else
          mean_decay = power_series(z, 1)
@@ -152,17 +152,17 @@ contains
 
    !> (1 - mean_decay(z))/z.
    elemental real(wp) function mean_lag(z)
-      !> z >= 0.
+      !> The argument.
       real(wp), intent(in) :: z
 
-      if (z > 0.5_wp) then
+      if (abs(z) > 0.5_wp) then
          mean_lag = (1 - (1 - exp(-z))/z)/z
       else
          mean_lag = power_series(z, 2)
       end if
    end function mean_lag
 
-   !> The sum of (-z)^i/(i + first)! over i >= 0, for z up to 0.5.
+   !> The sum of (-z)^i/(i + first)! over i >= 0, for |z| up to 0.5.
    elemental real(wp) function power_series(z, first) result(total)
       !> The argument.
       real(wp), intent(in) :: z
@@ -197,12 +197,12 @@ contains
          s3 = s3 + c
          s2 = s2 + i*c
          ! each further term is below half the sum of the last two over i
-         if (abs(c) + abs(before) <= 0.25_wp*epsilon(1.0_wp)*s2) exit
+         if (abs(c) + abs(before) <= 0.25_wp*epsilon(1.0_wp)*abs(s2)) exit
          last = c
          c = (-2*damping*c - stiffness*before*(t*inverse(i)))*(t*inverse(i + 1))
          before = last
       end do
-      if (t > 0) s2 = s2/t
+      if (abs(t) > 0) s2 = s2/t
    end subroutine short_responses
 
    !> Completes pairs by what follows from their constants.
@@ -240,7 +240,7 @@ contains
    pure subroutine advance(modes, t, x, v, x_new, v_new)
       !> The pairs.
       type(modes_type), intent(in) :: modes
-      !> Time.
+      !> Time; a negative one goes back.
       real(wp), intent(in) :: t
       !> (n) At the start.
       real(wp), contiguous, intent(in) :: x(:), v(:)
@@ -248,7 +248,7 @@ contains
       real(wp), contiguous, intent(out) :: x_new(:), v_new(:)
       integer :: i, k
 
-      if (.not. (modes%abreast .and. modes%fastest*t <= largest_angle)) then
+      if (.not. (modes%abreast .and. t >= 0 .and. modes%fastest*t <= largest_angle)) then
          do k = 1, size(x)
             call advance_pair(modes, k, t, x(k), v(k), x_new(k), v_new(k))
          end do
@@ -327,7 +327,7 @@ contains
          case (undamped, damped)
             angle = turn*t
             w = t
-            if (angle > 1.0e-8_wp) w = sin(angle)/turn
+            if (abs(angle) > 1.0e-8_wp) w = sin(angle)/turn
             u = cos(angle)
             if (modes%kind(k) == damped) then
                shrink = exp(-damping*t)

@@ -222,6 +222,13 @@ contains
       call advance_in_place(modes, t, x_wide, v_wide)
       call check(all(transfer(x_wide, [0]) == transfer(x_now, [0])) .and. &
          all(transfer(v_wide, [0]) == transfer(v_now, [0])), 'advance: in place')
+      t = min(t, 1/(1.0e-3_wp + maxval(modes%damping)))
+      call advance(modes, t, x, v, x_now, v_now)
+      call advance(modes, -t, x_now, v_now, x_wide, v_wide)
+      scale = 1 + t*(1 + t)
+      scale = scale*(1 + sqrt(maxval(modes%stiffness))*(1 + sqrt(maxval(modes%stiffness))*t))
+      call check(maxval(abs(x_wide - x)) < 100*epsilon(t)*scale .and. &
+         maxval(abs(v_wide - v)) < 100*epsilon(t)*scale, 'advance: there and back')
       if (runs_wide() == 0) return
       t = min(t, 1.0e3_wp)
       call advance_pairs(n, modes%turning, t, modes%turn, modes%damping, modes%stiffness, x, v, &

@@ -339,9 +339,9 @@ contains
       end subroutine expect
    end subroutine test_refusals
 
-   !> Responses of a pair to a unit state, a constant and a growing force, against the exponential
-   !! of the matrix: undamped, damped, critical, over-damped, with a small or tiny stiffness beside
-   !! damping, and without stiffness.
+   !> Responses of a pair to a unit state, a constant and a growing force, also back in time,
+   !! against the exponential of the matrix: undamped, damped, critical, over-damped, with a small
+   !! or tiny stiffness beside damping, and without stiffness.
    subroutine test_responses()
       ! frequencies, and decay rates
       real(wp), parameter :: pairs(2, 14) = reshape([1.0_wp, 0.0_wp, 1.0_wp, 0.1_wp, 1.0_wp, &
@@ -364,15 +364,27 @@ contains
             if (j == 41) t = 0.25_wp/max(sigma, 0.1_wp)
             a(2, 1) = -omega**2
             a(2, 2) = -2*sigma
-            call step_functions(omega**2, sigma, t, u, w, s2, s3)
-            ! x, v, and a force that grows from 0
-            e = exponential(a, t)
-            call check_close(u, e(1, 1), 1.0e-11_wp*(1 + t), 'responses: of x')
-            call check_close(w, e(1, 2), 1.0e-11_wp*(1 + t), 'responses: of v')
-            call check_close(s2, e(1, 3), 1.0e-11_wp*(1 + t**2), 'responses: to a force')
-            call check_close(s3, e(1, 4), 1.0e-11_wp*(1 + t**3), 'responses: to a growing force')
+            call expect(t)
+            ! back in time, over which motions grow by at most exp(2 sigma t)
+            call expect(-min(t, 3/(0.1_wp + sigma)))
          end do
       end do
+   contains
+      !> The responses after a time.
+      subroutine expect(t)
+         real(wp), intent(in) :: t
+         real(wp) :: size
+
+         call step_functions(omega**2, sigma, t, u, w, s2, s3)
+         ! x, v, and a force that grows from 0
+         e = exponential(a, t)
+         size = max(1.0_wp, exp(-2*sigma*t))
+         call check_close(u, e(1, 1), 1.0e-11_wp*(1 + abs(t))*size, 'responses: of x')
+         call check_close(w, e(1, 2), 1.0e-11_wp*(1 + abs(t))*size, 'responses: of v')
+         call check_close(s2, e(1, 3), 1.0e-11_wp*(1 + t**2)*size, 'responses: to a force')
+         call check_close(s3, e(1, 4), 1.0e-11_wp*(1 + abs(t)**3)*size, &
+            'responses: to a growing force')
+      end subroutine expect
    end subroutine test_responses
 
 end module mechanics_structure
