@@ -562,6 +562,7 @@ contains
       end do
       slowest = huge(slowest)
       do i = 1, size(run%regimes)
+         if (.not. allocated(run%regimes(i)%closed)) exit
          associate (modes => run%regimes(i)%modes)
             do j = 1, size(modes%damping)
                ! rounding alone damps nothing

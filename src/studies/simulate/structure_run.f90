@@ -38,6 +38,7 @@ module vi_structure_run
    type, public :: run_type
       type(structure_type) :: structure
       type(load_type) :: load
+      !> The regimes, and room for more, of which `closed` is not allocated.
       type(regime_type), allocatable :: regimes(:)
       !> The unit of `cycle`: the period of the load, the time between the samples of a record, or
       !! 1.
@@ -1052,17 +1053,21 @@ contains
       status = stat%ok
       n = size(run%regimes)
       do number = 1, n
+         if (.not. allocated(run%regimes(number)%closed)) exit
          associate (known => run%regimes(number)%closed)
             if (size(known) /= size(set)) cycle
             if (all(known == set)) return
          end associate
       end do
-      allocate (more(n + 1))
-      more(:n) = run%regimes
-      call new_regime(run%structure, run%load, set, more(n + 1), status, searched)
+      if (number > n) then
+         ! all of them are copied, so there is room for several more
+         allocate (more(2*n + 6))
+         more(:n) = run%regimes
+         call move_alloc(more, run%regimes)
+      end if
+      call new_regime(run%structure, run%load, set, run%regimes(number), status, searched)
       ! one that failed is incomplete
-      if (status /= stat%ok) return
-      call move_alloc(more, run%regimes)
+      if (status /= stat%ok) deallocate (run%regimes(number)%closed)
    end subroutine find_regime
 
    !> Simulates to a time, or until the list of events is full.
