@@ -368,3 +368,59 @@ def test_multipliers_are_those_of_an_independent_program(seeds, share):
         assert found == pytest.approx([np.trace(P), np.trace(P @ P)], abs=1e-6, rel=1e-6)
         judged += 1
     assert judged >= len(seeds) / 3
+
+
+CANTILEVER = np.array([1.8751040687, 4.6940911330, 7.8547574382])
+
+
+def pair():
+    """The damper of 1983 with one rigid wall."""
+    gaps = [[-1.0, 1.0], [1.0, -1.0]]
+    return vi.Structure([1, 0.028], [0.0228, 0], [1, 0]), gaps, [12.5, 12.5], 0.75, 1.04, [1.0, 0.0]
+
+
+def chain():
+    """Three masses between springs, the last one against a wall."""
+    stiffness = np.array([[2.0, -1, 0], [-1, 2, -1], [0, -1, 1]])
+    s = vi.Structure([1.0, 1.0, 1.0], 0.08 * stiffness, stiffness)
+    return s, [[0.0, 0, 1]], [1.2], 0.7, 0.5, [0.0, 0, 1.0]
+
+
+def beam():
+    """Three modes of a cantilever, the tip of which meets a wall; mode shapes are +-2 there."""
+    tip = np.array([2.0, -2.0, 2.0])
+    frequencies = (CANTILEVER / CANTILEVER[0]) ** 2
+    s = vi.Structure([1.0, 1, 1], 2 * 0.05 * frequencies, frequencies**2)
+    return s, [tip], [1.0], 0.7, 0.9, 0.2 * tip
+
+
+@pytest.mark.parametrize("system", [pair, chain, beam])
+def test_stiff_stops_are_walls(system):
+    """For the same R, phases, speeds and multipliers tend to those of rigid walls as k^(-1/2)."""
+    bare, directions, openings, R, frequency, force = system()
+    load = vi.Load(frequency, sine=force)
+    ratio = -math.log(R) / math.hypot(math.pi, math.log(R))
+
+    def motion_of(parts):
+        s = vi.Structure(bare.mass, bare.damping, bare.stiffness, parts)
+        motion = settled(s, load, 800)
+        assert motion.stable
+        turn = motion.phases % (TURN * motion.cycles)
+        return motion, turn
+
+    pairs = list(zip(directions, openings, strict=True))
+    rigid, at = motion_of([vi.Gap(g, opening, R) for g, opening in pairs])
+    away = []
+    for k in (4e6, 1e8):
+        stops = []
+        for g, opening in pairs:
+            effective = 1 / (np.array(g) @ np.linalg.solve(bare.mass, g))
+            stops.append(vi.Stop(g, opening, k, 2 * ratio * math.sqrt(k * effective)))
+        motion, turn = motion_of(stops)
+        assert len(motion.gaps) == 2 * len(rigid.gaps)
+        nearest = [np.abs(np.exp(1j * turn) - np.exp(1j * phase)).argsort()[:2] for phase in at]
+        touches = [places[motion.speeds[places].argmax()] for places in nearest]
+        changes = [turn[touches] - at, motion.speeds[touches] - rigid.speeds]
+        moduli = [np.sort(np.abs(one.multipliers)) for one in (motion, rigid)]
+        away.append(math.sqrt(k) * np.concatenate([*changes, moduli[0] - moduli[1]]))
+    assert away[0] == pytest.approx(away[1], rel=0.05, abs=0.02 * np.abs(away[1]).max())
