@@ -47,11 +47,24 @@ def slip_of(damping, mass, slip, stick, speed):
     return at, start, w
 
 
+def fastest_slip(damping, mass=1.0, slip=0.6, stick=1.0, speed=0.2):
+    """When the slip is fastest after it has turned round, and its speed: at the second zero of y'', in closed
+    form."""
+    at, start, w = slip_of(damping, mass, slip, stick, speed)
+    # y'' = e^(-sigma t) (first cos wt + second sin wt)
+    first = (slip - start - damping * speed) / mass
+    second = -(speed + 0.5 * damping * first) / (mass * w)
+    time = (math.atan2(-first, second) % math.pi + math.pi) / w
+    return time, at(time)[1]
+
+
 def matched_period(damping, mass=1.0, slip=0.6, stick=1.0, speed=0.2):
     """The time of a slip, from where the spring overcomes the stick level to where the mass is as fast as the belt
     again, in closed form with a bisection, and that in which the belt then carries the mass back."""
     at, start, w = slip_of(damping, mass, slip, stick, speed)
-    low, high = 0.5 * math.pi / w, 2 * math.pi / w  # it comes back after more than half a vibration
+    # between its turn and its greatest speed it becomes ever faster
+    high = fastest_slip(damping, mass, slip, stick, speed)[0]
+    low = high - math.pi / w
     for _ in range(100):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if at(middle)[1] < speed else (low, middle)
@@ -181,6 +194,79 @@ def test_a_halt_vanishes():
     assert max(at(time)[1] for time in near) == pytest.approx(0.2, abs=1e-11)
     with pytest.raises(vi.SingularError, match="a motion without impacts"):
         self_excited(bow(end.value + 1e-3))
+
+
+PLANE = ("speed", (0.05, 0.6)), ("damping_0_0", (0.01, 0.6))
+
+
+@pytest.fixture(scope="module")
+def squeal():
+    """Where the mass on the belt squeals, over the speed of the belt and the damping."""
+    return vi.zone(self_excited(bow(0.05)), *PLANE, lines=7)
+
+
+def test_zone_in_closed_form(squeal, tmp_path):
+    """It ends where the fastest slip is just as fast as the belt. The periods along it are those of the closed form,
+    and its motions those of simulations."""
+    assert squeal.closed
+    assert squeal.self_excited
+    assert {piece.type for piece in squeal.boundary} == {"window", "event_vanishes"}
+    assert squeal.load.frequency
+    for piece in squeal.boundary:
+        for i in range(0, len(piece), 10):
+            x, y = float(piece.x[i]), float(piece.y[i])
+            if piece.type == "event_vanishes":
+                assert fastest_slip(y, speed=x)[1] == pytest.approx(x, rel=1e-10)
+            else:
+                assert piece.period[i] == pytest.approx(matched_period(y, speed=x), rel=1e-11)
+    assert piece.phases[-1] == pytest.approx([2 * math.pi] * len(piece))
+    rng = np.random.default_rng(3)
+    x, y = rng.uniform(*PLANE[0][1], 200), rng.uniform(*PLANE[1][1], 200)
+    inside = squeal.contains(x, y)
+    assert 20 < inside.sum() < 180
+    for i, (speed, damping) in enumerate(zip(x.tolist(), y.tolist(), strict=True)):
+        assert inside[i] == (fastest_slip(damping, speed=speed)[1] > speed)
+        # once it has stuck, it sticks again or slides for ever
+        run = vi.simulate(
+            bow(damping, speed=speed), duration=200, state=([1 - damping * speed], [speed])
+        )
+        assert inside[i] == ("halt" in run.events["kind"].tolist()[1:])
+        if i % 20 == 0:
+            found = squeal.motion(speed, damping)
+            assert (found is not None) == inside[i]
+            if found is not None:
+                assert found.stable
+                assert found.period == pytest.approx(
+                    matched_period(damping, speed=speed), rel=1e-12
+                )
+                again = vi.exact(*squeal.at(speed, damping), run)
+                assert again.period == pytest.approx(found.period, rel=1e-12)
+    squeal.save(tmp_path / "zone.json")
+    again = vi.load(tmp_path / "zone.json")
+    assert again.boundary[0].period.tolist() == squeal.boundary[0].period.tolist()
+    case = tmp_path / "squeal.nml"
+    case.write_text(squeal.to_namelist())
+    vi.run_namelists([case], tmp_path)
+    squeal.save(tmp_path / "saved.csv")
+    one, two = (
+        [line for line in (tmp_path / name).read_text().splitlines() if line[0] != "#"]
+        for name in ("squeal.csv", "saved.csv")
+    )
+    assert one == two
+
+
+def test_a_chart_has_the_periods():
+    """One motion at each point before the end of stick and slip, with the period of the closed form."""
+    pytest.importorskip("xarray")
+    chart = vi.chart(self_excited(bow(0.05)), *PLANE, points=(4, 5))
+    good = (chart.admissible.values == 1) & (chart.stable.values == 1)
+    for (j, damping), (i, speed) in itertools.product(
+        enumerate(chart.y.values.tolist()), enumerate(chart.x.values.tolist())
+    ):
+        assert good[:, j, i].sum() == (fastest_slip(damping, speed=speed)[1] > speed)
+        if good[:, j, i].any():
+            period = float(chart.period.values[good[:, j, i].argmax(), j, i])
+            assert period == pytest.approx(matched_period(damping, speed=speed), rel=1e-11)
 
 
 #: Two coupled masses, the first of them on a belt.
@@ -346,13 +432,14 @@ def test_what_is_not_self_excited():
     with pytest.raises(vi.SingularError, match="does not repeat"):
         self_excited(bow(), 3 * 8.068887871591405 / 2)
     motion = self_excited(bow())
-    with pytest.raises(vi.ParameterError, match="only branches follow self-excited motions"):
-        vi.zone(motion, ("slip", (0.5, 0.7)), ("speed", (0.1, 0.3)))
     for name in ("frequency", "load", "wall"):
         with pytest.raises(vi.ParameterError, match="a self-excited motion has no load") as caught:
             vi.branch(motion, name, bounds=(0.5, 0.9))
         # what is refused is not among what is allowed
         assert str(caught.value).count(f"'{name}'") == 1
+        for verb in (vi.zone, vi.chart):
+            with pytest.raises(vi.ParameterError, match=f"y.0. = '{name}': must be another one"):
+                verb(motion, ("speed", (0.1, 0.3)), (name, (0.5, 0.9)))
     with pytest.raises(vi.ParameterError, match="a stick level must be at least the slip level"):
         vi.branch(motion, "stick", bounds=(0.5, 1.2))
     with pytest.raises(vi.ParameterError, match="must be a Motion or a Trajectory"):
@@ -370,8 +457,8 @@ def test_what_is_not_self_excited():
     ("&load frequency = 1, cosine = 1 /", "period = 8", "the &load has a frequency"),
     ("", "", "it requires a &load with a frequency"),
     ("", "duration = 0", "must be a number with 0 < duration"),
-    ("", "duration = 50 / &zone x = 'slip', x_low = .5, x_high = .7, y = 'speed', y_low = .1, y_high = .3",
-     "only branches follow self-excited motions"),
+    ("", "duration = 50 / &zone x = 'slip', x_low = .5, x_high = .7, y = 'load', y_low = .1, y_high = .3",
+     "&zone y = 'load': must be another one"),
 ])  # fmt: skip
 def test_bad_namelists(tmp_path, load, keys, message):
     case = tmp_path / "case.nml"

@@ -184,6 +184,16 @@ class Followed(Noun, part=True):
             return int(self._values(self._of_start, "cycles")[0])
         return int(self.keys["cycles"])
 
+    @property
+    def self_excited(self) -> bool:
+        """Whether the motions are self-excited, so that their period is a result."""
+        tables = self._result.tables
+        return self.of_structure and any(
+            "period" in tables[name].columns
+            for name in ("points", "vertices", "motions")
+            if name in tables
+        )
+
     @cached_property
     def _start(self) -> tuple[Structure, Load]:
         frequency = float(self._values(self._of_start, "frequency", "structure")[0])
@@ -311,11 +321,6 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
             return np.moveaxis(self._values("points", "phases"), -1, 0)
         first: _Array = np.mod(load_phase_of(self.tau, self.xi, self.r), 2 * np.pi)
         return self.alpha + first
-
-    @property
-    def self_excited(self) -> bool:
-        """Whether the motions are self-excited, so that their period is a result."""
-        return self.of_structure and "period" in self._result.tables["points"].columns
 
     @property
     def period(self) -> _Array:
@@ -715,10 +720,6 @@ def run_from(
     progress: door.Progress | None, threads: int | None = None,
 ) -> _Found:  # fmt: skip
     """The result of a study that starts from a motion; `names` are the caller's names of the keys."""
-    if motion.self_excited and noun is not Branches:
-        raise ParameterError(
-            f"motion = {motion!r}: must be under a periodic load; only branches follow self-excited motions"
-        )
     if motion.consistent is False:
         raise ParameterError(
             f"motion = {motion!r}: must be consistent, with a residual of rounding; "

@@ -160,7 +160,10 @@ class Chart(Followed, study="chart"):
         """The variables of charts of this kind of system, each with dimensions, values, unit and meaning."""
         if self.of_structure:
             names = {axis: str(self.keys[axis]) for axis in "xy"}
-            return {
+            period = (
+                {"period": (grid, columns["period"], "", "period")} if self.self_excited else {}
+            )
+            return period | {
                 "q_min": (("coordinate", *grid), columns["q_min"], "", "smallest value of each coordinate"),
                 "q_max": (("coordinate", *grid), columns["q_max"], "", "greatest value of each coordinate"),
                 "phases": (("impact", *grid), columns["phases"], "rad", "load phase of each impact"),
@@ -262,7 +265,7 @@ def chart_structure(
     """As `chart`, for a motion of a structure."""
     xarray("charts")
     both = points if isinstance(points, tuple) and len(points) == 2 else (points, points)
-    keys, names = keys_of_plane(motion.structure, motion.load, (x, y), (x_at, y_at))
+    keys, names = keys_of_plane(motion.structure, motion._given_load, (x, y), (x_at, y_at))
     for name, axis, n in zip("xy", (x, y), both, strict=True):
         values = axis[1] if len(axis) == 2 else ()
         if np.ndim(values) == 1 and np.size(values) > 2:  # two numbers are a range
@@ -377,7 +380,8 @@ def chart(
         not.
 
         For a structure, the dimensions are `motion`, `y` and `x`; in place of X, tau and so on there are `q_min`,
-        `q_max` (first dimension `coordinate`), `phases` and `speeds` (first dimension `impact`). At each point the
+        `q_max` (first dimension `coordinate`), `phases` and `speeds` (first dimension `impact`), and `period` of
+        self-excited motions. At each point the
         motion whose leading multiplier has the smallest modulus comes first.
 
     Raises

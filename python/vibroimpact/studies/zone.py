@@ -52,10 +52,10 @@ class Piece:
         fold, pitchfork, flip, neimark_sacker, grazing, zero_approach, or window (the edge of the window); with
         rests also rest_vanishes and rest_splits (beyond it there are two rests); for a structure also branch_point
         (a pitchfork or transcritical point where simultaneous impacts separate), simultaneous (two events at one
-        instant), and stick_begins, stick_vanishes, contact_vanishes and flight_vanishes, as for `branch`; or
-        joint, a straight piece of at most 1e-4 of the window between two loose ends of the boundary, where it
-        could not be followed; or cut, the straight edge of a strip of the window that is cut out, with rests,
-        stops or friction, because the boundary could not be closed in it.
+        instant), and stick_begins, stick_vanishes, contact_vanishes, flight_vanishes and, of self-excited motions,
+        event_vanishes, as for `branch`; or joint, a straight piece of at most 1e-4 of the window between two loose
+        ends of the boundary, where it could not be followed; or cut, the straight edge of a strip of the window that
+        is cut out, with rests, stops or friction, because the boundary could not be closed in it.
     x, y : ndarray (M,)
         Vertices in order, in the plane of the zone; the first and the last are corners, where the next piece
         begins, unless the whole boundary is one piece.
@@ -73,7 +73,10 @@ class Piece:
         (1, M): the velocity over D and the load phase at the last release.
     speeds, phases : ndarray (N, M)
         For a structure: approach speeds and load phases (rad) of the impacts of the motion at each vertex; with
-        rests the speeds are NaN, and only the first impacts of each accumulation are listed.
+        rests, stops or friction the speeds are NaN, and only the first impacts of each accumulation are listed.
+        For self-excited motions phases are 2 pi times the fraction of the period, as along a `Branch`.
+    period : ndarray (M,)
+        For self-excited motions: the period at each vertex.
     """
 
     study: ClassVar[str] = "zone"
@@ -85,6 +88,7 @@ class Piece:
     symmetric: bool
     _motions: tuple[_Array, _Array]
     _of_structure: bool
+    _period: _Array | None = None
 
     @property
     def r(self) -> _Array:
@@ -115,6 +119,13 @@ class Piece:
     def phases(self) -> _Array:
         """For a structure: load phase of each impact at the vertices (N, M), in radians."""
         return self._own("phases", self._motions[1], True)
+
+    @property
+    def period(self) -> _Array:
+        """For self-excited motions: the period at the vertices (M,)."""
+        if self._period is None:
+            raise AttributeError("period: only a Piece of self-excited motions has it")
+        return self._period
 
     def _own(self, name: str, values: _Array, of_structure: bool = False) -> _Array:
         """The values of an attribute that only pieces of one kind of system have."""
@@ -234,6 +245,8 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
     search : ZoneSearch
     cycles : int
         Load cycles in a period.
+    self_excited : bool
+        Whether the motions are self-excited; each `Piece` then has their `period`.
     osc, pattern : Oscillator, Pattern
         For an oscillator.
     r, clearance : (float, float)
@@ -276,6 +289,7 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         pieces, vertices = (self._result.tables[name] for name in ("pieces", "vertices"))
         labels = {name: item.decoded() for name, item in pieces.columns.items()}
         values = [vertices.columns[name].values for name in VERTICES[self.of_structure]]
+        periods = vertices.columns["period"].values if self.self_excited else None
         n = None
         if not self.of_structure:
             n = 1 if self.pattern.has_rest else len(self.pattern)
@@ -285,9 +299,8 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
             first, second = (item[:, :n].T for item in motions)
             loop, symmetric = int(labels["loop"][i]) - 1, bool(labels["symmetric"][i])
             kind, detail = str(labels["type"][i]), str(labels["detail"][i])
-            found.append(
-                Piece(kind, x, y, loop, detail, symmetric, (first, second), self.of_structure)
-            )
+            own = (first, second), self.of_structure, None if periods is None else periods[here]
+            found.append(Piece(kind, x, y, loop, detail, symmetric, *own))
         return found
 
     @cached_property
@@ -451,9 +464,10 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         Returns
         -------
         (Structure, Load)
-            The system with these values.
+            The system with these values. The load of self-excited motions has no frequency.
         """
-        return Path(self._result, *self._start, [self.x, self.y]).at(*self._place(x, y))
+        structure, load = Path(self._result, *self._start, [self.x, self.y]).at(*self._place(x, y))
+        return structure, Load(constant=load.constant) if self.self_excited else load
 
     @staticmethod
     def _place(x: float, y: float) -> list[float]:
@@ -784,7 +798,7 @@ def zone_structure(
     y_at: float | None = None,
 ) -> Zone:
     """As `zone`, for a motion of a structure."""
-    keys, names = keys_of_plane(motion.structure, motion.load, (x, y), (x_at, y_at))
+    keys, names = keys_of_plane(motion.structure, motion._given_load, (x, y), (x_at, y_at))
     keys |= {"lines": lines, "max_points": max_points}
     found = run_from(motion, Zone, keys, names, progress)
     found.require()

@@ -40,7 +40,7 @@ module vi_branch_study
    implicit none (type, external)
    private
 
-   public :: check_plane_start, declare_branch, touch_detail
+   public :: check_structure_start, declare_branch, touch_detail
 
    type(key_type), parameter :: branch_keys(*) = [ &
       key_type('parameter', a_word, words=parameter_words, takes=parameter_takes, &
@@ -204,7 +204,7 @@ contains
       type(motion_request_type) :: wanted
 
       if (case%model == of_structure) then
-         call check_structure_start(case, line, .true.)
+         call check_structure_start(case, line)
          return
       end if
       call check_motion(case%osc, case%start)
@@ -581,38 +581,18 @@ contains
       text = text//'; ends: '//end_text(branch%reasons(1))//', '//end_text(branch%reasons(2))
    end subroutine summarize
 
-   !> Checks the &motion that a study of a structure in a plane starts from.
-   subroutine check_plane_start(case, line)
-      !> A case with a `start`, in which a fault is recorded.
-      type(case_type), intent(inout) :: case
-      !> Line of the group of the study.
-      integer, intent(in) :: line
-
-      call check_structure_start(case, line, .false.)
-   end subroutine check_plane_start
-
    !> Checks the &motion that a study of a structure starts from.
-   subroutine check_structure_start(case, line, free)
+   subroutine check_structure_start(case, line)
       !> A case with a `start`, in which a fault is recorded.
       type(case_type), intent(inout) :: case
       !> Line of the group of the study.
       integer, intent(in) :: line
-      !> Whether the motion may be self-excited.
-      logical, intent(in) :: free
       type(values_type) :: group
-      character(*), parameter :: self_excited = 'only branches follow self-excited motions'
 
       associate (not_used => line)    ! the faults belong to the &motion
       end associate
       group = case%start
       call check_structure_motion(case, group)
-      if (free) then
-         case%start = group
-         return
-      end if
-      if (len(group%fault) == 0 .and. group%has('duration')) call group%refuse('duration', &
-         self_excited)
-      if (len(group%fault) == 0 .and. group%has('period')) call group%refuse('period', self_excited)
       case%start = group
    end subroutine check_structure_start
 
@@ -624,22 +604,12 @@ contains
       type(load_type) :: load
       type(change_type) :: change
       type(values_type) :: group
-      character(:), allocatable :: word
       integer :: status
 
       call structure_of(case, structure, load)
       load%frequency = load_frequency(case)
       call check_structure(structure, status)
       group = case%study
-      if (.not. load%frequency > 0) then
-         call group%text('parameter', word)
-         if (len(group%fault) == 0 .and. (word == 'frequency' .or. word == 'load' .or. &
-            index(word, 'wall') == 1)) then
-            group%fault = '&branch parameter = '''//word//''': must be another one, as a &
-               &self-excited motion has no load with a frequency'
-            group%fault_line = group%line
-         end if
-      end if
       call check_parameter(group, 'parameter', '', structure, load, change)
       case%study = group
    end subroutine check_structure_branch

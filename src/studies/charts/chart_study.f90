@@ -1,7 +1,7 @@
 !> The study &chart: the motions of a pattern on a grid.
 module vi_chart_study
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use vi_branch_study, only: check_plane_start
+   use vi_branch_study, only: check_structure_start
    use vi_common_keys, only: cycles_key, most_numbers, symmetric_key, turn_upwards, window_keys
    use vi_curve_point, only: curve_type
    use vi_family, only: can_be_symmetric
@@ -17,7 +17,7 @@ module vi_chart_study
    use vi_structure_parameter, only: x_function_keys, y_function_keys
    use vi_structure_path, only: change_type, value_at
    use vi_structure_period, only: structure_motion_type
-   use vi_structure_start, only: motion_at, phases_at
+   use vi_structure_start, only: motion_at, period_at, phases_at
    use vi_text, only: counted, whole
    use vi_chart_grid, only: compute_chart, chart_type, most_points, chart_grid_type
    use vi_study, only: a_whole, a_word, case_type, column_type, complexes, every_model, key_type, &
@@ -120,6 +120,8 @@ module vi_chart_study
       meaning='displacements of the primary mass at the impacts', model=of_oscillator), &
       column_type('motions', 'speeds', each='impact', listed=.false., &
       meaning='approach speeds of the impacts', model=of_structure), &
+      column_type('motions', 'period', listed=.false., meaning='period of a self-excited motion', &
+      model=of_structure), &
       column_type('motions', 'status', wholes, absent=[stat%no_motion, stat%not_computed], &
       meaning='code of the failure; 0: none'), &
       column_type('points', 'found', wholes, listed=.false., &
@@ -153,7 +155,7 @@ contains
       study%starts_from(of_structure) = 'motion'
       study%takes_elements = .true.
       study%takes_walls = .true.
-      study%check_start => check_plane_start
+      study%check_start => check_structure_start
       study%row = 'motions'
       study%check => check_chart
       study%memory => chart_memory
@@ -537,7 +539,7 @@ contains
       !> The result.
       type(result_type), intent(inout) :: result
       real(wp), allocatable, dimension(:, :, :, :) :: q_min, q_max, phases, speeds
-      real(wp), allocatable :: leading(:, :, :), of_node(:), values(:)
+      real(wp), allocatable :: leading(:, :, :), of_node(:), period(:, :, :), values(:)
       complex(wp), allocatable :: multipliers(:, :, :, :)
       integer, allocatable :: verdicts_of(:, :, :, :), status(:, :, :), found(:, :), slot(:)
       real(wp) :: nan
@@ -571,7 +573,7 @@ contains
          allocate (q_min(k, slots, m, n), q_max(k, slots, m, n), source=nan)
       end associate
       allocate (phases(impacts, slots, m, n), speeds(impacts, slots, m, n), source=nan)
-      allocate (leading(slots, m, n), source=nan)
+      allocate (leading(slots, m, n), period(slots, m, n), source=nan)
       allocate (verdicts_of(3, slots, m, n), source=unknown)
       allocate (status(slots, m, n), source=stat%no_motion)
       do i = 1, net%n
@@ -579,6 +581,7 @@ contains
             v => motions(i)%verdicts)
             multipliers(:, s, y, x) = v%multipliers
             leading(s, y, x) = abs(v%multipliers(1))
+            period(s, y, x) = period_at(net%surface, point_of(net, i))
             verdicts_of(:, s, y, x) = [v%consistent, v%admissible, v%stable]
             q_min(:, s, y, x) = extremes(:, 1, i)
             q_max(:, s, y, x) = extremes(:, 2, i)
@@ -607,6 +610,7 @@ contains
       call result%put('motions', 'q_max', [q_max])
       call result%put('motions', 'phases', [phases])
       call result%put('motions', 'speeds', [speeds])
+      if (plane%motion%free) call result%put('motions', 'period', [period])
       call result%put('motions', 'status', [status])
       call result%open('points', 'y x', [m, n])
       call result%put('points', 'found', [found])

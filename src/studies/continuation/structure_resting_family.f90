@@ -331,9 +331,11 @@ contains
       do i = 1, n
          found(3 + i) = condition_type(zero_approach, i)
          if (family%rests%kinds(i) == switch) found(3 + i)%kind = stick_begins
-         ! not of a zone, which would follow what rounding makes of multipliers beside such a point
-         if (family%every_crossing .and. halts_or_slips(family, i)) found(3 + i) = &
-            condition_type(event_vanishes, i)
+         ! not of a zone under a load, which would follow what rounding makes of multipliers beside
+         ! such a point
+         if (family%every_crossing .or. family%rests%free) then
+            if (halts_or_slips(family, i)) found(3 + i) = condition_type(event_vanishes, i)
+         end if
          found(3 + n + i) = condition_type(grazing, i)
          found(3 + 2*n + i) = condition_type(end_of(family, i), i)
       end do

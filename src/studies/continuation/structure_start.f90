@@ -714,7 +714,7 @@ contains
       allocate (phases, source=whole(size(whole)/2 + 1:))
    end function phases_at
 
-   !> The period of a self-excited motion at a point of a curve; 0 of other families.
+   !> The period of a self-excited motion at a point of a curve; 0 of others.
    pure real(wp) function period_at(curve, point) result(period)
       !> The curve.
       type(curve_type), intent(in) :: curve
@@ -724,7 +724,7 @@ contains
       period = 0
       select type (known => curve%family)
       type is (structure_resting_type)
-         period = known%rests%end_of_turn(unknowns_of(curve, point))/ &
+         if (known%rests%free) period = known%rests%end_of_turn(unknowns_of(curve, point))/ &
             known%rests%path%load%frequency
       end select
    end function period_at

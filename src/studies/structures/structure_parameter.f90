@@ -61,6 +61,13 @@ contains
 
       if (len(group%fault) > 0) return
       call group%text(name, word)
+      if (.not. load%frequency > 0 .and. (word == 'frequency' .or. word == 'load' .or. &
+         index(word, 'wall') == 1)) then
+         group%fault = '&'//group%name//' '//name//' = '''//word//''': must be another one, as a &
+            &self-excited motion has no load with a frequency'
+         group%fault_line = group%line
+         return
+      end if
       if (word == 'function') then
          m = size(group%numbers(prefix//'entries'))
          if (modulo(m, 3) /= 0) then

@@ -11,6 +11,7 @@ module vi_zone_pieces
    use vi_outline, only: ring_of
    use vi_zone_request, only: zone_request_type
    use vi_progress, only: add_expected_work
+   use vi_structure_start, only: period_at
    use vi_study, only: column_type, result_type, truths, wholes, words
    use vi_text, only: line_type
    use vi_zone, only: find_zone, return_type, zone_type, zone_work
@@ -70,6 +71,8 @@ module vi_zone_pieces
       !> (n, m) each: x_i/D and theta_i of the motion; with rest, velocity over D and load phase at
       !! the last release (n = 1).
       real(wp), allocatable :: x(:, :), theta(:, :)
+      !> (m) The period of the motion, if it is self-excited, or 0.
+      real(wp), allocatable :: period(:)
       logical, allocatable :: corner(:)
    end type piece_type
 
@@ -288,7 +291,9 @@ contains
       integer :: j, m, n
 
       m = size(loop%points, 1) - 2
+      allocate (piece%period(size(run)))
       do j = 1, size(run)
+         piece%period(j) = period_at(surface, loop%points(:, run(j)))
          whole = surface%family%whole_of(loop%points(:m, run(j)))
          n = size(whole)/2
          if (j == 1) allocate (piece%x(n, size(run)), piece%theta(n, size(run)))
@@ -312,7 +317,7 @@ contains
       type(line_type), allocatable :: types(:), details(:)
       integer, allocatable :: owners(:), numbers(:), loops(:), symmetric(:), vertex_owners(:), &
          corners(:)
-      real(wp), allocatable :: vertices(:, :), x(:, :), theta(:, :)
+      real(wp), allocatable :: vertices(:, :), x(:, :), theta(:, :), period(:)
       integer :: i, j, k, m, n, most
 
       columns = of_oscillator
@@ -327,7 +332,7 @@ contains
          end do
       end do
       allocate (types(k), details(k), owners(k), numbers(k), loops(k), symmetric(k), &
-         vertex_owners(n), corners(n), vertices(2, n))
+         vertex_owners(n), corners(n), vertices(2, n), period(n))
       allocate (x(most, n), theta(most, n), source=ieee_value(1.0_wp, ieee_quiet_nan))
       k = 0
       n = 0
@@ -347,6 +352,7 @@ contains
                vertices(:, n + 1:n + m) = piece%vertices
                x(:size(piece%x, 1), n + 1:n + m) = piece%x
                theta(:size(piece%x, 1), n + 1:n + m) = piece%theta
+               period(n + 1:n + m) = piece%period
                n = n + m
             end associate
          end do
@@ -368,6 +374,7 @@ contains
       call result%put('vertices', 'corner', corners)
       call result%put('vertices', trim(columns(3)), [x])
       call result%put('vertices', trim(columns(4)), [theta])
+      if (any(period > 0)) call result%put('vertices', 'period', period)
       call put_rings(found, result, columns(:2))
    end subroutine put_pieces
 

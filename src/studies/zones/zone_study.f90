@@ -1,7 +1,7 @@
 !> The study &zone: where motions of a pattern are stable.
 module vi_zone_study
    use vi_common_keys, only: check_window, cycles_key, symmetric_key, window_keys
-   use vi_branch_study, only: check_plane_start, touch_detail
+   use vi_branch_study, only: check_structure_start, touch_detail
    use vi_curve_point, only: curve_type
    use vi_family, only: can_be_symmetric
    use vi_kinds, only: pi, wp
@@ -86,6 +86,8 @@ module vi_zone_study
       meaning='approach speeds of the impacts'), &
       column_type('vertices', 'phases', each='impact', label='phase_#', unit='rad', &
       meaning='load phases of the impacts'), &
+      column_type('vertices', 'period', listed=.false., &
+      meaning='period of a self-excited motion'), &
       column_type('rings', 'x', listed=.false., &
       meaning='abscissa along a closed loop, counter-clockwise around a zone'), &
       column_type('rings', 'y', listed=.false., meaning='ordinate along a closed loop')]
@@ -153,7 +155,7 @@ contains
       study%starts_from(of_structure) = 'motion'
       study%takes_elements = .true.
       study%takes_walls = .true.
-      study%check_start => check_plane_start
+      study%check_start => check_structure_start
       study%row = 'vertices'
       study%check => check_zone
       study%memory => zone_memory
