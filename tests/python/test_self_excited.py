@@ -206,8 +206,8 @@ def squeal():
 
 
 def test_zone_in_closed_form(squeal, tmp_path):
-    """It ends where the fastest slip is just as fast as the belt. The periods along it are those of the closed form,
-    and its motions those of simulations."""
+    """It ends where the fastest slip is just as fast as the belt. The periods along it are those of the closed
+    form, and its motions those of simulations."""
     assert squeal.closed
     assert squeal.self_excited
     assert {piece.type for piece in squeal.boundary} == {"window", "event_vanishes"}
@@ -299,6 +299,36 @@ def test_period_doubling():
     place = doubled.ends.index("meets a motion that repeats itself")
     assert doubled.values[-place] == pytest.approx(flip.value, abs=1e-8)
     assert doubled.period[-place] == pytest.approx(2 * branch.period[flip.index], rel=1e-8)
+
+
+def test_zone_of_two_masses():
+    """Motions scale with the speed of the belt and all friction forces together, so that flips lie on rays from
+    the origin, along which the period is constant; inside, simulations of disturbed motions return to them."""
+    motion = self_excited(FLIPPING, 400)
+    zone = vi.zone(motion, ("speed", 0.05, 0.4), ("slip", 0.35, 0.6), lines=7)
+    assert zone.closed
+    branch = vi.branch(motion, "speed", bounds=(0.05, 0.4))
+    expected = sorted(point.value / 0.49 for point in branch.special_points if point.type == "flip")
+    rays = []
+    for piece in zone.boundary:
+        assert piece.type in ("window", "flip")
+        if piece.type == "flip":
+            rays.append(float(np.mean(piece.x / piece.y)))
+            assert piece.x / piece.y == pytest.approx([rays[-1]] * len(piece), rel=1e-9)
+            assert piece.period == pytest.approx([piece.period[0]] * len(piece), rel=1e-9)
+    assert sorted(rays) == pytest.approx(expected, rel=1e-9)
+    rng = np.random.default_rng(4)
+    for x, y in zip(rng.uniform(0.05, 0.4, 12).tolist(), rng.uniform(0.35, 0.6, 12).tolist()):
+        found = zone.motion(x, y)
+        assert (found is not None and bool(found.stable)) == zone.contains(x, y)
+        if not zone.contains(x, y):
+            continue
+        _, state = found._run()._between_events()
+        run = vi.simulate(
+            zone.at(x, y)[0], duration=200 * found.period, state=[1.0001 * state[0], state[1]]
+        )
+        halts = run.events["time"][run.events["kind"] == "halt"]
+        assert np.diff(halts)[-3:] == pytest.approx([found.period] * 3, rel=1e-9)
 
 
 def test_folds_and_neimark_sacker_points():
