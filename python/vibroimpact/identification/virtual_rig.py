@@ -19,8 +19,8 @@ from ..motions.motion import Motion
 from ..motions.trajectory import Trajectory, simulate_structure
 from ..systems.oscillator import Oscillator
 from ..systems.restitution import Law, Restitution
-from ..systems.structure import LARGEST, Gap, Load, Structure
-from ..systems.units import CYCLES, OTHERS, POWERS, own_number, positive
+from ..systems.structure import LARGEST, Friction, Gap, Load, Structure
+from ..systems.units import CYCLES, OTHERS, POWERS, dimensionless, own_number, positive
 from .measured import LEAST, MOTIONS, SensorRecord, butterworth_poles, delay_of, sensor_response
 
 __all__ = ["VirtualRig", "virtual_record"]
@@ -85,6 +85,8 @@ class VirtualRig:
     known_bandwidth : bool
         Whether records state the bandwidth of their sensors. By default they do not, like most measured records,
         so that `identify` does not know the delay between the channels either.
+    friction : float or str
+        Dry friction of the free mass in its slot, as a fraction of F0, or a force such as "0.3 N".
 
     Raises
     ------
@@ -120,6 +122,7 @@ class VirtualRig:
     contact: float | None = None
     offset: float | None = None
     known_bandwidth: bool = False
+    friction: float = 0.0
 
     def __post_init__(self) -> None:
         if self.contact is None:
@@ -175,6 +178,8 @@ class VirtualRig:
                 raise ParameterError(f"offset = {self.offset!r}: must be a finite number or None")
             object.__setattr__(self, "offset", offset)
         checks.instance(self.known_bandwidth, "known_bandwidth", bool)
+        friction = dimensionless(self.oscillator, "friction", self.friction)
+        object.__setattr__(self, "friction", positive(friction, "friction", zero=True))
         harmonics = checks.real_array(self.harmonics, "harmonics", "a list of numbers")
         if harmonics.ndim != 1 or not np.isfinite(harmonics).all():
             raise ParameterError(
@@ -223,7 +228,8 @@ class VirtualRig:
             Gap(direction, self.d / 2, scaled(law, factor))
             for direction, law in (([-1, 1], right), ([1, -1], left))
         ]
-        return Structure([self.M, self.m], [self.C, 0], [self.K, 0], gaps)
+        slides = [Friction([-1, 1], self.friction * self.F0)] if self.friction else []
+        return Structure([self.M, self.m], [self.C, 0], [self.K, 0], gaps, slides)
 
     def _state(self, motion: Motion) -> tuple[float, tuple[_Array, _Array]]:
         """The time at which a motion has its first impact, and the state just after it."""
@@ -356,18 +362,10 @@ class VirtualRig:
         t = runs[0].start + np.arange(n) / self.rate
         ends = [run.end for run in runs[:-1]]
         place = np.searchsorted(ends, t, side="right")
-        q, v = (
-            np.concatenate(
-                [run.sample(np.clip(t[place == i], run.start, run.end))[k][0] for i, run in enumerate(runs)]
-            )
-            for k in (0, 1)
+        q, v, a = np.concatenate(
+            [run._sampled(np.clip(t[place == i], run.start, run.end), 3)[:, 0] for i, run in enumerate(runs)],
+            axis=1,
         )  # fmt: skip
-        resting = np.zeros(n, dtype=bool)
-        for run in runs:
-            events = run.events
-            for begin in events["time"][events["kind"] == "stick"]:
-                after = events["time"][(events["kind"] == "release") & (events["time"] > begin)]
-                resting |= (t >= begin) & (t < (after[0] if after.size else run.end))
         events = np.concatenate([run.events for run in runs])
         events = events[events["impulse"] > 0]
         jumps = np.where(events["gap"] == 0, 1.0, -1.0) * events["impulse"] / self.M
@@ -385,7 +383,7 @@ class VirtualRig:
                 ]
             )
         elif quantity == "acceleration":
-            smooth = (force - self.C * v - self.K * q) / (self.M + np.where(resting, self.m, 0.0))
+            smooth = a
         motion = self._filtered(smooth) + self._impacts(t, events["time"], jumps, MOTIONS[quantity])
         return motion, self._filtered(np.asarray(force))
 
