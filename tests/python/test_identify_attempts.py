@@ -50,6 +50,17 @@ def test_the_best_attempt_has_the_least_misfit():
     assert "a longer record (now 20 load cycles)" in text
 
 
+@pytest.mark.parametrize("error", [0.0, 0.04])
+def test_a_wrong_mass_that_misleads_the_errors_raises_a_doubt(error):
+    """It is 3.6 standard errors from the record: less than 4, but it moves R by five of its own errors."""
+    record = vi.VirtualRig(**BENCH).record(duration=3.0, rng=3)
+    found = quietly(record, {"M": 2.7, "K": 42e3, "m": 0.11 * (1 + error)})
+    away = abs(found.values["R1"] - 0.75) / found.errors["R1"]
+    assert found.good == (error == 0)
+    assert (away > 4) == (error > 0)
+    assert any("known mu" in doubt for doubt in found.doubts) == (error > 0)
+
+
 @pytest.mark.parametrize("drift", [0.0, 0.06])
 def test_a_drift_of_the_restitution_raises_a_doubt(drift):
     """In a chaotic record the fall of R shows as such, and no drift is none."""

@@ -40,6 +40,8 @@ ASSUMED = {
 #: Difference between a known value and the value that the records imply, in standard errors, above which the fit
 #: is doubtful.
 STRAINED = 4.0
+#: The same limit where fitting the value would change a fitted parameter by more than `MOVED` standard errors.
+LEANING, MOVED = 3.0, 2.0
 #: Standard errors of a drift of coefficients of restitution from none, above which the fit is doubtful.
 DRIFTING = 4.5
 #: Share by which a load may grow during a record without a doubt.
@@ -218,7 +220,7 @@ def doubts_of(
     data, texts = step.data, []
     strained = {
         name: strain for name, strain in found.strains.items()
-        if abs(strain.size) > STRAINED and name.split()[-1] in (name, str(i))
+        if is_strained(found, name) and name.split()[-1] in (name, str(i))
     }  # fmt: skip
     for name, strain in sorted(strained.items(), key=lambda item: -abs(item[1].size)):
         apart = f"{abs(strain.size):.2g} standard errors apart"
@@ -353,6 +355,19 @@ def drifts_of(step: Step, found: Fit) -> list[str]:
             "errors do not contain: identify parts of the record by themselves",
         ))  # fmt: skip
     return [text for _, text in sorted(texts, reverse=True)]
+
+
+def is_strained(found: Fit, name: str) -> bool:
+    """Whether the records contradict a value that was not fitted: clearly, or so that it misleads the errors."""
+    size, change = found.strains[name]
+    if abs(size) > STRAINED or abs(size) <= LEANING:
+        return abs(size) > STRAINED
+    errors = dict(zip(found.names, np.sqrt(np.diag(found.covariance)).tolist(), strict=True))
+    return any(
+        abs(found.leans.get(name, {}).get(own, 0.0) * change) > MOVED * errors[own]
+        for own in ("xi", "mu", "R1", "R2", "d")
+        if own in errors and own not in found.undetermined
+    )
 
 
 def unstated(found: Fit, Omega: float) -> list[str]:
