@@ -318,7 +318,9 @@ def test_zone_of_two_masses():
             assert piece.period == pytest.approx([piece.period[0]] * len(piece), rel=1e-9)
     assert sorted(rays) == pytest.approx(expected, rel=1e-9)
     rng = np.random.default_rng(4)
-    for x, y in zip(rng.uniform(0.05, 0.4, 12).tolist(), rng.uniform(0.35, 0.6, 12).tolist()):
+    for x, y in zip(
+        rng.uniform(0.05, 0.4, 12).tolist(), rng.uniform(0.35, 0.6, 12).tolist(), strict=True
+    ):
         found = zone.motion(x, y)
         assert (found is not None and bool(found.stable)) == zone.contains(x, y)
         if not zone.contains(x, y):
