@@ -331,12 +331,16 @@ contains
    subroutine check_net(surface, at, unknowns)
       type(curve_type), intent(in) :: surface
       real(wp), intent(in) :: at(2), unknowns(:)
-      type(net_type), save :: net
+      type(net_type), save :: net, passing
       integer :: direction, i
       logical :: below, above
 
       call new_net(surface, even_lattice(3), net, .false.)
+      call new_net(surface, even_lattice(3), passing, .false.)
       call cover_from(net, at, unknowns)
+      call cover_from(passing, at, unknowns, passing=.true.)
+      call check(passing%n == net%n .and. all((passing%head > 0) .eqv. (net%head > 0)) .and. &
+         passing%steps < net%steps, 'nets: the same nodes in fewer steps beside a motion passed by')
       do direction = 1, 2
          below = .false.
          above = .false.

@@ -47,9 +47,8 @@ module vi_net
       integer :: n_crossings = 0
       !> Whether the lattice lines through these places have been followed.
       logical :: crossed(crossing_capacity) = .false.
-      !> Longest step along a line that does not belong to the lattice, over the distance of lattice
-      !! lines: short, since it begins at a given motion.
-      real(wp) :: share_between = 0.2_wp
+      !> Nodes and followed crossings that lines of the lattice have met.
+      integer :: met = 0
       !> Where lines pass a flip (a pitchfork of symmetric motions); noted if there is room.
       type(start_type), allocatable :: flips(:)
       integer :: n_flips = 0
@@ -171,7 +170,7 @@ contains
 
    !> Follows the lines through a motion that is not a node, then the lattice lines that they cross,
    !! and covers the surface from there.
-   subroutine cover_from(net, at, unknowns, progress)
+   subroutine cover_from(net, at, unknowns, progress, passing)
       !> In and out: the net.
       type(net_type), intent(inout) :: net
       !> Place of the motion in the window.
@@ -180,6 +179,9 @@ contains
       real(wp), intent(in) :: unknowns(:)
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
+      !> Whether a simulation has only passed by the motion, false by default: then its lines end
+      !! where a lattice line that they cross leads to nodes, from which the surface is covered.
+      logical, intent(in), optional :: passing
       type(start_type) :: begin
       integer :: before, direction, first, i
 
@@ -189,8 +191,8 @@ contains
          ! those of previous motions need not all be known
          if (net%n_crossings > size(net%crossings)/4) net%n_crossings = 0
          before = net%n_crossings
-         call follow_both(net, begin, direction, progress)
          net%crossed(before + 1:) = .false.
+         call follow_both(net, begin, direction, progress, passing)
          do i = before + 1, net%n_crossings
             if (net%crossed(i)) cycle
             net%crossed(i) = .true.
@@ -240,21 +242,23 @@ contains
    end function start_of
 
    !> Follows a line from a motion in both directions, or in one if all of it is known then.
-   subroutine follow_both(net, begin, direction, progress)
+   recursive subroutine follow_both(net, begin, direction, progress, passing)
       !> As in `follow_line`.
       type(net_type), intent(inout) :: net
       type(start_type), intent(in) :: begin
       integer, intent(in) :: direction
       integer, intent(inout), optional :: progress(3)
+      logical, intent(in), optional :: passing
       logical :: returned
 
-      call follow_line(net, begin, direction, -1, progress, returned=returned)
-      if (.not. returned) call follow_line(net, begin, direction, 1, progress)
+      call follow_line(net, begin, direction, -1, progress, returned=returned, passing=passing)
+      if (.not. returned) call follow_line(net, begin, direction, 1, progress, passing=passing)
    end subroutine follow_both
 
    !> Follows a line from a motion in one direction, until it leaves the window or its motions are
    !! far from physical.
-   subroutine follow_line(net, begin, direction, way, progress, to_border, returned)
+   recursive subroutine follow_line(net, begin, direction, way, progress, to_border, returned, &
+      passing)
       !> In and out: nodes and borders are added.
       type(net_type), intent(inout) :: net
       !> Start of the line.
@@ -268,14 +272,16 @@ contains
       logical, intent(in), optional :: to_border
       !> Whether nothing is left in the other direction: it is a closed curve, or known.
       logical, intent(out), optional :: returned
+      !> Of a line that does not belong to the lattice: as in `cover_from`; false by default.
+      logical, intent(in), optional :: passing
       type(curve_type) :: line
       type(place_type) :: before, now, next
       type(stride_type) :: stride
       type(condition_type) :: none(0)
       real(wp), dimension(size(net%unknowns, 1) + 1) :: along, mark, point
       real(wp) :: share
-      integer :: borders, counted, taken
-      logical :: between, good, known, leaving, left, passes, shorten
+      integer :: borders, counted, crossings, i, met, taken
+      logical :: between, good, known, leaving, left, passes, shorten, to_nodes
 
       if (present(returned)) returned = .false.
       borders = border_capacity
@@ -285,7 +291,10 @@ contains
       along(size(along)) = way
       mark = [begin%unknowns, begin%at(direction)]
       between = begin%lattice(3 - direction) == 0
-      share = merge(net%share_between, 0.8_wp, between)
+      to_nodes = .false.
+      if (present(passing)) to_nodes = passing .and. between
+      ! a line through a given motion takes short steps
+      share = merge(0.2_wp, 0.8_wp, between .and. .not. to_nodes)
       stride = stride_type(longest=share*line_spacing(net%lines, direction, mark(size(mark))))
       call begin_walk(line, none, mark, along, 0.2_wp*stride%longest, now, good)
       if (.not. good) return
@@ -312,7 +321,18 @@ contains
          if (net%seeks_borders) call note_border(net, line, direction, begin, now, next)
          if (net%n_borders > borders) return
          if (size(net%flips) > 0) call note_flip(net, line, direction, begin, now, next)
+         crossings = net%n_crossings
          call note_nodes(net, line, direction, begin, now, next, known)
+         if (to_nodes) then
+            ! the surface is covered from nodes
+            met = net%met
+            do i = crossings + 1, net%n_crossings
+               if (net%crossed(i)) cycle
+               net%crossed(i) = .true.
+               call follow_both(net, net%crossings(i), 3 - direction, progress)
+            end do
+            if (net%met > met) return
+         end if
          ! a given motion can be too near to one that repeats itself: move away from there
          left = leaving
          leaving = leaves(next, line)
@@ -366,6 +386,7 @@ contains
          if (found == 0) cycle
          if (net%followed(direction, found)) known = .true.
          net%followed(direction, found) = .true.
+         net%met = net%met + 1
       end do
       if (begin%lattice(3 - direction) == 0 .or. net%n_crossings == 0) return
       ! a crossing lies on one line of the lattice alone, and is no node
@@ -374,7 +395,10 @@ contains
          call pass(line, net%crossings(i)%at(direction), now, next, point, passes)
          if (.not. passes) cycle
          if (.not. is_image(net, net%crossings(i)%unknowns, point(:size(point) - 1))) cycle
-         if (net%crossed(i)) known = .true.
+         if (net%crossed(i)) then
+            known = .true.
+            net%met = net%met + 1
+         end if
          net%crossed(i) = .true.
       end do
    end subroutine note_nodes

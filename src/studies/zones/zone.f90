@@ -240,9 +240,8 @@ contains
             end if
          end if
          ! a simulation has only passed by a motion that is not stable or not admissible
-         net%share_between = merge(0.2_wp, 0.8_wp, seeds(i)%inside .or. i <= size(zone%open_seeds))
-         call cover_from(net, seeds(i)%at, seeds(i)%unknowns, progress)
-         net%share_between = 0.2_wp
+         call cover_from(net, seeds(i)%at, seeds(i)%unknowns, progress, passing=.not. &
+            seeds(i)%inside .and. i > size(zone%open_seeds))
          call trace_further()
       end do
       if (jumps) then
