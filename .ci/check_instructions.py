@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Counts the instructions of fourteen kinds of computation, and compares them with kept numbers.
+"""Counts the instructions of fifteen kinds of computation, and compares them with kept numbers.
 
 usage: check_instructions.py PROGRAM [--renew]
 
@@ -70,6 +70,10 @@ CASES = {
     "zone": SYSTEM.format("")
     + "&zone sides = 'RRL', r_min = 0.95, r_max = 1.1, clearance_min = 10, "
     "clearance_max = 60, lines = 5 /",
+    # most of these motions are found by simulation, or begin at pitchforks of symmetric ones
+    "zone by simulation": SYSTEM.format("")
+    + "&zone sides = 'RRLL', r_min = 0.95, r_max = 1.1, clearance_min = 3, clearance_max = 50, "
+    "lines = 5 /",
     "exact motion": TABLE1
     + "&motion kind = 'exact', sides = 'RL', clearance = 37, phases_over_pi = 0, 1.37 /",
     "find": TABLE1 + "&find clearance = 37, max_impacts = 2, max_cycles = 1 /",
