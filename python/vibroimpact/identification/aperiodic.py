@@ -42,6 +42,10 @@ BLURRED, MOVED, APART, REACH = 0.02, 3.0, 8, 4
 EXCESS, CHANCE = 0.3, 4.0
 #: Largest m/M; standard errors by which a parameter may exceed its possible range.
 LARGEST_MASS, BEYOND = 10.0, 3.0
+#: Share of the clearance by which the free mass may pass a wall between two impacts that are used (or CHANCE
+#: errors of the displacement), number of instants of a flight at which this is checked, and how often flights are
+#: fitted anew without those in which it does.
+CROSSED, ALONG, CROSSINGS = 0.02, 64, 5
 #: Change of the sum of squares above which two minima count as different.
 OTHER = 0.01
 #: Share by which coefficients of restitution grow during the record, 0 in every fit: on both walls, and on each.
@@ -196,6 +200,29 @@ class Impacts:
         states: _Array = self.states - self.turned @ at.change + at.eta
         return states
 
+    @np.errstate(all="ignore")  # where flights do not exist
+    def crossed(self, at: Minimum) -> _Bool:
+        """Flights (N + 1) in which the free mass, straight from impact to impact, would pass a wall: they hide an
+        impact."""
+        N, value = self.flown.times.size, dict(zip(self.names, at.g, strict=True))
+        common, here = self.common(at.change), self.here(at)
+        t, X, _, _ = self.windows.events(here, common, self.flown.times)
+        d = value.get("d", self.values["d"]) * value.get("gain", 1.0)
+        z = X + 0.5 * self.signs * d
+        along = np.linspace(0, 1, ALONG)
+        x = np.zeros((N + 1, ALONG))
+        x[1:-1] = np.diff(t)[:, None] * along + t[:-1, None]
+        x = self.windows.displacements(here, common, x)[1:-1]
+        apart = abs(np.diff(z)[:, None] * along + z[:-1, None] - x).max(axis=1)
+        # flights of the equations that are used
+        active = np.zeros(N, dtype=bool)
+        active[1:-1] = at.ok
+        crossed = np.zeros(N + 1, dtype=bool)
+        error = np.sqrt(np.trace(self.spread, axis1=1, axis2=2))[1:-1]
+        beyond = apart - 0.5 * d > np.maximum(CROSSED * d, CHANCE * error)
+        crossed[1:-1] = (active[:-1] | active[1:]) & beyond
+        return crossed
+
     @np.errstate(all="ignore")
     def settled(self, change: _Array, eta: _Array, g: _Array, judge: bool) -> Minimum:
         """The minimum reached by steps from given parameters and states.
@@ -344,9 +371,18 @@ def by_laws(
     law_speed: float | None,
 ) -> tuple[Fit, Law, _Bool]:  # fmt: skip
     """The parameters from momentum and restitution at all impacts, and the impacts for which these laws hold."""
-    impacts = Impacts(windows, flown, shared, guess, law, law_speed)
-    minima = impacts.minima()
-    best = minima[0]
+    for _ in range(CROSSINGS):
+        impacts = Impacts(windows, flown, shared, guess, law, law_speed)
+        minima = impacts.minima()
+        best = minima[0]
+        crossed = impacts.crossed(best)
+        if not crossed.any():
+            break
+        flown = windows.without(windows.poor | crossed)
+    else:
+        raise SingularError(
+            f"the free mass would pass a wall in flights at whose ends momentum and restitution hold; {HINT}"
+        )
     law, names, values, scales = impacts.law, impacts.names, impacts.values, impacts.scales
     change, g, held = best.change, best.g, impacts.held
     common = impacts.common(change)

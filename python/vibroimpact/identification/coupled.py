@@ -22,29 +22,22 @@ def slopes(
     # no constraint contains two flights of one colour
     flights = np.arange(states.shape[0])
     n = states.shape[0] - 3
-    moved = np.zeros((8, *states.shape), dtype=complex)
+    # all of them by steps along the imaginary axis: 8 of states, then common parameters, then the others
+    F, count = 8 + free.size, 8 + free.size + g.size
+    moved = np.zeros((count, *states.shape), dtype=complex)
     for colour in range(4):
         for q in range(2):
             moved[2 * colour + q, flights % 4 == colour, q] = 1j * STEP
-    by = constraints(states + moved, common[None, :], g[None, :]).imag / STEP
+    of_common, of_g = np.zeros((count, common.size)), np.zeros((count, g.size))
+    of_common[np.arange(8, F), free], of_g[F:] = STEP, STEP * np.eye(g.size)
+    found = constraints(states + moved, common + 1j * of_common, g + 1j * of_g)
+    by = found.imag / STEP
     each = (np.arange(n)[:, None] + np.arange(4)) % 4
     A = np.stack(
         [by[2 * each + q, np.arange(n)[:, None]] for q in range(2)], axis=-1
     )  # (n, 4, 2, q)
-    c = constraints(states[None], common[None], g[None])[0]
-    C = np.zeros((n, 2, free.size))
-    for j, i in enumerate(free):
-        at = (common + 1j * STEP * np.eye(common.size)[i])[None]
-        C[..., j] = constraints(states[None], at, g[None])[0].imag / STEP
-    G = np.zeros((n, 2, g.size))
-    for j in range(g.size):
-        G[..., j] = (
-            constraints(states[None], common[None], (g + 1j * STEP * np.eye(g.size)[j])[None])[
-                0
-            ].imag
-            / STEP
-        )
-    return c, np.swapaxes(A, 1, 2), C, G
+    C, G = np.moveaxis(by[8:F], 0, -1).copy(), np.moveaxis(by[F:], 0, -1).copy()
+    return found[0].real.copy(), np.swapaxes(A, 1, 2), C, G
 
 
 def passed_on(A: _Array, C: _Array, turned: _Array) -> _Array:

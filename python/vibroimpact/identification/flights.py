@@ -154,21 +154,39 @@ def faded(pole: complex, places: _Array, angles: _Array, data: Measured) -> tupl
     return tau, wave
 
 
+def turns_of(data: Measured, places: _Array) -> _Array:
+    """Cosines, then sines, of the harmonics of the load at given angles (2 harmonics, n)."""
+    turns = np.outer(data.orders, places)
+    return np.vstack([np.cos(turns), np.sin(turns)])
+
+
+def of_load(
+    data: Measured, order: int, omega: float, xi: float, static: float, phase: float, turns: _Array
+) -> _Array:
+    """A derivative of the displacement of a damped oscillator under the load alone at the angles of `turns`, and
+    its derivatives with respect to omega, xi, static and phase (5, n)."""
+    w = data.orders * data.Omega
+    below = omega**2 - w**2 + 2j * xi * omega * w
+    each = data.shape * np.exp(1j * data.orders * phase) * omega**2 * (1j * w) ** order / below
+    sizes = np.array(
+        [
+            static * each, static * each * (2 / omega - (2 * omega + 2j * xi * w) / below),
+            -static * each * 2j * omega * w / below, each, static * 1j * data.orders * each,
+        ]
+    )  # fmt: skip
+    found: _Array = np.hstack([sizes.real, -sizes.imag]) @ turns
+    return found
+
+
 def predicted(
     data: Measured, places: _Array, order: int, omega: float, xi: float, static: float, phase: float, angles:
     _Array,
     jumps: _Array,
 ) -> Predicted:  # fmt: skip
     """A derivative of the displacement of a damped oscillator under the load and periodic impulses."""
-    # under the load
-    w = data.orders * data.Omega
-    below = omega**2 - w**2 + 2j * xi * omega * w
-    each = data.shape * np.exp(1j * data.orders * phase) * omega**2 * (1j * w) ** order / below
-    turn = np.exp(1j * np.outer(places, data.orders))
-    load = turn @ each
-    by_omega = static * (2 / omega * load - turn @ (each * (2 * omega + 2j * xi * w) / below))
-    by_xi = -static * (turn @ (each * 2j * omega * w / below))
-    by_phase = static * (turn @ (1j * data.orders * each))
+    load, by_omega, by_xi, by_static, by_phase = of_load(
+        data, order, omega, xi, static, phase, turns_of(data, places)
+    )
     # after unit impulses, one in each period
     rate = math.sqrt(1 - xi**2)
     pole = omega * complex(-xi, rate)
@@ -182,10 +200,10 @@ def predicted(
     # of the sum of all waves, by their pole
     by_pole = size * ((order / pole + whole * q / (1 - q)) * (wave @ jumps) + (wave * tau) @ jumps)
     moved = response @ jumps
-    by_omega = by_omega.real + (by_pole * pole / omega).imag - moved / omega
-    by_xi = by_xi.real + (by_pole * omega * complex(-1, -xi / rate)).imag + moved * xi / rate**2
+    by_omega = by_omega + (by_pole * pole / omega).imag - moved / omega
+    by_xi = by_xi + (by_pole * omega * complex(-1, -xi / rate)).imag + moved * xi / rate**2
     return Predicted(
-        static * load.real + moved, by_omega, by_xi, load.real, by_phase.real,
+        load + moved, by_omega, by_xi, by_static, by_phase,
         -slope * jumps / data.Omega, response,
     )  # fmt: skip
 

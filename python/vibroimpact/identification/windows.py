@@ -24,7 +24,8 @@ from .flights import (
     MOST_DAMPED,
     MOST_MODES,
     Measured,
-    predicted,
+    of_load,
+    turns_of,
 )
 from .known import HINT
 from .signals import spikes
@@ -106,6 +107,7 @@ class Windows:
     ) -> None:  # fmt: skip
         self.t, self.values, self.data = t, values, data
         self.step = float(t[1] - t[0])
+        self.turns = turns_of(data, data.Omega * t)
         self.times = np.sort(times)
         self.common = np.array([omega or data.Omega, xi, *start, float(values.mean())])
         self.free_omega = omega is None
@@ -148,15 +150,72 @@ class Windows:
             )
         self.own = np.flatnonzero(self.flies)
         self.edges = np.searchsorted(self.flight[self.used], [self.own, self.own + 1])
+        first, last = self.edges
+        self.numbers = last - first
+        self.count = np.arange(self.used.size) - np.repeat(first, self.numbers)
 
-    def waves(self, since: _Array, common: _Array) -> tuple[_Array, list[Any]]:
-        """The basis motions of each flight: columns (n, 2 + 2 modes), and the complex waves."""
-        omega, xi = common[:2]
-        pole = omega * complex(-xi, math.sqrt(1 - xi**2))
-        waves = [pole**self.data.order * np.exp(pole * since)]
-        waves += [np.exp(complex(a, b) * since) for a, b in common[5:].reshape(-1, 2)]
-        columns = [column for wave in waves for column in (wave.real, -wave.imag)]
-        return np.column_stack(columns), [pole, *waves]
+    def faded(self, pole: complex) -> Any:
+        """exp(pole t) at the used samples, with t from the impact before each of them; the exponential of a sum is
+        a product, so that few have to be computed."""
+        steps = np.exp(pole * self.step * np.arange(self.numbers.max(initial=0)))
+        begins = np.exp(pole * self.since[self.used[self.edges[0]]])
+        return np.repeat(begins, self.numbers) * steps[self.count]
+
+    def poles(self, common: _Array) -> list[complex]:
+        """The pole of the primary mass, and those of the modes that ring."""
+        omega, xi = common[:2].tolist()
+        return [
+            omega * complex(-xi, math.sqrt(1 - xi**2)),
+            *(complex(a, b) for a, b in common[5:].reshape(-1, 2).tolist()),
+        ]
+
+    def waves(self, since: _Array, common: _Array) -> _Array:
+        """The basis motions of each flight at times since its impact: columns (n, 2 + 2 modes)."""
+        poles = self.poles(common)
+        rows = np.empty((2 * len(poles), since.size))
+        for j, pole in enumerate(poles):
+            set_wave(rows, j, pole ** (0 if j else self.data.order) * np.exp(pole * since))
+        return rows.T
+
+    def basis(self, common: _Array) -> _Array:
+        """At the used samples, rows of the basis motions of each flight (2 + 2 modes), of these multiplied by the
+        time since the impact (as many; that of the primary mass is the derivative with respect to its pole), of
+        the derivatives with respect to omega, xi, static and phase under the load alone, of the offset, and of
+        the record without the load."""
+        poles, (omega, xi, static, phase, offset) = self.poles(common), common[:5].tolist()
+        since, q = self.since[self.used], len(poles)
+        rows = np.empty((4 * q + 6, since.size))
+        for j, pole in enumerate(poles):
+            wave = self.faded(pole)
+            if not j:
+                wave *= pole**self.data.order
+            set_wave(rows, j, wave)
+            wave *= since if j else since + self.data.order / pole
+            set_wave(rows, q + j, wave)
+        load = of_load(
+            self.data, self.data.order, omega, xi, static, phase, self.turns[:, self.used]
+        )
+        rows[-6:-2], rows[-2] = load[1:], 1.0
+        rows[-1] = self.values[self.used] - load[0] - offset
+        return rows
+
+    def by_common(self, common: _Array, states: _Array) -> _Array:
+        """Derivatives with respect to the common parameters as sums of the rows of `basis` but the last, for given
+        states of flights (flights, rows, parameters)."""
+        q, (omega, xi) = 1 + self.modes, common[:2].tolist()
+        found = np.zeros((states.shape[0], 4 * q + 5, common.size))
+        found[:, -5:, :5] = np.eye(5)
+        C = states[:, ::2] + 1j * states[:, 1::2]
+        for column, by in enumerate(
+            (self.poles(common)[0] / omega, omega * complex(-1, -xi / math.sqrt(1 - xi**2)))
+        ):
+            one = C[:, 0] * by
+            found[:, 2 * q, column], found[:, 2 * q + 1, column] = one.real, one.imag
+        for j in range(1, q):
+            re, im = 2 * (q + j), 2 * j + 3
+            found[:, re, im], found[:, re + 1, im] = C[:, j].real, C[:, j].imag
+            found[:, re, im + 1], found[:, re + 1, im + 1] = -C[:, j].imag, C[:, j].real
+        return found
 
     def allowed(self, common: _Array) -> bool:
         """Whether parameters are those of a damped oscillator with ringing modes."""
@@ -172,54 +231,30 @@ class Windows:
     def fitted(self, common: _Array) -> tuple[Any, ...]:
         """States of all flights by linear least squares, the residuals, and the equations for the common
         parameters."""
-        since, flight = self.since[self.used], self.flight[self.used]
-        omega, xi, static, phase, offset = common[:5].tolist()
-        none = np.empty(0)
-        load = predicted(
-            self.data, self.data.Omega * self.t[self.used], self.data.order, omega, xi, static, phase, none, none
-        )  # fmt: skip
-        L, waves = self.waves(since, common)
-        left = self.values[self.used] - load.value - offset
-        q = L.shape[1]
-        count = self.begins.size
-        inner, rest = np.zeros((count, q, q)), np.zeros((count, q))
-        inner[:] = np.eye(q)
-        pieces = list(zip(self.own.tolist(), *self.edges.tolist(), strict=True))
-        for i, a, b in pieces:
-            own = L[a:b]
-            inner[i], rest[i] = own.T @ own, own.T @ left[a:b]
+        rows, q = self.basis(common), 2 + 2 * self.modes
+        gram = np.zeros((self.begins.size, rows.shape[0], rows.shape[0]))
+        gram[:, :q, :q] = np.eye(q)
+        for i, a, b in zip(self.own.tolist(), *self.edges.tolist(), strict=True):
+            own = rows[:, a:b]
+            np.matmul(own, own.T, out=gram[i])
+        inner = gram[:, :q, :q]
         size = np.sqrt(inner[:, np.arange(q), np.arange(q)])
         weight = inner / (size[:, :, None] * size[:, None, :]) + 1e-12 * np.eye(q)
         inverse = np.linalg.inv(weight) / (size[:, :, None] * size[:, None, :])
-        states = (inverse @ rest[..., None])[..., 0]
-        each = states[flight]
-        left = left - (L * each).sum(axis=1)
-        G = self.by_common(common, each, waves, load)
-        coupled = np.zeros((count, q, G.shape[1]))
-        for i, a, b in pieces:
-            coupled[i] = L[a:b].T @ G[a:b]
+        states = (inverse @ gram[:, :q, -1:])[..., 0]
+        left = rows[-1]
+        for j in range(q):
+            left = left - rows[j] * np.repeat(states[self.own, j], self.numbers)
+        by = self.by_common(common, states)
+        coupled = gram[:, :q, :-1] @ by
         turned = inverse @ coupled
-        trusted = self.trusted[flight]
-        G = G[trusted]
-        weights = G.T @ G - np.einsum("iqk,iql->kl", coupled[self.trusted], turned[self.trusted])
-        return states, inverse, turned, left, weights, G.T @ left[trusted]
-
-    def by_common(self, common: _Array, each: _Array, waves: list[Any], load: Any) -> _Array:
-        """Derivatives of the used samples with respect to the common parameters, at fixed states `each` of
-        flights; `waves` are the pole and the waves of `self.waves`."""
-        since, (omega, xi), pole = self.since[self.used], common[:2].tolist(), waves[0]
-        rate = math.sqrt(1 - xi**2)
-        C = each[:, 0] + 1j * each[:, 1]
-        by_pole = C * waves[1] * (self.data.order / pole + since)
-        columns = [
-            load.omega + (by_pole * pole / omega).real,
-            load.xi + (by_pole * omega * complex(-1, -xi / rate)).real,
-            load.static, load.phase, np.ones(since.size),
-        ]  # fmt: skip
-        for j, wave in enumerate(waves[2:]):
-            by = (each[:, 2 * j + 2] + 1j * each[:, 2 * j + 3]) * wave * since
-            columns += [by.real, -by.imag]
-        return np.column_stack(columns)
+        some = self.trusted & self.flies
+        of_left = gram[some, :-1, -1] - (gram[some, :-1, :q] @ states[some, :, None])[..., 0]
+        own, back = by[some], np.swapaxes(by[some], 1, 2)
+        weights = (back @ (gram[some, :-1, :-1] @ own)).sum(axis=0)
+        weights -= np.tensordot(coupled[some], turned[some], ((0, 1), (0, 1)))
+        slope = (back @ of_left[..., None]).sum(axis=0)[:, 0]
+        return states, inverse, turned, left, weights, slope
 
     def trends(
         self, states: _Array, inverse: _Array, left: _Array
@@ -227,19 +262,19 @@ class Windows:
         """The effect of a linear change of each common parameter from the start of the record to its end, about
         its value in the middle: minus half the derivative of the sum of squares, the weight, and the cross
         terms with the common parameters."""
-        own, flight = self.used, self.flight[self.used]
-        none = np.empty(0)
-        omega, xi, static, phase = self.common[:4].tolist()
-        load = predicted(
-            self.data, self.data.Omega * self.t[own], self.data.order, omega, xi, static, phase, none, none
-        )  # fmt: skip
-        L, waves = self.waves(self.since[own], self.common)
-        G = self.by_common(self.common, states[flight], waves, load)
-        moving = G * (self.t[own] / np.ptp(self.t))[:, None]
-        of_moving, of_common = np.zeros((2, self.begins.size, L.shape[1], G.shape[1]))
+        rows, q, by = (
+            self.basis(self.common),
+            2 + 2 * self.modes,
+            self.by_common(self.common, states),
+        )
+        L, G = rows[:q].T, np.empty((self.used.size, self.common.size))
+        moved = self.t[self.used] / np.ptp(self.t)
+        of_moving, of_common = np.zeros((2, self.begins.size, q, G.shape[1]))
         for i, a, b in zip(self.own.tolist(), *self.edges.tolist(), strict=True):
-            of_moving[i], of_common[i] = L[a:b].T @ moving[a:b], L[a:b].T @ G[a:b]
-        good = self.trusted[flight]
+            G[a:b] = rows[:-1, a:b].T @ by[i]
+            of_moving[i] = (L[a:b] * moved[a:b, None]).T @ G[a:b]
+            of_common[i] = L[a:b].T @ G[a:b]
+        moving, good = G * moved[:, None], self.trusted[self.flight[self.used]]
         back, inner = of_moving[self.trusted], inverse[self.trusted]
         H = moving[good]
         weight = H.T @ H - np.einsum("iqk,iqr,irl->kl", back, inner, back)
@@ -318,7 +353,7 @@ class Windows:
         """The motion of the flights at given times, NaN where there is none; to be called after `run`."""
         flight = np.searchsorted(self.times, t, side="right")
         since = t - self.begins[flight]
-        waves = (self.waves(since, self.common)[0] * self.states[flight]).sum(axis=1)
+        waves = (self.waves(since, self.common) * self.states[flight]).sum(axis=1)
         ahead = np.append(self.times, math.inf)[flight] - t
         inside = ((since > self.after) | (flight == 0)) & (ahead > self.before)
         inside &= t >= self.t[self.used[0]]
@@ -365,19 +400,24 @@ class Windows:
         if good.sum() < LEAST_BINS:
             return False
         tau, mean, weight = tau[good], mean[good], np.sqrt(weight[good])
-        best: tuple[float, complex] = (math.inf, 0j)
         highest = min(0.4 / self.step, 3000.0)
-        for f in np.geomspace(LOWEST * self.data.Omega / (2 * math.pi), highest, 160):
-            for decay in DECAYS:
-                wave = np.exp(complex(-decay, 2 * math.pi * f) * tau)
-                A = np.column_stack([wave.real, wave.imag]) * weight[:, None]
-                rest = mean * weight - A @ np.linalg.lstsq(A, mean * weight, rcond=None)[0]
-                if rest @ rest < best[0]:
-                    best = float(rest @ rest), complex(-decay, 2 * math.pi * f)
-        if (mean * weight) @ (mean * weight) - best[0] < LEAST_GAIN or not best[1]:
+        tried = np.geomspace(LOWEST * self.data.Omega / (2 * math.pi), highest, 160)
+        poles = (-np.array(DECAYS)[:, None] + 2j * math.pi * tried).ravel()
+        # by the normal equations of real and imaginary part of each wave
+        wave = np.exp(np.outer(poles, tau)) * weight
+        a, b, c = (np.einsum("pn,pn->p", *two) for two in (
+            (wave.real, wave.real), (wave.real, wave.imag), (wave.imag, wave.imag)
+        ))  # fmt: skip
+        target = mean * weight
+        u, v = wave.real @ target, wave.imag @ target
+        gains = (c * u**2 - 2 * b * u * v + a * v**2) / np.maximum(
+            a * c - b**2, 1e-9 * a * c + 1e-300
+        )
+        best = poles[np.argmax(gains)]
+        if gains.max() < LEAST_GAIN:
             self.rung = True
             return False
-        self.common = np.append(common, [best[1].real, best[1].imag])
+        self.common = np.append(common, [best.real, best.imag])
         try:
             self.cut()
             own = self.flies
@@ -410,7 +450,7 @@ class Windows:
         jumps = self.jumps_of(states)
         # the residual of each sample against its flight, also within pulses
         own = (self.flies & ~self.bad(now))[self.flight]
-        L, _ = self.waves(self.since[own], self.common)
+        L = self.waves(self.since[own], self.common)
         rest = (
             self.values[own] - self.loaded(self.t[own]) - (L * states[self.flight[own]]).sum(axis=1)
         )
@@ -449,7 +489,7 @@ class Windows:
         near = np.flatnonzero(late & self.flies[self.flight] & (self.flight > 0))
         near = near[jumps[self.flight[near] - 1] != 0]
         impact, since = self.flight[near] - 1, self.since[near]
-        L, _ = self.waves(since, self.common)
+        L = self.waves(since, self.common)
         rest = self.values[near] - self.loaded(self.t[near])
         rest -= (L * states[impact + 1]).sum(axis=1)
         jump = jumps[impact]
@@ -480,11 +520,9 @@ class Windows:
 
     def loaded(self, t: _Array) -> _Array:
         """The motion under the load alone, with the offset."""
-        none = np.empty(0)
-        omega, xi, static, phase, offset = self.common[:5].tolist()
-        turn = self.data.Omega * t
-        load = predicted(self.data, turn, self.data.order, omega, xi, static, phase, none, none)
-        return np.asarray(load.value + offset, dtype=np.float64)
+        turns = turns_of(self.data, self.data.Omega * t)
+        loaded: _Array = of_load(self.data, self.data.order, *self.common[:4].tolist(), turns)[0]
+        return loaded + self.common[4]
 
     def early(self, rest: _Array, flight: NDArray[np.int64], own: _Bool, jumps: _Array) -> float:
         """The time before impacts during which the flights do not describe the record (s)."""
@@ -543,6 +581,14 @@ class Windows:
         return np.stack([t, X + load, V + speed, V_after + speed])
 
     @np.errstate(all="ignore")  # where flights do not exist or do not meet
+    def displacements(self, states: _Array, common: _Array, t: _Array) -> _Array:
+        """Displacements of the primary mass in all flights (N + 1, n), at times t (N + 1, n)."""
+        pole = self.poles(common)[0]
+        C = (states[:, 0] + 1j * states[:, 1])[:, None]
+        X, _ = under_load(self.data, *common[:4].tolist(), t)
+        moved: _Array = X + (C * np.exp(pole * (t - self.begins[:, None]))).real
+        return moved
+
     def by_states(self, states: _Array, common: _Array, times: _Array) -> _Array:
         """Derivatives of time and jump of each impact with respect to the states of the flights before and after
         it (2 flights, N, 2 for time and jump, 2 for a state)."""
@@ -623,8 +669,11 @@ class Windows:
                 break
             # pulses of other lengths may hide or reveal a mode
             self.rung = self.rung and (change < 0.5e-3 or i > 2)
-        # without flights with hidden impacts
-        self.poor = self.bad(now)
+        return self.without(self.bad(now))
+
+    def without(self, poor: _Bool) -> Flown:
+        """The flights, without those in which impacts are hidden."""
+        self.poor = poor
         self.cut()
         now = self.refine(1e-3)
         states, inverse, turned, left, weights, slope = now
@@ -707,7 +756,7 @@ class Windows:
             before = float(now[3][first:last] @ now[3][first:last])
             # with the samples of the pulse, which exists only at an impact
             own = slice(int(self.used[first]), int(self.used[last - 1]) + 1)
-            A = self.waves(self.t[own] - self.begins[i], self.common)[0]
+            A = self.waves(self.t[own] - self.begins[i], self.common)
             rest = self.values[own] - self.loaded(self.t[own])
             A /= np.maximum(np.linalg.norm(A, axis=0), 1e-300)
             left = rest - A @ np.linalg.lstsq(A, rest, rcond=1e-10)[0]
@@ -718,37 +767,56 @@ class Windows:
 
     def missing(self, now: tuple[Any, ...]) -> list[float]:
         """Times of missing impacts: one in each flight that is described better with another impact."""
-        left = now[3]
-        found: list[tuple[float, float]] = []
-        q = 2 + 2 * self.modes
-        omega, xi = self.common[:2]
-        pole = omega * complex(-xi, math.sqrt(1 - xi**2))
-        L, _ = self.waves(self.since[self.used], self.common)
-        for a, b in self.edges.T.tolist():
-            freedom = b - a - q
-            excess = float(left[a:b] @ left[a:b]) / self.noise**2 / freedom - 1
-            if freedom < 8 or excess < MISSED * math.sqrt(2 / freedom):
-                continue
-            t, own = self.t[self.used[a:b]], L[a:b]
+        numbers = self.numbers - 2 - 2 * self.modes
+        excess = self.squares(now[3])[self.own] / numbers - 1
+        unlike = (numbers >= 8) & (excess >= MISSED * np.sqrt(2 / numbers))
+        found = self.hidden(now[3], np.flatnonzero(unlike), excess)
+        # a weak impact hardly changes the variance of a long flight
+        found = found or self.hidden(now[3], np.flatnonzero(~unlike & (numbers >= 8)), excess)
+        # if there are many, missing impacts are not the cause
+        worst = sorted(found.values())[-max(1, self.own.size // 8) :]
+        return [time for _, time in worst]
+
+    def hidden(
+        self, left: _Array, places: NDArray[np.int64], excess: _Array
+    ) -> dict[int, tuple[float, float]]:
+        """Of the used flights with given numbers, those that are described better with another impact: its time,
+        after the `excess` of the variance of the flight."""
+        found = {}
+        L, pole = self.waves(self.since[self.used], self.common), self.poles(self.common)[0]
+        for i in places.tolist():
+            a, b = self.edges[:, i].tolist()
+            t = self.t[self.used[a:b]]
             grid = t[2:-2][:: max(1, (b - a) // 120)]
-            tau = t[:, None] - grid
-            wave = pole**self.data.order * np.exp(pole * np.maximum(tau, 0))
-            response = np.where(tau > 0, wave.imag, 0.0)
-            # samples within the pulse that the impact would have
-            response[(tau > -self.before) & (tau < min(self.after, 2e-3))] = 0
-            size = np.linalg.norm(own, axis=0)
-            response -= (own / size) @ np.linalg.lstsq(own / size, response, rcond=1e-10)[0]
-            gain = (response.T @ left[a:b]) ** 2 / np.maximum((response**2).sum(axis=0), 1e-300)
+            # of a jump at each of these times, from the end of its pulse on: its wave, its product with the
+            # residuals, and its square, without the part that the state of the flight describes, from sums over
+            # all later samples
+            wave = np.exp(pole * (t - t[0]))
+            begin = pole**self.data.order * np.exp(-pole * (grid - t[0]))
+            basis = np.linalg.qr(L[a:b])[0]
+            sums = np.column_stack(
+                [wave * left[a:b], abs(wave) ** 2, wave**2, wave[:, None] * basis]
+            )
+            later = np.vstack([np.cumsum(sums[::-1], axis=0)[::-1], np.zeros(sums.shape[1])])
+            later = later[np.searchsorted(t, grid + min(self.after, 2e-3))]
+            size = 0.5 * (abs(begin) ** 2 * later[:, 1].real - (begin**2 * later[:, 2]).real)
+            inside = (begin[:, None] * later[:, 3:]).imag
+            unlike = np.maximum(size - (inside**2).sum(axis=1), 1e-9 * size + 1e-300)
+            gain = (begin * later[:, 0]).imag ** 2 / unlike
             # or samples hidden by the pulse itself
             place, peak = int(np.argmax(gain)), int(np.argmax(abs(left[a:b])))
-            inside = min(t[peak] - t[0], t[-1] - t[peak]) > NEAR_ENDS
-            if inside and abs(left[a + peak]) > MISSED * self.noise:
-                found.append((excess, float(t[peak]) - 0.5 * self.step))
+            within = min(t[peak] - t[0], t[-1] - t[peak]) > NEAR_ENDS
+            if within and abs(left[a + peak]) > MISSED * self.noise:
+                found[i] = float(excess[i]), float(t[peak]) - 0.5 * self.step
             elif gain[place] / self.noise**2 > LEAST_GAIN:
-                found.append((excess, float(grid[place])))
-        # if there are many, missing impacts are not the cause
-        worst = sorted(found)[-max(1, self.own.size // 8) :]
-        return [time for _, time in worst]
+                found[i] = float(excess[i]), float(grid[place])
+        return found
+
+
+def set_wave(rows: _Array, j: int, wave: Any) -> None:
+    """Put real and negative imaginary part of a complex wave into two rows."""
+    rows[2 * j] = wave.real
+    np.negative(wave.imag, out=rows[2 * j + 1])
 
 
 def unfound_ringing(early: float) -> str:
