@@ -521,8 +521,10 @@ class Windows:
     def loaded(self, t: _Array) -> _Array:
         """The motion under the load alone, with the offset."""
         turns = turns_of(self.data, self.data.Omega * t)
-        loaded: _Array = of_load(self.data, self.data.order, *self.common[:4].tolist(), turns)[0]
-        return loaded + self.common[4]
+        omega, xi, static, phase, offset = self.common[:5].tolist()
+        load = of_load(self.data, self.data.order, omega, xi, static, phase, turns)
+        loaded: _Array = load[0] + offset
+        return loaded
 
     def early(self, rest: _Array, flight: NDArray[np.int64], own: _Bool, jumps: _Array) -> float:
         """The time before impacts during which the flights do not describe the record (s)."""
@@ -585,7 +587,8 @@ class Windows:
         """Displacements of the primary mass in all flights (N + 1, n), at times t (N + 1, n)."""
         pole = self.poles(common)[0]
         C = (states[:, 0] + 1j * states[:, 1])[:, None]
-        X, _ = under_load(self.data, *common[:4].tolist(), t)
+        omega, xi, static, phase = common[:4].tolist()
+        X, _ = under_load(self.data, omega, xi, static, phase, t)
         moved: _Array = X + (C * np.exp(pole * (t - self.begins[:, None]))).real
         return moved
 
