@@ -53,9 +53,9 @@ class Piece:
         rests also rest_vanishes and rest_splits (beyond it there are two rests); for a structure also branch_point
         (a pitchfork or transcritical point where simultaneous impacts separate), simultaneous (two events at one
         instant), and stick_begins, stick_vanishes, contact_vanishes, flight_vanishes and, of self-excited motions,
-        event_vanishes, as for `branch`; or joint, a straight piece of at most 1e-4 of the window between two loose
-        ends of the boundary, where it could not be followed; or cut, the straight edge of a strip of the window that
-        is cut out, with rests, stops or friction, because the boundary could not be closed in it.
+        event_vanishes, as for `branch`; or joint, a straight piece of at most 1e-4 of the window between two
+        loose ends of the boundary, where it could not be followed; or cut, the straight edge of a strip of the
+        window that is cut out, with rests, stops or friction, because the boundary could not be closed in it.
     x, y : ndarray (M,)
         Vertices in order, in the plane of the zone; the first and the last are corners, where the next piece
         begins, unless the whole boundary is one piece.
