@@ -369,6 +369,8 @@ def test_zones_state_no_bounds():
         false["boxes"][place][name] = text
         with pytest.raises(checker.RejectedError, match="the items of a box"):
             checker.check(false)
+        with pytest.raises(vi.ParameterError, match="without bounds in a zone"):
+            vi.Certificate.from_dict(false)
 
 
 @pytest.mark.parametrize("kind", ["motion", "branch", "box", "structure", "branch of structure"])

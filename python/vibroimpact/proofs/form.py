@@ -67,6 +67,9 @@ def check_form(data: dict[str, Any]) -> None:
             intervals(f"sheets[{k}]", sheet)
     for k, box in enumerate(data["boxes"]):
         check_box(f"boxes[{k}]", box, len(sheets))
+        bounds = sorted(set(BOUNDS).intersection(box)) if data["kind"] == "zone" else []
+        # lengths of zones are in other units
+        wanted(f"boxes[{k}]", bounds, "without bounds in a zone", not bounds)
     for k, item in enumerate(data["undecided"]):
         good = isinstance(item, dict) and isinstance(item.get("reason"), str)
         wanted(f"undecided[{k}]", item, "a dict with a reason", good)
