@@ -251,7 +251,7 @@ def compare(kept, others):
     different = 0
     for item in kept:
         for other in others:
-            found, _ = other.run(item["text"], 20.0)
+            found, _ = other.run(item["text"], 60.0)
             for name in differences(item["answer"], json.loads(json.dumps(found or {}))):
                 different += 1
                 print(f"{name} differs:\n{item['text']}")
