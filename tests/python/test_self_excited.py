@@ -205,6 +205,14 @@ def squeal():
     return vi.zone(self_excited(bow(0.05)), *PLANE, lines=7)
 
 
+def test_zone_is_drawn(squeal):
+    """Each kind of boundary has a line of its own in the legend."""
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    labels = {text.get_text() for text in squeal.plot().get_legend().get_texts()}
+    assert any("event" in label for label in labels), labels
+
+
 def test_zone_in_closed_form(squeal, tmp_path):
     """It ends where the fastest slip is just as fast as the belt. The periods along it are those of the closed
     form, and its motions those of simulations."""

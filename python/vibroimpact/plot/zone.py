@@ -28,6 +28,7 @@ LINES = {
 LINES_OF_STRUCTURE = LINES | {
     "stick_begins": ((0, (7, 1, 1, 1)), style.FREE), "stick_vanishes": ((0, (7, 1, 1, 1, 1, 1)), style.REST),
     "contact_vanishes": ((0, (7, 3)), style.IMPACT), "flight_vanishes": ((0, (7, 3, 1, 3)), style.IMPACT),
+    "event_vanishes": ((0, (7, 2, 1, 2)), "#000000"),
 }  # fmt: skip
 
 
