@@ -42,8 +42,9 @@ def pytest_collection_modifyitems(items):
 
 @pytest.fixture(scope="session")
 def kept_cases(pytestconfig):
-    """The kept cases with their answers; with --once every fifth, with a --share every third."""
-    step = 3 if pytestconfig.getoption("--share") < 1 else 1
+    """The kept cases with their answers; with --once every fifth, with --share 0.2 every third, with 0.1 every sixth."""
+    asked = pytestconfig.getoption("--share")
+    step = round(0.6 / asked) if asked < 0.6 else 1
     return load()[:: 5 if pytestconfig.getoption("--once") else step]
 
 
