@@ -65,6 +65,32 @@ def test_impacts_that_a_motion_lacks_are_told_by_the_record():
     assert (abs(places - angles) < 0.1).sum() == 4  # at the weakest one no flight turns so abruptly
 
 
+@pytest.mark.parametrize(("seed", "impacts"), [(9022, "RLLRLL"), (9032, "RLLRLLRLLRLL")])
+def test_cycles_that_differ_slightly_are_a_longer_period(seed, impacts):
+    """Of the first record a fit stays on the motion of one cycle from which the right one branches off; the second
+    has nine periods of four cycles, of which half would describe it but for what alternates."""
+    found, right, off = score(seed, "hi")
+    assert right
+    assert found.good
+    assert found.pattern.sides == impacts
+    assert max(map(abs, off)) < 4
+
+
+@pytest.mark.parametrize("cycles", [14, 24])
+def test_too_few_cycles_leave_no_shorter_period_without_a_doubt(cycles):
+    """Parts of a record with a period of four cycles, of three and six periods: right or doubtful."""
+    rig, (_, load, acceleration, _), k, _ = random_rig(9032, "hi")
+    assert k == 4
+    count = round(cycles / rig.frequency * rig.rate)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", vi.PoorFitWarning)
+        found = vi.identify(
+            rate=rig.rate, load=load[:count], acceleration=acceleration[:count],
+            known={"M": M, "K": K, "m": M * rig.mu},
+        )  # fmt: skip
+    assert found.doubts or found.pattern.cycles == k
+
+
 def three_impacts():
     """A rig whose motion has three impacts, which tell the free mass, with its record."""
     rig, (_, load, acceleration, _), _, sides = random_rig(0, "defg")

@@ -29,16 +29,18 @@ SHRINKING = 0.9
 RESTING = 0.3
 #: Smallest share of repeating impacts in a periodic record.
 REPEATED = 0.9
-#: Least number of periods in a record; parts of a load cycle whose means are compared; standard deviations by
-#: which the scatter of a part without impacts may be larger; scatter beyond which a sample is left out; largest
-#: ratio of similar scatters; largest scatter of a periodic record over its power; blocks of a record that are
-#: compared.
-BLOCKS = 8
 #: Number of parts of a load cycle over which noise is summed.
 WIDE = 16
 #: Load cycles at the start of a record during which its filters settle.
 SETTLED = 2
-LEAST_PERIODS, PARTS, QUIET, ODD, ALIKE, UNREPEATED = 10, 64, 5.0, 4.0, 1.1, 0.05
+#: Least number of periods in a record; in a record that all shorter periods describe clearly less well; and in one
+#: in which means over periods are compared.
+LEAST_PERIODS, FEWEST_PERIODS, COMPARED = 10, 5, 3
+#: Parts of a load cycle whose means are compared; standard deviations by which the scatter of a part without
+#: impacts may be larger; scatter beyond which a sample is left out; largest ratio of similar scatters; largest
+#: scatter of a periodic record over its power; blocks of a record that are compared; and ratio of differences
+#: between periods that repeat after some number of cycles to those after other numbers.
+PARTS, QUIET, ODD, ALIKE, UNREPEATED, BLOCKS, CLEARLY = 64, 5.0, 4.0, 1.1, 0.05, 8, 2.0
 #: Least number of picked impacts in a load cycle of a record with impacts.
 LEAST_PICKS = 0.1
 #: Spectral lines on either side of a harmonic from which its error is estimated.
@@ -213,12 +215,14 @@ def no_rhythm(status: str) -> Rhythm:
 class Repetition(NamedTuple):
     """The periodicity of a signal: the number of load cycles of a period (0: not periodic), the scatter of a
     sample about the periodic mean, the factor by which the noise is stronger at low frequencies, and the factor by
-    which parts of the record differ beyond that, both as ratios of variances."""
+    which parts of the record differ beyond that, both as ratios of variances; and a number of load cycles after
+    which differences between periods repeat, as if the record were too short to show its period (0: none)."""
 
     cycles: int
     noise: float
     colour: float
     drift: float
+    longer: int = 0
 
 
 def period_of(values: _Array, rate: float, omega: float) -> Repetition:
@@ -227,30 +231,53 @@ def period_of(values: _Array, rate: float, omega: float) -> Repetition:
     It is the smallest k that no other number of cycles rejects, at a confidence of seven standard deviations: the
     residual of the mean over periods of k cycles has no mean over other periods that its scatter does not explain.
     If all are rejected, as by noise that is not white, it is the smallest k whose scatter is close to the smallest
-    one.
+    one. A period of which the record has fewer than LEAST_PERIODS must also leave clearly less scatter.
     """
     turns, part, cycle = places_of(values.size, rate, omega)
-    most = most_cycles(turns[-1] - turns[0])
-    scatters: list[float] = []
-    found = 0
-    for k in range(1, most + 1):
+    most, longest, compared = (
+        most_cycles(turns[-1] - turns[0], periods)
+        for periods in (LEAST_PERIODS, FEWEST_PERIODS, COMPARED)
+    )
+    group = (cycle - cycle[0]) * WIDE + part * WIDE // PARTS
+    scatters: dict[int, float] = {}
+
+    def left(k: int, highest: int) -> tuple[_Array, NDArray[np.bool_], float, dict[int, float]]:
+        """The residual of the mean over k cycles, the samples for its scatter, the colour of its noise, and the
+        variances of its means over other numbers of cycles."""
         off, quiet = left_of(values, turns, part, cycle, k)
-        scatters.append(float(np.mean(off[quiet] ** 2)))
-        colour = colour_of(off[quiet], ((cycle - cycle[0]) * WIDE + part * WIDE // PARTS)[quiet])
-        if not any(
-            excess(off[quiet], part[quiet], cycle[quiet] % other, other, colour) > 1
-            for other in range(2, most + 1) if k % other
-        ):  # fmt: skip
+        colour = colour_of(off[quiet], group[quiet])
+        scatters[k] = float(np.mean(off[quiet] ** 2))
+        return off, quiet, colour, {
+            other: excess(off[quiet], part[quiet], cycle[quiet] % other, other, colour)
+            for other in range(2, highest + 1) if k % other
+        }  # fmt: skip
+
+    def repeats(k: int) -> bool:
+        """Whether no other number of cycles rejects a period of k cycles."""
+        return all(size == 1 for size in left(k, most)[-1].values())
+
+    found = next((k for k in range(1, most + 1) if repeats(k)), 0)
+    if not found:
+        found = next(k for k, own in scatters.items() if own <= ALIKE * min(scatters.values()))
+    for k in range(most + 1, longest + 1):
+        if repeats(k) and ALIKE * scatters[k] < scatters[found]:
             found = k
-            break
-    else:
-        found = 1 + next(i for i, own in enumerate(scatters) if own <= ALIKE * min(scatters))
-        off = unrepeated(values, turns % found, found)
-    noise = math.sqrt(scatters[found - 1])
+    off, quiet, colour, others = left(found, compared)
+    longer = repeating(others)
+    noise = math.sqrt(scatters[found])
     block = np.minimum((np.arange(values.size) * BLOCKS) // values.size, BLOCKS - 1)
     drift = excess(off[quiet], part[quiet], block[quiet], BLOCKS, colour)
     periodic = noise**2 <= UNREPEATED * float(np.var(values))
-    return Repetition(found if periodic else 0, noise, colour, drift)
+    return Repetition(found if periodic else 0, noise, colour, drift, longer)
+
+
+def repeating(differing: dict[int, float]) -> int:
+    """The number of load cycles after which differences between periods repeat, from the variances of means over
+    several numbers; 0 if means over numbers without a common factor differ about as much, as by a drift."""
+    most = max(differing, key=lambda m: differing[m], default=0)
+    others = [size for m, size in differing.items() if math.gcd(m, most) == 1]
+    clear = others and differing[most] > CLEARLY * max(1.0, *others)
+    return most if clear else 0
 
 
 def left_of(
@@ -297,9 +324,9 @@ def is_smooth(values: _Array, rate: float, omega: float, count: int) -> bool:
     return float(np.std(left)) < max(NOISY * white_noise(values), SMOOTH * float(np.std(values)))
 
 
-def most_cycles(span: float) -> int:
-    """Largest number of load cycles in a period, for a record of a given number of cycles."""
-    return max(1, min(MOST_CYCLES, int(span) // LEAST_PERIODS))
+def most_cycles(span: float, periods: int = LEAST_PERIODS) -> int:
+    """Largest number of load cycles in a period, for a record of a given number of cycles and of periods."""
+    return max(1, min(MOST_CYCLES, int(span) // periods))
 
 
 def unrepeated(values: _Array, phases: _Array, k: int) -> _Array:

@@ -251,6 +251,35 @@ def twice_as_long(
     return [step], found, own
 
 
+def from_single(
+    steps: list[Step], single: tuple[list[Step], Fit | None, Law], scale: Mapping[str, float],
+    shared: Mapping[str, float],
+) -> tuple[list[Step], Fit, Law] | None:  # fmt: skip
+    """The fit of motions started from the parameters of the single flights; None if it does not describe the
+    record.
+
+    Near a pitchfork or a flip a fit may have reached the motion of which the right one branches off, and stay on
+    it.
+    """
+    data, (_, near, law) = steps[0].data, single
+    assert data is not None
+    assert near is not None
+    try:
+        found = fit(
+            [data],
+            shared,
+            near.values,
+            near.lengths,
+            near.phases,
+            scale.get("M"),
+            scale.get("K"),
+            law,
+        )
+    except SingularError:
+        return None
+    return None if max(found.misfits) > DOUBTFUL or far_off(steps, found) else (steps, found, law)
+
+
 def first_half(motion: Impacting, data: Measured) -> Impacting:
     """The impacts of the first half of a motion, with load phases near those of flights."""
     N = data.angles.size
@@ -356,8 +385,10 @@ def identified_by(
         if far_off(others, found) or max(found.misfits) > DOUBTFUL:
             single = single or apart(steps, *given)
             if clear(single[1]):
-                longer = twice_as_long(steps, single, *given)
-                return longer or because(single, "its exact motion does not describe it")
+                other = from_single(others, single, scale, shared) or twice_as_long(
+                    steps, single, *given
+                )
+                return other or because(single, "its exact motion does not describe it")
         return others, found, own
     if "twice" in attempts:
         with_other_loads(steps, scale, shared, guess)

@@ -203,7 +203,7 @@ def of_record(
         if (channel := getattr(record, name)) is not None:
             changing(channel, rate, Omega, f"{where}{name}")
     assert repetition is not None
-    k, noise, colour, drift = repetition
+    k, noise, colour, drift, longer = repetition
     noise = max(noise, record.noise.get(quantity, 0.0))
     bandwidth = record.bandwidth.get(quantity)
     smooth_record = order == 2 and is_smooth(values, rate, Omega, LOAD_TONES)
@@ -259,6 +259,12 @@ def of_record(
     if not repeats:
         return step
     step.data = data
+    if longer:
+        step.notes.append(
+            f"doubtful: load cycles differ, and the differences repeat after {longer}: the period may be longer "
+            f"than {max(k, 1)}, which the {cycles:.0f} load cycles of the record are too few to show; a longer "
+            "record would help"
+        )
     step.noise = noise
     step.restless = noise > MUCH * float(np.std(values)) and (
         noise > RESTLESS * white_noise(values) or colour > COLOURED
