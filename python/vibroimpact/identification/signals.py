@@ -231,7 +231,8 @@ def period_of(values: _Array, rate: float, omega: float) -> Repetition:
     It is the smallest k that no other number of cycles rejects, at a confidence of seven standard deviations: the
     residual of the mean over periods of k cycles has no mean over other periods that its scatter does not explain.
     If all are rejected, as by noise that is not white, it is the smallest k whose scatter is close to the smallest
-    one. A period of which the record has fewer than LEAST_PERIODS must also leave clearly less scatter.
+    one. A period of which the record has fewer than LEAST_PERIODS must also leave clearly less scatter, and that
+    nearly white, as chaos does not.
     """
     turns, part, cycle = places_of(values.size, rate, omega)
     most, longest, compared = (
@@ -256,14 +257,19 @@ def period_of(values: _Array, rate: float, omega: float) -> Repetition:
         """Whether no other number of cycles rejects a period of k cycles."""
         return all(size == 1 for size in left(k, most)[-1].values())
 
+    def better(k: int) -> bool:
+        """Whether a period of k cycles leaves clearly less scatter, and that nearly white."""
+        return left(k, 1)[2] < CLEARLY and ALIKE * scatters[k] < scatters[found]
+
     found = next((k for k in range(1, most + 1) if repeats(k)), 0)
     if not found:
         found = next(k for k, own in scatters.items() if own <= ALIKE * min(scatters.values()))
     for k in range(most + 1, longest + 1):
-        if repeats(k) and ALIKE * scatters[k] < scatters[found]:
+        if better(k) and repeats(k):
             found = k
     off, quiet, colour, others = left(found, compared)
     longer = repeating(others)
+    longer = longer if longer and better(longer) else 0
     noise = math.sqrt(scatters[found])
     block = np.minimum((np.arange(values.size) * BLOCKS) // values.size, BLOCKS - 1)
     drift = excess(off[quiet], part[quiet], block[quiet], BLOCKS, colour)
