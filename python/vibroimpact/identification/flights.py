@@ -253,14 +253,8 @@ def folded(values: _Array, rate: float, Omega: float, k: int, most: int) -> Fold
             break
         count //= 2
     # discard samples that differ from the others of their bin, as at the start of a filter, and outlying periods
-    order = np.argsort(place, kind="stable")
-    ends = np.cumsum(numbers)
-    middles, spreads = np.full((2, count), math.nan)
-    for i, (end, n) in enumerate(zip(ends.tolist(), numbers.tolist(), strict=True)):
-        if n:
-            own = values[order[end - n : end]]
-            middles[i] = np.median(own)
-            spreads[i] = np.median(abs(own - middles[i]))
+    middles = medians(values, place, numbers)
+    spreads = medians(abs(values - middles[place]), place, numbers)
     spreads = np.maximum(spreads, np.nanmedian(spreads)) / 0.6745
     period = np.floor((np.arange(values.size)) / (2 * math.pi * k / Omega * rate)).astype(np.int64)
     off = (values - middles[place]) ** 2
@@ -281,6 +275,17 @@ def folded(values: _Array, rate: float, Omega: float, k: int, most: int) -> Fold
     renumber = np.full(count + 1, -1)
     renumber[good] = np.arange(good.size)
     return Folded(middle, sums, sums, numbers[good].astype(float), renumber[place], each)
+
+
+def medians(values: _Array, place: NDArray[np.int64], numbers: NDArray[np.int64]) -> _Array:
+    """Medians of the values in each bin, from the bins of all values and their numbers; NaN in empty bins."""
+    sorted_values = values[np.lexsort((values, place))]
+    used = numbers > 0
+    begins, most = (np.cumsum(numbers) - numbers)[used], numbers[used]
+    middles = np.full(numbers.size, math.nan)
+    low, high = sorted_values[begins + (most - 1) // 2], sorted_values[begins + most // 2]
+    middles[used] = (low + high) / 2
+    return middles
 
 
 def unpredicted(values: _Array, past: int) -> _Array:

@@ -61,10 +61,13 @@ class System:
         self.later = 2 * math.pi * self.k * np.triu(np.ones((N, N)), 1)
         self.last = 2 * math.pi * self.k * np.eye(N)[-1]
 
-    def impacts(self, p: Any, angles: Any, jumps: Any) -> tuple[Any, Any, Any]:
+    def impacts(
+        self, p: Any, angles: Any, jumps: Any, rows: Any = slice(None), of: Any = slice(None)
+    ) -> tuple[Any, Any, Any]:
         """Both equations of each impact (..., 2N), approach speeds and coefficients of restitution.
 
-        The parameters `p` (P, ...), angles and jumps (..., N) may be complex.
+        The parameters `p` (P, ...), angles and jumps (..., N) may be complex. Of several points `rows` are those
+        with different angles, omega or xi, and `of` is the place among them of each point.
         """
         omega, xi, mu, d, static, phase, *walls = (value[..., None] for value in p)
         # the steady motion under each harmonic of the load, displacement and velocity
@@ -77,19 +80,9 @@ class System:
         cosine, sine = np.cos(turn), np.sin(turn)
         X = (P * cosine - Q * sine).sum(axis=-1)
         V = -(w * (P * sine + Q * cosine)).sum(axis=-1)
-        # the response to an impulse of 1 in every period, and its rate, which jumps by 1
-        since = angles[..., :, None] - angles[..., None, :] + self.later
-        decay, rate = xi * omega, omega * np.sqrt(1 - xi**2)
-        whole = 2 * math.pi * self.k / self.Omega
-        q = np.exp(-decay * whole)
-        c, s = 1 - q * np.cos(rate * whole), q * np.sin(rate * whole)
-        fade = (np.exp(-decay[..., None] * since / self.Omega)) / (c * c + s * s)[..., None]
-        turn = rate[..., None] * since / self.Omega
-        cosine, sine = fade * np.cos(turn), fade * np.sin(turn)
-        c, s = c[..., None], s[..., None]
-        response = (c * sine + s * cosine) / rate[..., None]
-        by_time = c * cosine - s * sine - decay[..., None] * response
-        by_time = by_time - 0.5 * np.eye(self.signs.size)  # the mean of the values before and after
+        by_time, response = (
+            part[of] for part in self.responses(omega[rows], xi[rows], angles[rows])
+        )
         X = X + (response @ jumps[..., None])[..., 0]
         V = V + (by_time @ jumps[..., None])[..., 0]
         z = X + self.signs * d / 2
@@ -106,6 +99,23 @@ class System:
         restitution = after - V - jumps / 2 + self.signs * R * speeds
         return np.concatenate([momentum, restitution], axis=-1), speeds, R
 
+    def responses(self, omega: Any, xi: Any, angles: Any) -> tuple[Any, Any]:
+        """The rate of the response at each impact to an impulse of 1 at another one in every period, which jumps
+        by 1, and the response (..., N, N); omega and xi are (..., 1)."""
+        since = angles[..., :, None] - angles[..., None, :] + self.later
+        decay, rate = xi * omega, omega * np.sqrt(1 - xi**2)
+        whole = 2 * math.pi * self.k / self.Omega
+        q = np.exp(-decay * whole)
+        c, s = 1 - q * np.cos(rate * whole), q * np.sin(rate * whole)
+        fade = (np.exp(-decay[..., None] * since / self.Omega)) / (c * c + s * s)[..., None]
+        turn = rate[..., None] * since / self.Omega
+        cosine, sine = fade * np.cos(turn), fade * np.sin(turn)
+        c, s = c[..., None], s[..., None]
+        response = (c * sine + s * cosine) / rate[..., None]
+        by_time = c * cosine - s * sine - decay[..., None] * response
+        # the mean of the values before and after
+        return by_time - 0.5 * np.eye(self.signs.size), response
+
     def rates(
         self, p: _Array, angles: _Array, jumps: _Array
     ) -> tuple[_Array, _Array, _Array, _Array]:
@@ -114,7 +124,13 @@ class System:
         N = angles.size
         point = np.concatenate([angles, jumps, p])
         points = point + 1j * STEP * np.eye(point.size)
-        found, speeds, R = self.impacts(points[:, 2 * N :].T, points[:, :N], points[:, N : 2 * N])
+        # points that differ in angles, in omega and in xi, and one for all others
+        own = np.concatenate([np.arange(N + 1), 2 * N + np.arange(2)])
+        of = np.full(point.size, N)
+        of[own] = np.arange(N + 3)
+        found, speeds, R = self.impacts(
+            points[:, 2 * N :].T, points[:, :N], points[:, N : 2 * N], own, of
+        )
         return found[0].real, found.imag.T / STEP, speeds[0].real, R[0].real
 
     def motion(self, p: _Array, angles: _Array, jumps: _Array) -> Impacting:
