@@ -58,6 +58,8 @@ class Rig:
     load_growth: float = 0.0
     fading: float = 0.0
     gain_growth: float = 0.0
+    #: Dry friction of the free mass in its slot over F0; motions that stick are not made.
+    friction: float = 0.0
 
     @property
     def d(self):
@@ -75,13 +77,18 @@ def flights(rig, first, last, phase=0.0):
     w, omega = 2 * math.pi * rig.frequency, math.sqrt(K / M)
     # x, its rate, each harmonic of the load and its quadrature, z and its rate
     sizes = [1.0, *rig.harmonics]
-    A = np.zeros((4 + 2 * len(sizes),) * 2)
+    slides = int(rig.friction > 0)
+    A = np.zeros((4 + 2 * len(sizes) + slides,) * 2)
     A[0, 1] = A[-2, -1] = 1
     A[1, :2] = -(omega**2), -2 * rig.xi * omega
     for n in range(len(sizes)):
         A[1, 2 + 2 * n] = 1 / M
         A[2 + 2 * n, 3 + 2 * n], A[3 + 2 * n, 2 + 2 * n] = (n + 1) * w, -(n + 1) * w
         A[2 + 2 * n, 2 + 2 * n] = A[3 + 2 * n, 3 + 2 * n] = rig.load_growth / rig.duration
+    drag = rig.friction * rig.F0 / M
+    if slides:
+        # after them the sign of the slip, which is constant
+        A[1, -3], A[-1, -3] = drag, -drag / rig.mu
     step = 2 * math.pi / w / STEPS
     powers = [expm(A * step * (i + 1)) for i in range(STEPS)]
     several = np.stack(powers)
@@ -89,18 +96,40 @@ def flights(rig, first, last, phase=0.0):
         rig.F0 * size * of((n + 1) * phase) for n, size in enumerate(sizes) for of in (math.sin, math.cos)
     ]  # fmt: skip
     middle = last - rig.duration / 2
-    y = np.array([0, 0, *loads, 0, 0.3])
-    y[2:-2] *= math.exp(-rig.load_growth * middle / rig.duration)
+    y = np.array([0, 0, *loads, *[1.0] * slides, 0, 0.3])
+    y[2 : 2 + len(loads)] *= math.exp(-rig.load_growth * middle / rig.duration)
     t, impacts, states = 0.0, [], [(0.0, y)]
 
     def gap(y):
         """Distance to the nearer wall."""
         return rig.d / 2 - abs(y[..., -2] - y[..., 0])
 
+    def slip(y):
+        """Velocity of the free mass in its slot."""
+        return y[..., -1] - y[..., 1]
+
     while t < last:
         path = several @ y
         gaps = gap(path)
         hit = np.flatnonzero(gaps < 0)
+        turned = np.flatnonzero(y[-3] * slip(path) < 0) if slides else hit[:0]
+        if turned.size and not (hit.size and hit[0] < turned[0]):
+            i = int(turned[0])
+            begin = path[i - 1] if i else y
+            if y[-3] * slip(begin) <= 0 or y[-3] * slip(expm(A * step) @ begin) >= 0:
+                return None  # it reversed just now
+            tau = brentq(lambda s, begin=begin: slip(expm(A * s) @ begin), 0, step, xtol=1e-14)
+            if gap(expm(A * tau) @ begin) <= 0:
+                return None
+            t += i * step + tau
+            y = expm(A * tau) @ begin
+            driven = -(A @ y)[1] + y[-3] * drag
+            if abs(driven) <= drag * (1 + 1 / rig.mu):  # it sticks
+                return None
+            y[-3] *= -1
+            y[-1] = y[1] + 1e-12 * y[-3]
+            states.append((t, y))
+            continue
         if not hit.size:
             t, y = t + step * STEPS, path[-1]
             continue
@@ -129,6 +158,8 @@ def flights(rig, first, last, phase=0.0):
         y[1] += jump
         y[-1] -= jump / rig.mu
         y[-2] = y[0] + side * rig.d / 2 * (1 - 1e-12)
+        if slides:
+            y[-3] = -side
         if t >= first:
             impacts.append((t, side, jump))
         states.append((t, y))
@@ -143,6 +174,8 @@ def record(rig, seed=0, settle=400):
     if found is None:
         return None
     A, impacts, states = found
+    if not impacts.size:
+        return None
     t = np.arange(round(rig.duration * rig.rate)) / rig.rate
     begins = np.array([begin for begin, _ in states]) - first
     if rig.known_lowpass is None:

@@ -1,10 +1,23 @@
-"""Records of virtual rigs with dry friction in the slot."""
+"""Dry friction in the slot of rigs: records of virtual rigs, and what an identification says about it."""
 
+import functools
+import math
+import warnings
+
+import numpy as np
 import pytest
 import vibroimpact as vi
+from vibroimpact.identification.flights import Measured, predicted
+from vibroimpact.identification.friction import Rubbing
+from vibroimpact.identification.known import known_values
+from vibroimpact.identification.laws import Law
+from vibroimpact.identification.stages import identified_by
+from vibroimpact.identification.steps import of_record
+from vibroimpact.motions.exact import settled
 
 pytest.importorskip("scipy")
-from shared_identify import BENCH
+from reference_rig import K, M, Rig, record
+from shared_identify import BENCH, IDEAL, KNOWN
 
 #: A motion R, L, L with reversals of slip between both impacts on L.
 RUBBING = BENCH | {"friction": 0.05}
@@ -36,3 +49,142 @@ def test_a_virtual_rig_with_friction_obeys_newtons_law():
     assert near.mean() > 0.9
     assert (force[near] > 0).any()
     assert (force[near] < 0).any()
+
+
+def of_core(friction):
+    """A motion R, L, L as simulated by the core, its load phases and signed impulses (lengths in F0/K)."""
+    rig = vi.VirtualRig(**BENCH)
+    point = rig.oscillator.at(rig.r, rig.clearance, friction=friction)
+    load = vi.Load(rig.r, sine=[[1.0, 0.0]])
+    state = np.zeros(2), np.array([0.0, 0.5])
+    motion = settled(point.structure, load, 0.0, state, 400, cycles=1)
+    own = (motion.gaps < 2) & (motion.impulses > 0)
+    signs = np.where(motion.gaps[own] == 0, 1.0, -1.0)
+    return rig, motion, motion.phases[own], signs * motion.impulses[own]
+
+
+def rubbing(rig, angles, jumps, friction, order, places):
+    """The motion of the fit near given impacts."""
+    sides = "".join("R" if jump > 0 else "L" for jump in jumps)
+    data = Measured(rig.r, 1, angles, jumps=jumps, sides=sides, order=order, places=places)
+    p = np.array([1.0, rig.xi, rig.m / rig.M, rig.clearance, 1.0, 0.0, *rig.restitution, friction])
+    motion = Rubbing(data, Law()).motion(p, angles + 2e-3, 1.01 * jumps)
+    plain = predicted(data, places, order, 1.0, rig.xi, 1.0, 0.0, motion.angles, motion.jumps)
+    return motion, plain.value + motion.aside, data, p
+
+
+@pytest.mark.parametrize("friction", [0.003, 0.03])
+@pytest.mark.parametrize("order", [0, 1])
+def test_the_motion_of_a_fit_is_that_of_the_core(friction, order):
+    """Closed forms, with the reversal of the slip as an unknown, and a simulation until the motion repeats."""
+    rig, motion, angles, jumps = of_core(friction)
+    places = 0.013 + np.linspace(0, 2 * math.pi, 50, endpoint=False)
+    own, x, _, _ = rubbing(rig, angles, jumps, friction, order, places)
+    assert abs(own.angles - angles).max() < 1e-11
+    assert abs(own.jumps - jumps).max() < 1e-11
+    reversal = set(motion.phases[motion.gaps == 2]) - set(angles)
+    assert abs(own.turns - min(reversal)).max() < 1e-11
+    assert abs(x - motion.sample(places / rig.r)[order][0]).max() < 1e-11
+
+
+@pytest.mark.parametrize("order", [0, 1, 2])
+def test_derivatives_of_a_motion_with_friction(order):
+    """Against differences, with respect to all parameters."""
+    rig, _, angles, jumps = of_core(0.01)
+    places = 0.013 + np.linspace(0, 2 * math.pi, 50, endpoint=False)
+    motion, _, data, p = rubbing(rig, angles, jumps, 0.01, order, places)
+    for j in range(p.size):
+        step = 1e-6 * max(abs(p[j]), 0.01)
+        two = [
+            Rubbing(data, Law()).motion(p + sign * step * np.eye(p.size)[j], motion.angles, motion.jumps)
+            for sign in (1, -1)
+        ]  # fmt: skip
+        by = [
+            (one - other) / (2 * step)
+            for one, other in zip(
+                *((each.angles, each.jumps, each.aside) for each in two), strict=True
+            )
+        ]
+        for found, right in zip((*motion.by[:, :, j], motion.aside_by[:, j]), by, strict=True):
+            assert abs(found - right).max() < 1e-5 * max(1.0, abs(right).max())
+
+
+def test_friction_that_sticks_has_no_motion():
+    """The force that the free mass would need to slide on at its reversal is too small."""
+    rig, _, angles, jumps = of_core(0.01)
+    motion, _, data, p = rubbing(rig, angles, jumps, 0.01, 1, np.empty(0))
+    p[-1] = 0.2
+    with pytest.raises(vi.SingularError, match="would stick"):
+        Rubbing(data, Law()).slides(p, motion.angles, motion.turns, motion.jumps, motion.flight)
+
+
+def score_of(made, known):
+    """The fit of a record with its score tests."""
+    scale, shared = known_values(known)
+    step = of_record(made, None, scale, 0, 1, 0.01)
+    guess = {"xi": 0.01, "mu": 0.05, "R1": 0.7, "R2": 0.7}
+    return identified_by([step], scale, shared, guess, Law(), None)[1]
+
+
+@functools.cache
+def recorded(D, friction):
+    """A record of another program, of a motion that repeats if D is below 40."""
+    rig = Rig(
+        xi=0.0114, mu=0.04, restitution=(0.75, 0.68), r=1.04, F0=6.0, D=D, rate=10000.0, duration=3.0,
+        calibration=0.0, friction=friction,
+    )  # fmt: skip
+    _, load, acceleration, _ = record(rig, 0)
+    return vi.SensorRecord(rig.rate, load=load, acceleration=acceleration)
+
+
+def test_without_friction_its_test_is_standard_normal():
+    """The squares of the statistic over noise and load phases have a chi-square distribution: 99.9 % interval."""
+    rig = vi.VirtualRig(**BENCH)
+    sizes = [
+        score_of(rig.record(duration=2.0, rng=seed), KNOWN).strains["friction"].size
+        for seed in range(10)
+    ]
+    assert 1.26 < np.sum(np.square(sizes)) < 31.4
+    assert abs(np.mean(sizes)) < 3.3 / math.sqrt(10)
+
+
+@pytest.mark.parametrize(("D", "friction"), [(44.0, 3e-4), (48.0, 1e-3)])
+def test_a_chaotic_record_shows_the_size_of_friction(D, friction):
+    """Of a record of another program, within the standard error of the test."""
+    strain = score_of(recorded(D, friction), {"M": M, "K": K}).strains["friction"]
+    assert strain.size > 4
+    assert abs(strain.change - friction) < 4 * strain.change / strain.size
+
+
+def quietly(*args, **options):
+    """The result, without the warning of a poor fit."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", vi.PoorFitWarning)
+        return vi.identify(*args, **options)
+
+
+def test_friction_that_shows_is_a_doubt():
+    """With its size; periodic records of three unequal impacts, and chaotic ones, show it."""
+    periodic = quietly(vi.VirtualRig(**BENCH, **IDEAL, friction=0.02).record(rng=1), known=KNOWN)
+    aperiodic = quietly(recorded(48.0, 1e-3), known={"M": M, "K": K})
+    for found in (periodic, aperiodic):
+        assert not found.good
+        assert any("friction in the slot of about" in doubt for doubt in found.doubts)
+
+
+def test_friction_that_does_not_show_is_an_assumption():
+    """Two impacts a period do not tell friction from restitution; what the assumption says, R is off."""
+    found = vi.identify(recorded(20.0, 0.015), known={"M": M, "K": K, "m": 0.04 * M})
+    off = (found.values["R1"] - 0.75) / found.errors["R1"]
+    assert off < -4
+    (text,) = (text for text in found.assumptions if "friction" in text)
+    share = float(text.split("friction of ")[1].split()[0])
+    moved = -float(text.split("R1 would be ")[1].split()[0])
+    assert "smaller" in text.split("R1 would be ")[1].split(",")[0]
+    assert abs(0.015 / share * moved - off * found.errors["R1"]) < 4 * found.errors["R1"]
+
+
+def test_no_friction_is_no_doubt():
+    """Neither of a periodic nor of a chaotic record."""
+    assert vi.identify(vi.VirtualRig(**BENCH).record(rng=1), known=KNOWN).good
+    assert vi.identify(recorded(44.0, 0.0), known={"M": M, "K": K}).good

@@ -18,6 +18,7 @@ from ..base.errors import SingularError
 from ..base.libraries import scipy
 from .coupled import banded, own_blocks, passed_on, scaled_solve, slopes
 from .fit import DOUBTFUL, FAR_OFF, Fit, covariance_of, far_off_gain
+from .friction import Slips, slips_of
 from .known import HINT
 from .laws import Law
 from .state_noise import noise_information, without_noise
@@ -151,17 +152,27 @@ class Impacts:
                 *self.typical,
             ]
         )
+        #: The slip in the flights, if friction is part of the equations.
+        self.slips: Slips | None = None
         #: Time of flight of the free mass before each impact and after the last (N - 1), s.
         self.duration = duration
 
     def constraints(self, states: Any, common: Any, g: Any) -> Any:
         """Momentum and restitution at the inner impacts (..., N - 2, 2)."""
-        t, X, V, after = self.windows.events(states, common, self.flown.times)
-        every, signs = [*self.names, *self.held, *DRIFTS], self.signs
+        every, signs, slips = [*self.names, *self.held, *DRIFTS], self.signs, self.slips
         value = {**self.values, **{every[j]: g[..., j, None] for j in range(g.shape[-1])}}
+        aside = None
+        if slips is not None:
+            push = value["friction"] * common[..., None, 2]
+            aside = [push * beside for beside in slips.beside]
+        t, X, V, after = self.windows.events(states, common, self.flown.times, aside)
         z = X + 0.5 * signs * value["d"] * value["gain"]
         flight = np.diff(z, axis=-1) / np.diff(t, axis=-1)
         one, two = flight[..., :-1], flight[..., 1:]
+        if slips is not None:
+            drag = push * common[..., None, 0] ** 2 / value["mu"]
+            one = one + (drag * (slips.mean - slips.once))[..., :-1]
+            two = two + (drag * slips.mean)[..., 1:]
         V, after, sign = V[..., 1:-1], after[..., 1:-1], signs[1:-1]
         speed = sign * (one - V)
         # the law depends on speeds, which the sensor scales by its gain
@@ -222,6 +233,27 @@ class Impacts:
         beyond = apart - 0.5 * d > np.maximum(CROSSED * d, CHANCE * error)
         crossed[1:-1] = (active[:-1] | active[1:]) & beyond
         return crossed
+
+    def rubbed(self, at: Minimum) -> tuple[Flown, _Array]:
+        """The flights with friction as the only known common parameter, which is 0, and the derivatives of all
+        equations with respect to it (equations, 1)."""
+        value = self.values | dict(zip(self.names, at.g.tolist(), strict=True))
+        here, common = self.here(at), self.common(at.change)
+        flown, windows = self.flown, self.windows
+        self.slips = slips = slips_of(
+            windows, here, common, self.signs, value["d"] * value["gain"], flown.resolved
+        )
+        states, inverse, _, left, _, _ = windows.fitted(windows.common)
+        turned, slope, weight, shared = windows.along(slips.samples, states, inverse, left)
+        every = flown._replace(
+            held=np.array([shared.size]), slope=np.append(flown.slope, slope),
+            every_weight=np.block([[flown.every_weight, shared[:, None]], [shared, weight]]),
+        )  # fmt: skip
+        self.held = ["friction"]
+        _, A, C, G = slopes(self.constraints, here, common, np.append(at.g, 0.0), flown.free[:0])
+        by: _Array = passed_on(A, C, turned[..., None]) + G[..., -1:]
+        by[~at.ok] = 0
+        return every, by.reshape(-1, 1)
 
     @np.errstate(all="ignore")
     def settled(self, change: _Array, eta: _Array, g: _Array, judge: bool) -> Minimum:
@@ -438,6 +470,13 @@ def by_laws(
         flown, [*(("omega", "xi")[i] for i in flown.held), *tested], by_held.reshape(-1, by_held.shape[-1]),
         best.multiplier, change, best.cov, best.B, covariance, variance, places,
     )  # fmt: skip
+    # no friction; by all information, part of which is that of noise, since friction may resemble other parameters
+    every, by_friction = impacts.rubbed(best)
+    inverse = np.linalg.pinv(best.information * sizes, rcond=1e-12, hermitian=True) * sizes
+    of_friction, by = held_strains(
+        every, ["friction"], by_friction, best.multiplier, change, best.cov, best.B, inverse, variance, places
+    )  # fmt: skip
+    of_held, leans = of_held | of_friction, leans | by
     drifts = {name: of_held.pop(name) for name in DRIFTS if name in of_held} | trends_of(flown)
     leans = {name: by for name, by in leans.items() if name not in DRIFTS}
     strains |= of_held

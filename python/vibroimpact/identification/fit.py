@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 
 from ..base.errors import SingularError
 from .flights import Measured, predicted
+from .friction import Rubbing, of_no_friction
 from .known import HINT
 from .laws import Law
 from .least_squares import MOST_ITERATIONS, levenberg
@@ -27,6 +29,8 @@ VAGUE = 0.5
 BAD = 0.5
 #: Misfit above which a fit is doubtful.
 DOUBTFUL = 2.0
+#: Friction over F0 that is typical of a slot.
+TYPICAL_FRICTION = 0.01
 #: Largest deviation from independently measured values, in standard errors.
 FAR_OFF = 5.0
 
@@ -92,6 +96,7 @@ def fit(
     x = np.array([*(starts[name] for name in free), *lengths, *phases, *[1.0 for _ in ones]])
     typical = {name: law.typical(name, starts[name]) for name in law.names if name in free}
     typical["xi"] = max(starts["xi"], 0.005)
+    typical["friction"] = TYPICAL_FRICTION
     scales = np.array(
         [*(typical.get(name, abs(starts[name])) for name in free), *lengths, *[1.0] * (count + len(ones))]
     )  # fmt: skip
@@ -102,10 +107,11 @@ def fit(
         for name in law.names
         if name[0] == "R" and law.kind in ("constant", "impacts")
     }
+    bounds["friction"] = (0.0, math.inf)
     bounds |= {f"F0/K {i}": (0.0, math.inf) for i in range(count)}
     low, high = np.array([bounds.get(name, (-math.inf, math.inf)) for name in names]).T
-    systems = [System(data, law) for data in records]
-    walls = law.of_wall(0) + law.of_wall(1)
+    systems = [(Rubbing if law.friction else System)(data, law) for data in records]
+    walls = (*law.of_wall(0), *law.of_wall(1), *["friction"] * law.friction)
     # also derivatives with respect to known values, to test whether the records agree with them
     held = [name for name in law.shared if name in known]
     column = place | {name: len(names) + i for i, name in enumerate(held)}
@@ -176,8 +182,11 @@ def fit(
             by = one.angles @ motion.by[0] + one.jumps @ motion.by[1]
             own = np.column_stack([one.omega, one.xi, one.static, one.phase])
             by[:, [0, 1, of_static, of_phase]] += own
+            value = one.value
+            if motion.aside is not None:
+                by, value = by + motion.aside_by, value + motion.aside
             gain = float(x[place["gain"]]) if ones else 1.0
-            both = np.column_stack([gain * one.value - data.values, gain * by, one.value])
+            both = np.column_stack([gain * value - data.values, gain * by, value])
             both /= data.errors[:, None]
             both -= data.beside @ (data.beside.T @ both)
             row(both[:, 0], both[:, 1:-1])
@@ -234,6 +243,9 @@ def fit(
     for name, (own, size) in measured.items():
         free_of[name] = np.zeros(f.size)
         free_of[name][starts_at[int(name.split()[-1])] + own] = -1 / size
+    if not (law.friction or rough):
+        with contextlib.suppress(SingularError):
+            free_of["friction"] = by_friction(records, law, found, points(x), sizes, f.size)
     found.strains, found.leans = of_known(f, J, scales, names, free_of, found.spread)
     for i, data in enumerate(records):
         rest = [explained(data, found, i, share) for share in (1.0, 0.0)]
@@ -242,6 +254,30 @@ def fit(
                 f"no exact motion {data.pattern.sides}/{data.k} near the picked impacts fits the record; {HINT}"
             )
     return found
+
+
+def by_friction(
+    records: Sequence[Measured], law: Law, found: Fit, points: Sequence[_Array], sizes: Sequence[int], count: int
+) -> _Array:  # fmt: skip
+    """The derivatives of the weighted residuals with respect to friction in the slot, over the F0 of the first
+    record, of a rig that has none."""
+    every = np.zeros(count)
+    begins = np.cumsum([0, *sizes])
+    for i, (data, p) in enumerate(zip(records, points, strict=True)):
+        motion = of_no_friction(data, law, p, found.motions[i])
+        angles, jumps = motion.by[:, :, -1] * found.lengths[0] / found.lengths[i]
+        if data.places.size:
+            omega, xi, static, phase = p[[0, 1, 4, 5]].tolist()
+            one = predicted(
+                data, data.places, data.order, omega, xi, static, phase, motion.angles, motion.jumps
+            )
+            own = motion.aside_by[:, -1] * found.lengths[0] / found.lengths[i]
+            own = found.gain * (one.angles @ angles + one.jumps @ jumps + own) / data.errors
+            own -= data.beside @ (data.beside.T @ own)
+        else:
+            own = angles / data.angle_errors
+        every[begins[i] : begins[i] + own.size] = own
+    return every
 
 
 def far_off_gain(gain: float, calibration: float) -> str:
@@ -261,7 +297,8 @@ def explained(data: Measured, found: Fit, i: int, share: float) -> float:
         data, data.places, data.order, values["omega"], values["xi"], found.lengths[i], found.phases[i],
         motion.angles, share * motion.jumps,
     )  # fmt: skip
-    off = (found.gain * here.value - data.values) / data.errors
+    value = here.value if motion.aside is None else here.value + motion.aside
+    off = (found.gain * value - data.values) / data.errors
     off -= data.beside @ (data.beside.T @ off)
     return float(off @ off)
 

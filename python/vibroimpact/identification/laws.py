@@ -44,6 +44,8 @@ class Law:
     v0: float = math.nan
     #: Of the right and of the left wall.
     knots: tuple[tuple[float, ...], ...] = ()
+    #: Whether there is friction in the slot.
+    friction: bool = False
 
     @property
     def shape(self) -> str:
@@ -66,7 +68,7 @@ class Law:
     @property
     def shared(self) -> tuple[str, ...]:
         """All parameters that records of one rig share."""
-        return ("omega", "xi", "mu", *self.names, "d")
+        return ("omega", "xi", "mu", *self.names, "d", *["friction"] * self.friction)
 
     @property
     def fixed(self) -> dict[str, float]:

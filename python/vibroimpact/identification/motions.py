@@ -40,19 +40,26 @@ FARTHEST = 0.3
 
 class Impacting(NamedTuple):
     """The impacts of a period: angles Omega t, jumps of the velocity of the primary mass, approach speeds,
-    coefficients of restitution; derivatives of angles and jumps with respect to all parameters (2, N, P)."""
+    coefficients of restitution; derivatives of angles and jumps with respect to all parameters (2, N, P). With
+    friction in the slot also the angles at which the slip reverses, the impacts before these, and the response to
+    friction at the places of the record with its derivatives (n, P)."""
 
     angles: _Array
     jumps: _Array
     speeds: _Array
     restitution: _Array
     by: _Array
+    turns: Any = None
+    flight: Any = None
+    aside: Any = None
+    aside_by: Any = None
 
 
 class System:
     """The data shared by all motions of a record, with a law of restitution."""
 
     def __init__(self, data: Measured, law: Law) -> None:
+        self.data = data
         self.Omega, self.k = data.Omega, data.k
         self.signs = data.pattern.signs.astype(float)
         self.law = law
@@ -70,16 +77,7 @@ class System:
         with different angles, omega or xi, and `of` is the place among them of each point.
         """
         omega, xi, mu, d, static, phase, *walls = (value[..., None] for value in p)
-        # the steady motion under each harmonic of the load, displacement and velocity
-        w, F = self.orders * self.Omega, omega**2 * static
-        a, b = omega**2 - w**2, 2 * xi * omega * w
-        size = F / (a**2 + b**2)
-        P = (size * (self.shape.real * a + self.shape.imag * b))[..., None, :]
-        Q = (size * (self.shape.imag * a - self.shape.real * b))[..., None, :]
-        turn = self.orders * (angles + phase)[..., None]
-        cosine, sine = np.cos(turn), np.sin(turn)
-        X = (P * cosine - Q * sine).sum(axis=-1)
-        V = -(w * (P * sine + Q * cosine)).sum(axis=-1)
+        X, V = self.loaded(omega, xi, static, phase, angles)
         by_time, response = (
             part[of] for part in self.responses(omega[rows], xi[rows], angles[rows])
         )
@@ -98,6 +96,20 @@ class System:
         momentum = jumps + mu * (after - before)
         restitution = after - V - jumps / 2 + self.signs * R * speeds
         return np.concatenate([momentum, restitution], axis=-1), speeds, R
+
+    def loaded(self, omega: Any, xi: Any, static: Any, phase: Any, angles: Any) -> tuple[Any, Any]:
+        """The steady motion under each harmonic of the load, displacement and velocity, at given angles (..., n);
+        the parameters (..., 1)."""
+        w, F = self.orders * self.Omega, omega**2 * static
+        a, b = omega**2 - w**2, 2 * xi * omega * w
+        size = F / (a**2 + b**2)
+        P = (size * (self.shape.real * a + self.shape.imag * b))[..., None, :]
+        Q = (size * (self.shape.imag * a - self.shape.real * b))[..., None, :]
+        turn = self.orders * (angles + phase)[..., None]
+        cosine, sine = np.cos(turn), np.sin(turn)
+        X = (P * cosine - Q * sine).sum(axis=-1)
+        V = -(w * (P * sine + Q * cosine)).sum(axis=-1)
+        return X, V
 
     def responses(self, omega: Any, xi: Any, angles: Any) -> tuple[Any, Any]:
         """The rate of the response at each impact to an impulse of 1 at another one in every period, which jumps

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..results.tables import made
-from .fit import DOUBTFUL, Fit
+from .fit import DOUBTFUL, TYPICAL_FRICTION, Fit
 from .flights import LEAST_GAIN, Measured, predicted, rung, unexplained
 from .known import KNOWN
 from .laws import Law
@@ -233,6 +233,13 @@ def doubts_of(
                 f"({apart}): a filter or delay of one channel (bandwidth, delay) may be "
                 "missing or wrong, or the channels have different clocks"
             )
+        elif kind == "friction" and name not in found.values:
+            # the force of friction cannot drive the free mass
+            if strain.change > 0:
+                texts.append(
+                    f"friction in the slot of about {strain.change:.2g} F0, which is not part of the fit, would "
+                    f"describe the record better ({abs(strain.size):.2g} standard errors from none)"
+                )
         elif kind == "F0":
             load = (data or step.apart or Measured(step.Omega, 1)).F0
             assert load is not None
@@ -380,6 +387,9 @@ def unstated(found: Fit, Omega: float) -> list[str]:
             continue  # its error is part of all errors
         if kind == "phase":
             step, what = 1e-4 * Omega, "the load were 0.1 ms earlier in its channel"
+        elif name == "friction" and name not in found.values:
+            step = unexcluded(found)
+            what = f"there were friction of {step:.2g} F0 in the slot, which the record does not exclude"
         elif kind == "omega":
             step, what = 0.005 * found.values[name], "K/M (or omega^2) as known were 1 % larger"
         else:
@@ -393,6 +403,15 @@ def unstated(found: Fit, Omega: float) -> list[str]:
         if changes:
             texts.append(f"not in the errors: if {what}, {', '.join(changes)}")
     return texts
+
+
+def unexcluded(found: Fit) -> float:
+    """Friction over F0 that is plausible and that the records do not exclude."""
+    if "friction" not in found.strains:
+        return TYPICAL_FRICTION
+    size, change = found.strains["friction"]
+    error = change / size if size else math.inf
+    return min(TYPICAL_FRICTION, max(change, 0.0) + WIDTH * error)
 
 
 def add_samples(

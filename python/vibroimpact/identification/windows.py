@@ -285,6 +285,28 @@ class Windows:
             shared / self.noise**2,
         )
 
+    def along(
+        self, g: _Array, states: _Array, inverse: _Array, left: _Array
+    ) -> tuple[_Array, float, float, _Array]:
+        """The effect of a further linear parameter of which `g` are the derivatives of the used samples: the
+        derivatives of the states of flights, minus half that of the sum of squares, the weight, and the cross
+        terms with the common parameters."""
+        rows, q = self.basis(self.common), 2 + 2 * self.modes
+        by = self.by_common(self.common, states)
+        turned = np.zeros((self.begins.size, q))
+        slope, weight, shared = 0.0, 0.0, np.zeros(self.common.size)
+        for i, a, b in zip(self.own.tolist(), *self.edges.tolist(), strict=True):
+            if not g[a:b].any():
+                continue
+            L, G, own = rows[:q, a:b], rows[:-1, a:b].T @ by[i], g[a:b]
+            turned[i] = inverse[i] @ (L @ own)
+            if self.trusted[i]:
+                slope += float(own @ left[a:b])
+                weight += float(own @ own - (L @ own) @ turned[i])
+                shared += own @ G - turned[i] @ (L @ G)
+        size = self.noise**2
+        return turned[:, :2], slope / size, weight / size, shared / size
+
     def refine(self, enough: float = 1.0) -> tuple[Any, ...]:
         """The common parameters by the damped Gauss–Newton method."""
         free = self.free()
@@ -556,11 +578,12 @@ class Windows:
         self.before = max(min(self.ahead, 1e-3) + 2 * self.step, SHRINK * self.before)
 
     @np.errstate(all="ignore")  # where flights do not exist or do not meet
-    def events(self, states: Any, common: Any, times: Any) -> Any:
+    def events(self, states: Any, common: Any, times: Any, aside: Any = None) -> Any:
         """The points where flights meet: times, displacements, velocities before and after (4, ..., N).
 
         All arguments may have a small imaginary part. `states` is (..., N + 1, 2); the times are those about which
-        the crossing of the flights is linearized.
+        the crossing of the flights is linearized. `aside` are displacement and velocity beside those of free
+        flights just before each impact, and the displacement after it.
         """
         omega, xi, static, phase = (common[..., None, i] for i in range(4))
         decay, rate = xi * omega, omega * np.sqrt(1 - xi**2)
@@ -575,10 +598,15 @@ class Windows:
 
         before, after = states[..., :-1, :], states[..., 1:, :]
         both = [free(before, self.begins[:-1], times), free(after, self.begins[1:], times)]
+        if aside is not None:
+            (X, V), (X_after, V_after) = both
+            both = [(X + aside[0], V + aside[1]), (X_after + aside[2], V_after)]
         slope = both[1][1] - both[0][1]
         t = times - (both[1][0] - both[0][0]) / slope
         X, V = free(before, self.begins[:-1], t)
         V_after = free(after, self.begins[1:], t)[1]
+        if aside is not None:
+            X, V = X + aside[0], V + aside[1]
         load, speed = under_load(self.data, omega, xi, static, phase, t)
         return np.stack([t, X + load, V + speed, V_after + speed])
 
@@ -590,6 +618,16 @@ class Windows:
         omega, xi, static, phase = common[:4].tolist()
         X, _ = under_load(self.data, omega, xi, static, phase, t)
         moved: _Array = X + (C * np.exp(pole * (t - self.begins[:, None]))).real
+        return moved
+
+    @np.errstate(all="ignore")  # where flights do not exist
+    def velocities(self, states: _Array, common: _Array, t: _Array, begins: _Array) -> _Array:
+        """Velocities of the primary mass in flights of given states (N, 2) and beginnings, at times t (N, n)."""
+        pole = self.poles(common)[0]
+        C = (states[:, 0] + 1j * states[:, 1])[:, None]
+        omega, xi, static, phase = common[:4].tolist()
+        _, V = under_load(self.data, omega, xi, static, phase, t)
+        moved: _Array = V + (pole * C * np.exp(pole * (t - begins[:, None]))).real
         return moved
 
     def by_states(self, states: _Array, common: _Array, times: _Array) -> _Array:

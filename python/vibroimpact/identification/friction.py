@@ -1,0 +1,312 @@
+"""Exact motions of a rig with dry friction in its slot, and the effect of friction on a record.
+
+Friction pushes the free mass against its slip, and the primary mass along with it. The force is constant between
+impacts and reversals of the slip, at which it changes its sign. The response of the primary mass to such a force
+is a sum of closed forms, as that to impulses: the derivative of its response to a step is that to an impulse.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base.errors import SingularError
+from .flights import Measured, predicted
+from .motions import FARTHEST, MOST_STEPS, SETTLED, STEP, TOUCHING, Impacting, System
+from .windows import Windows
+
+_Array = NDArray[np.float64]
+_Ints = NDArray[np.int64]
+#: Instants of a flight at which the sign of the slip is looked at, and how often reversals are looked for.
+ALONG, LOOKS = 200, 3
+
+
+class Rubbing(System):
+    """The data shared by all motions of a record with friction in the slot.
+
+    Their last parameter is the friction over F0. Where the slip reverses is unknown, as are angles and jumps of
+    the impacts; the slip is zero there.
+    """
+
+    def steps(self, flight: _Ints) -> tuple[_Array, _Array]:
+        """Changes of the sign of the slip at impacts, and at reversals in the flights after given impacts."""
+        number = np.arange(flight.size) - np.searchsorted(flight, flight)
+        return -2 * self.signs, 2 * self.signs[flight] * (-1.0) ** number
+
+    def equations(
+        self, p: Any, angles: Any, turns: Any, jumps: Any, flight: _Ints
+    ) -> tuple[Any, Any, Any]:
+        """The equations of each impact and reversal (..., 2N + reversals), approach speeds and coefficients of
+        restitution; parameters `p` (P, ...), angles, jumps and reversals (...) may be complex."""
+        omega, xi, mu, d, static, phase, *walls, friction = (value[..., None] for value in p)
+        N, signs = self.signs.size, self.signs
+        places = np.concatenate([angles, turns], axis=-1)
+        changes = np.concatenate(self.steps(flight))
+        X, V = self.loaded(omega, xi, static, phase, places)
+        # responses to an impulse of 1 in every period, its rate and its integral
+        whole = 2 * math.pi * self.k
+        since = places[..., :, None] - places[..., None, :]
+        since = since - whole * np.floor(since.real / whole)
+        decay, rate = xi * omega, omega * np.sqrt(1 - xi**2)
+        q = np.exp(-decay * whole / self.Omega)
+        turn = rate * whole / self.Omega
+        c, s = (1 - q * np.cos(turn))[..., None], (q * np.sin(turn))[..., None]
+        fade = np.exp(-decay[..., None] * since / self.Omega) / (c * c + s * s)
+        turn = rate[..., None] * since / self.Omega
+        cosine, sine = fade * np.cos(turn), fade * np.sin(turn)
+        response = (c * sine + s * cosine) / rate[..., None]
+        real = c * cosine - s * sine
+        of_jump = (real - decay[..., None] * response)[..., :N]
+        half = np.eye(places.shape[-1])
+        of_jump = of_jump - 0.5 * half[:, :N]  # the mean of the values before and after
+        summed = (0.5 * half - real - decay[..., None] * response) / omega[..., None] ** 2
+        push = friction * static * omega**2
+        X = X + (response[..., :N] @ jumps[..., None])[..., 0] + push * (summed @ changes)
+        V = V + (of_jump @ jumps[..., None])[..., 0] + push * (response @ changes)
+        X, V, at_turns = X[..., :N], V[..., :N], V[..., N:]
+        # flights of the free mass, which friction bends
+        z = X + signs * d / 2
+        flights = (np.roll(angles, -1, axis=-1) - angles + self.last) / self.Omega
+        own = (flight == np.arange(N)[:, None]).astype(float)
+        left = ((np.roll(angles, -1, axis=-1) + self.last)[..., flight] - turns) / self.Omega
+        drag = push / mu
+        once = -signs * flights + (left * changes[N:]) @ own.T
+        twice = 0.5 * (-signs * flights**2 + (left**2 * changes[N:]) @ own.T)
+        after = (np.roll(z, -1, axis=-1) - z) / flights + drag * twice / flights
+        before = np.roll(after - drag * once, 1, axis=-1)
+        gone = flights[..., flight] - left
+        earlier = (flight[:, None] == flight) & (
+            np.arange(flight.size)[:, None] > np.arange(flight.size)
+        )
+        bent = -signs[flight] * gone
+        bent = bent + ((gone[..., :, None] - gone[..., None, :]) * earlier) @ changes[N:]
+        slip = after[..., flight] - drag * bent - at_turns
+        speeds = signs * (before - V + jumps / 2)
+        positive = np.where(speeds.real > 0, speeds, 1.0)
+        n = len(self.law.of_wall(0))
+        each = (self.law.coefficient(i, w, positive) for i, w in enumerate((walls[:n], walls[n:])))
+        R = np.where(signs > 0, *each)
+        momentum = jumps + mu * (after - before)
+        restitution = after - V - jumps / 2 + signs * R * speeds
+        return np.concatenate([momentum, restitution, slip], axis=-1), speeds, R
+
+    def motion(self, p: _Array, angles: _Array, jumps: _Array) -> Impacting:
+        """The exact motion near given angles and jumps."""
+        N, turns, flight = angles.size, np.empty(0), np.empty(0, dtype=np.int64)
+        for _ in range(LOOKS):
+            turns, flight = self.reversals(p, angles, turns, jumps, flight)
+        n = turns.size
+        x, places = np.concatenate([angles, turns, jumps]), np.append(np.arange(N), flight)
+        for _ in range(MOST_STEPS):
+            point = np.concatenate([x, p])
+            points = point + 1j * STEP * np.eye(point.size)
+            found, speeds, R = self.equations(
+                points[:, x.size :].T, points[:, :N], points[:, N : N + n], points[:, N + n : x.size], flight
+            )  # fmt: skip
+            by = found.imag.T / STEP
+            if not np.isfinite(by).all():
+                break
+            right = np.column_stack([found[0].real, by[:, x.size :]])
+            try:
+                change = -np.linalg.solve(by[:, : x.size], right)
+            except np.linalg.LinAlgError:
+                break
+            step, first = change[:, 0], np.sort(x[: N + n])
+            room = FARTHEST * np.diff(first, append=first[0] + 2 * math.pi * self.k).min()
+            step = step * min(1.0, room / max(abs(step[: N + n]).max(), 1e-300))
+            x = x + step
+            angles, turns, jumps = np.split(x, [N, N + n])
+            order = np.lexsort((x[: N + n], places))
+            if (np.diff(x[: N + n][order]) <= 0).any():
+                break
+            size = max(abs(jumps).max(), 1e-300)
+            if abs(step[: N + n]).max() + abs(step[N + n :]).max() / size < SETTLED:
+                if not speeds[0].real.min() > TOUCHING * size / max(p[2], 1e-3):
+                    raise SingularError(
+                        "the free mass does not approach the walls at the impacts of the motion"
+                    )
+                slopes = np.asarray(change[:, 1:], dtype=np.float64)
+                self.slides(p, angles, turns, jumps, flight)
+                both = np.stack([slopes[:N], slopes[N + n :]])
+                return self.with_response(
+                    p, Impacting(angles, jumps, speeds[0].real, R[0].real, both), turns, flight, slopes[: N + n]
+                )  # fmt: skip
+        raise SingularError("Newton's method found no motion with these impacts and friction")
+
+    def reversals(
+        self, p: _Array, angles: _Array, turns: _Array, jumps: _Array, flight: _Ints
+    ) -> tuple[_Array, _Ints]:
+        """Where the slip of approximate flights changes its sign, with the impacts before, from approximate
+        reversals."""
+        N = angles.size
+        ends = np.append(angles[1:], angles[0] + 2 * math.pi * self.k)
+        part = (np.arange(ALONG) + 0.5) / ALONG
+        places = angles[:, None] + (ends - angles)[:, None] * part
+        velocity = self.velocity(p, places.ravel(), angles, turns, jumps, flight).reshape(N, ALONG)
+        at = self.positions(p, angles, turns, jumps, flight)
+        T = (ends - angles) / self.Omega
+        drag = p[-1] * p[4] * p[0] ** 2 / p[2]
+        sign = np.empty((N, ALONG))
+        for i in range(N):
+            passed = (places[i][:, None] > turns[flight == i]).sum(axis=1)
+            sign[i] = -self.signs[i] * (-1.0) ** passed
+        # velocities of the free mass from the mean of its flight
+        fallen = np.cumsum(-drag * sign * T[:, None] / ALONG, axis=1)
+        fallen -= fallen.mean(axis=1, keepdims=True)
+        slip = ((np.roll(at, -1) - at) / T)[:, None] + fallen - velocity
+        found, of = [], []
+        for i in range(N):
+            own = np.concatenate([[-self.signs[i]], slip[i], [self.signs[(i + 1) % N]]])
+            x = np.concatenate([angles[i : i + 1], places[i], ends[i : i + 1]])
+            for j in np.flatnonzero(np.sign(own[1:]) * np.sign(own[:-1]) < 0).tolist():
+                share = 0.5 if j in (0, ALONG) else own[j] / (own[j] - own[j + 1])
+                found.append(float(x[j] + share * (x[j + 1] - x[j])))
+                of.append(i)
+        return np.array(found), np.array(of, dtype=np.int64)
+
+    def velocity(
+        self, p: _Array, places: _Array, angles: _Array, turns: _Array, jumps: _Array, flight: _Ints,
+        order: int = 1,
+    ) -> _Array:  # fmt: skip
+        """A derivative of the displacement of the primary mass at given angles; that at a step is the one after
+        it."""
+        omega, xi, _, _, static, phase = p[:6].tolist()
+        own = predicted(self.data, places, order, omega, xi, static, phase, angles, jumps).value
+        return own + self.response(p, places, angles, turns, flight, order)[0]
+
+    def response(
+        self, p: _Array, places: _Array, angles: _Array, turns: _Array, flight: _Ints, order: int
+    ) -> tuple[_Array, Any, _Array, _Array]:
+        """The response of the primary mass to friction, to a step at each change of its sign (with derivatives),
+        these steps, and the sign of the slip at given angles (zero for derivatives)."""
+        omega, xi, _, _, static, phase = p[:6].tolist()
+        changes = np.concatenate(self.steps(flight))
+        at = np.concatenate([angles, turns])
+        push = p[-1] * static * omega**2 * changes
+        one = predicted(self.data, places, order - 1, omega, xi, 0.0, phase, at, push)
+        sign = np.zeros(places.size)
+        if order == 0:
+            # from the first impact on
+            whole = 2 * math.pi * self.k
+            since = (places - angles[0]) % whole
+            passed = since[:, None] >= (at - angles[0]) % whole
+            sign = passed @ changes + self.signs[0]
+        value: _Array = one.value + p[-1] * static * sign
+        return value, one, changes, sign
+
+    def positions(
+        self, p: _Array, angles: _Array, turns: _Array, jumps: _Array, flight: _Ints
+    ) -> _Array:
+        """Positions of the free mass at the impacts."""
+        x: _Array = self.velocity(p, angles, angles, turns, jumps, flight, 0)
+        return x + self.signs * p[3] / 2
+
+    def slides(
+        self, p: _Array, angles: _Array, turns: _Array, jumps: _Array, flight: _Ints
+    ) -> None:
+        """Raises an error if the free mass would stick at a reversal."""
+        if not turns.size:
+            return
+        changes = self.steps(flight)[1]
+        push = p[-1] * p[4] * p[0] ** 2
+        # the acceleration at a reversal is that just after it
+        after = self.velocity(p, turns, angles, turns, jumps, flight, 2)
+        middle = after - push * 0.5 * changes
+        if (abs(middle) <= push * (1 + 1 / p[2])).any() or (middle * changes > 0).any():
+            raise SingularError("friction would stick where the slip reverses")
+
+    def with_response(
+        self, p: _Array, motion: Impacting, turns: _Array, flight: _Ints, by: _Array
+    ) -> Impacting:
+        """The motion with its response to friction at the places of the record; `by` are the derivatives of
+        impacts and reversals."""
+        places, order = self.data.places, self.data.order
+        if not places.size:
+            return motion._replace(turns=turns, flight=flight, aside=0.0, aside_by=0.0)
+        value, one, changes, sign = self.response(p, places, motion.angles, turns, flight, order)
+        omega, static, friction = p[0], p[4], p[-1]
+        own = np.zeros((places.size, p.size))
+        own[:, 0] = one.omega + one.jumps @ changes * (2 * friction * static * omega)
+        own[:, 1] = one.xi
+        unit = static * (one.jumps @ changes * omega**2 + sign)
+        own[:, 4] = unit * friction / static
+        own[:, -1] = unit
+        return motion._replace(
+            turns=turns, flight=flight, aside=value, aside_by=own + one.angles @ by
+        )
+
+
+def of_no_friction(data: Measured, law: Any, p: _Array, motion: Impacting) -> Impacting:
+    """The motion without friction, with its derivatives with respect to friction (over F0) as the last ones."""
+    return Rubbing(data, law).motion(np.append(p, 0.0), motion.angles, motion.jumps)
+
+
+class Slips(NamedTuple):
+    """The sign of the slip in the flights of a record that is not periodic, and the effect of a friction of F0."""
+
+    #: (n) Derivatives of the used samples.
+    samples: _Array
+    #: (3, N) Displacement and velocity of the primary mass just before each impact, displacement just after it,
+    #: over F0/K.
+    beside: _Array
+    #: (N - 1) For the flights between impacts: integral of the sign, and of it times the time left, over the
+    #: duration.
+    once: _Array
+    mean: _Array
+
+
+def slips_of(
+    windows: Windows, states: _Array, common: _Array, signs: _Array, d: float, resolved: NDArray[np.bool_]
+) -> Slips:  # fmt: skip
+    """The slip of the free mass, straight between impacts; flights beside others than resolved impacts do not
+    count."""
+    N = signs.size
+    t, X, _, _ = windows.events(states, common, windows.times)
+    z = X + 0.5 * signs * d
+    static, omega, xi = float(common[2]), float(common[0]), float(common[1])
+    samples, beside = np.zeros(windows.used.size), np.zeros((3, N))
+    once, mean = np.zeros((2, N - 1))
+    edges = np.searchsorted(windows.flight[windows.used], np.arange(N + 2))
+    part = (np.arange(ALONG) + 0.5) / ALONG
+    inner = t[:-1, None] + np.diff(t)[:, None] * part
+    velocity = windows.velocities(states[1:-1], common, inner, windows.begins[1:-1])
+    for i in np.flatnonzero(resolved[:-1] & resolved[1:]).tolist():
+        T = float(t[i + 1] - t[i])
+        slip = np.concatenate([[-signs[i]], (z[i + 1] - z[i]) / T - velocity[i], [signs[i + 1]]])
+        x = np.concatenate([t[i : i + 1], inner[i], t[i + 1 : i + 2]])
+        places = np.flatnonzero(np.sign(slip[1:]) * np.sign(slip[:-1]) < 0)
+        share = slip[places] / (slip[places] - slip[places + 1])
+        share[(places == 0) | (places == ALONG)] = 0.5
+        turns = x[places] + share * (x[places + 1] - x[places])
+        changes = 2 * signs[i] * (-1.0) ** np.arange(turns.size)
+        left = t[i + 1] - turns
+        once[i] = -signs[i] * T + changes @ left
+        mean[i] = (-signs[i] * T**2 + changes @ left**2) / (2 * T)
+        beside[0, i + 1] = -signs[i] + changes @ stepped(left, omega, xi, 0)
+        beside[1, i + 1] = changes @ stepped(left, omega, xi, 1)
+        beside[2, i] = -signs[i]
+        own = slice(*edges[i + 1 : i + 3].tolist())
+        since = windows.t[windows.used[own]][:, None] - turns
+        order = windows.data.order
+        samples[own] = (
+            np.where(since > 0, stepped(np.maximum(since, 0.0), omega, xi, order), 0.0) @ changes
+        )
+        if order == 0:
+            samples[own] -= signs[i]
+    return Slips(static * samples, beside, once, mean)
+
+
+def stepped(t: _Array, omega: float, xi: float, order: int) -> _Array:
+    """A derivative of the response of a damped oscillator to a force that is its stiffness from t = 0 on."""
+    rate = omega * math.sqrt(1 - xi**2)
+    fade, turn, decay = np.exp(-xi * omega * t), rate * t, xi * omega
+    if order == 0:
+        found: _Array = 1 - fade * (np.cos(turn) + decay / rate * np.sin(turn))
+    elif order == 1:
+        found = omega**2 * fade * np.sin(turn) / rate
+    else:
+        found = omega**2 * fade * (np.cos(turn) - decay / rate * np.sin(turn))
+    return found
