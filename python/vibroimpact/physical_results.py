@@ -21,9 +21,20 @@ from .motions.quantities import Quantities, Signal
 from .results import namelist
 from .results.events import Sample
 from .results.noun import Savable
+from .results.systems import system_of
 from .results.tables import Column, Found, Result, declared, settled
 from .systems.oscillator import Oscillator, Pattern
-from .systems.units import GAP, MIXED, PHYSICAL_GAP, RATIO, Units, has_unit, powers_of
+from .systems.structure import Load, Structure
+from .systems.units import (
+    GAP,
+    MIXED,
+    PHYSICAL_GAP,
+    RATIO,
+    Units,
+    chosen_units,
+    has_unit,
+    powers_of,
+)
 
 __all__ = ["Physical", "physical"]
 
@@ -106,26 +117,25 @@ def physical(result: Any, units: Units | str | None = None) -> Any:
             raise ParameterTypeError(
                 "result: must be a dataset of a result; its attribute 'case' is missing"
             )
-        return dataset(result, units_of(Oscillator._of_keys(namelist.keys_of(case)), units))
+        system: Any = (
+            system_of(case)[0] if namelist.has_scales(case)
+            else Oscillator._of_keys(namelist.keys_of(case))
+        )  # fmt: skip
+        return dataset(result, chosen_units(result, system, units))
     if isinstance(result, Physical):
         return Physical(
             result.result,
             result.units.to(units) if isinstance(units, str) else units or result.units,
         )
-    osc = getattr(result, "osc", None)
-    if not isinstance(osc, Oscillator):
-        raise ParameterTypeError(
-            f"result = {result!r}: must be a result of an Oscillator; a Structure has the units of its user"
-        )
-    return Physical(result, units_of(osc, units))
+    known = chosen_units(result, getattr(result, "_system", getattr(result, "osc", None)), units)
+    return in_units(result, known)
 
 
-def units_of(osc: Oscillator, units: Units | str | None) -> Units:
-    """The units of an oscillator, or the requested ones."""
-    if isinstance(units, Units):
-        return units
-    own = osc.units()
-    return own if units is None else own.to(units)
+def in_units(result: Any, units: Units) -> Any:
+    """A result in units; a trajectory or a motion of a structure is that of the structure in these units."""
+    if getattr(result, "of_structure", False) and hasattr(result, "_in"):
+        return result._in(units)
+    return Physical(result, units)
 
 
 class Physical(Generic[From]):
@@ -188,7 +198,9 @@ class Physical(Generic[From]):
             names = units_by_name("design") if self._of.study == "design" else UNITS
             return {key: self._converted(key, item) for key, item in value.items() if key in names}
         if hasattr(value, "study"):
-            return Physical(value, self.units)
+            return in_units(value, self.units)
+        if isinstance(value, (Structure, Load)):
+            return value._in(self.units)
         if isinstance(value, Sample):
             return Sample(
                 *(self._converted(field, item) for field, item in value._asdict().items())
@@ -528,6 +540,8 @@ def dataset(data: Any, units: Units) -> Any:
             values, about["units"] = item * units.frequency, units.hertz
             about["long_name"] = "load frequency"
             renamed[name] = frequency_name(name)
+        elif unit[name] == "omega" and about.get("long_name") == "frequency":
+            values, about["units"] = item * units.frequency, units.hertz
         elif powers_of(unit[name]):
             values, about["units"] = item * units.scale(unit[name]), units.name(unit[name])
             about["long_name"] = str(about["long_name"]).replace(GAP, PHYSICAL_GAP)

@@ -360,15 +360,22 @@ contains
       !> The case.
       type(case_type), intent(in) :: case
       character(:), allocatable :: own, wanted
+      real(wp) :: scales(3)
 
-      if (case%model == of_structure .or. case%study_name == 'identify') return
-      if (.not. case%system%has('force')) return
+      if (case%study_name == 'identify') return
+      if (case%model == of_structure) then
+         if (.not. case%system%has('scales')) return
+         scales = case%system%numbers('scales')
+      else
+         if (.not. case%system%has('force')) return
+         scales = [case%system%number('mass'), case%system%number('stiffness'), &
+            case%system%number('force')]
+      end if
       own = 'm N s'
       wanted = ''
       if (case%system%has('unit_names')) call case%system%text('unit_names', own)
       if (case%output%has('units')) call case%output%text('units', wanted)
-      shown = shown_in(case%system%number('mass'), case%system%number('stiffness'), &
-         case%system%number('force'), own, wanted)
+      shown = shown_in(scales(1), scales(2), scales(3), own, wanted)
    end function shown_of
 
    !> The names of the outputs of a structure.

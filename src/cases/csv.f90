@@ -46,7 +46,9 @@ contains
          label = ''
          if (units%n > 0) label = ';'//units%text(2:units%n)
          call append(lines, '# ! vibroimpact '//version//label)
-         call append(lines, '# ! the case is in F0/K and 1/omega; this file is an input too')
+         label = 'in F0/K and 1/omega'
+         if (case(2)%text == '# &structure') label = 'in its own scales (M, K and F0)'
+         call append(lines, '# ! the case is '//label//'; this file is an input too')
       end if
       do i = merge(2, 1, is_shown(result)), size(case)
          call append(lines, case(i)%text)

@@ -219,7 +219,7 @@ contains
       are_units = .false.
       do i = 1, 3
          last = index(rest, ' ')
-         if (last == 1) return
+         if (last <= 1) return
          if (index(' '//trim(known(i))//' ', ' '//rest(:last)) == 0) return
          rest = rest(last + 1:)
       end do

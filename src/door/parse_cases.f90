@@ -566,7 +566,8 @@ contains
       if (has_units) return
       call case%output%text('units', names)
       has_units = names == 'dimensionless'
-      if (.not. has_units .and. case%model == of_oscillator) has_units = case%system%has('force')
+      if (.not. has_units) has_units = case%system%has(trim(merge('force ', 'scales', &
+         case%model == of_oscillator)))
    end function has_units
 
    !> Passes on the fault of a group.

@@ -250,7 +250,7 @@ def test_the_sketch_shows_the_values_of_a_rig():
     for thing, wanted in (
         (rig, [*mass, "$F_0$ = 6 N", "$R_1$ = 0.7", "$R_2$ = 0.6"]),
         (rig.at("19.5 Hz", "4 mm"), [*mass, *place]),
-        (rig.at("19.5 Hz", "4 mm", friction="0.1 N"), [*mass, *place, "in units of"]),
+        (rig.at("19.5 Hz", "4 mm", friction="0.1 N"), [*mass, *place, "in kg, N/m"]),
         (TABLE, [r"$\xi$ = 0.005", r"$\mu$ = 0.042", "$R$ = 0.75"]),
         (TABLE.at(0.94, 37.0, load=2.0), ["$r$ = 0.94", "$dK/F_0$ = 37", "load/$F_0$ = 2"]),
         (vi.Oscillator(xi=0.01, mu=0.1, restitution=(0.7, vi.PowerLaw(0.7, 20, 0.25))), ["R(v)"]),

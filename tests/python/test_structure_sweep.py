@@ -168,7 +168,7 @@ def test_files_and_namelists_give_them_back(extension, diagram, tmp_path):
 
 def test_pictures(diagram):
     pytest.importorskip("matplotlib")
-    assert diagram.plot().get_xlabel() == "load"
+    assert diagram.plot().get_xlabel() == "load factor"
     assert diagram.plot(quantity="speed").get_ylabel() == "approach speed"
     with pytest.raises(vi.ParameterError, match="quantity"):
         diagram.plot(quantity="q_1")

@@ -801,7 +801,7 @@ def test_every_verb_takes_units():
     ((1.0, "4 parsec"), r"clearance = '4 parsec': unknown unit 'parsec'; must be made of m, mm"),
     ((1.0, "4 Hz"), r"clearance = 4 Hz: must be a length"),
     ((1.0, "four mm"), r"clearance = 'four mm': must be"),
-    ((1.0, "-4 mm"), r"clearance = -28\.0: must be"), ((1.0, "4 mm", "3 mm"), r"load = 3 mm: must be a force"),
+    ((1.0, "-4 mm"), r"clearance = -4 mm: must be"), ((1.0, "4 mm", "3 mm"), r"load = 3 mm: must be a force"),
     ((1.0, "nan mm"), r"clearance = 'nan mm': must be"), (("1e999 Hz", 4.0), "r = inf: must be"),
 ])  # fmt: skip
 def test_wrong_units_are_named(given, message):

@@ -19,7 +19,7 @@ from ..base.errors import ParameterError, VibroimpactError
 from ..base.interrupt import new_counters
 from ..cases.case import case_of
 from ..results import door
-from ..results.namelist import has_structure
+from ..results.namelist import has_scales, has_structure
 from ..results.noun import Noun, result_class
 from ..results.tables import STORED, Found, Result, Table, declared, declared_column, language
 
@@ -61,7 +61,7 @@ class Chunk:
         head = self.heads[number]
         if "error" in head:
             raise ParameterError(head["error"])
-        known = declared(self.study, has_structure(head["case"]))
+        known = declared(self.study, has_structure(head["case"]), has_scales(head["case"]))
         tables = {}
         for name, about in head["tables"].items():
             packed = self.arrays[name]

@@ -236,7 +236,7 @@ def units_of(case: Case) -> dict[str, str]:
 
 def shown(result: Any, case: Case) -> Any:
     """A result in the units in which it is shown, if its system has units."""
-    own, wanted = units_to_show(getattr(result, "osc", None)), case.keys.get("units")
+    own, wanted = units_to_show(getattr(result, "_system", None)), case.keys.get("units")
     # identified parameters are in the units of the sensors
     if own is None or wanted == "dimensionless" or case.study == "identify":
         return result

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..base import checks
 from ..base.errors import ParameterError, VibroimpactError
-from ..results.namelist import has_structure
+from ..results.namelist import has_scales, has_structure
 from ..results.noun import FORMER
 from ..results.tables import (
     STORED,
@@ -109,7 +109,7 @@ def from_dict(kind: Any, data: Any) -> Any:
             raise ParameterError(f"{key} = {data.get(key)!r}: must be of type {wanted.__name__}")
     given = mapping(data.get("tables"), "tables")
     structure = has_structure(data["case"]) or "matrices" in given
-    known = declared(named, structure)
+    known = declared(named, structure, has_scales(data["case"]))
     system = "a structure" if structure else "an oscillator"
     columns: dict[str, dict[str, Any]] = {}
     for (table, column), item in known.items():

@@ -17,7 +17,7 @@ from ..base.files import place_for, write_text
 from ..base.interrupt import new_counters, stoppable
 from ..results import namelist
 from ..results.tables import STORED, Handle, Result, message_of
-from ..systems.units import units_to_show
+from ..systems.units import chosen_units, units_to_show
 from . import matlab, netcdf
 
 
@@ -39,11 +39,11 @@ def write_csv(noun: Any, path: Path, units: str | None = None) -> None:
     if hasattr(noun, "_csv"):
         write_text(path, noun._csv())
         return
-    result, known = noun._result, units_to_show(getattr(noun, "osc", None))
+    result, known = noun._result, units_to_show(noun._system)
     if result.study == "identify":
         known = None  # its numbers are in units of SI
     elif units not in (None, "dimensionless"):
-        known = noun.physical(units).units
+        known = chosen_units(noun, noun._system, units)
     if known is not None and units != "dimensionless" and not result.case:
         write_text(path, noun.physical(known)._csv())
         return

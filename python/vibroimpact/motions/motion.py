@@ -48,9 +48,11 @@ from .trajectory import (
     Trajectory,
     core_arrays,
     refuse_output,
+    request_in,
     request_of,
     segments_of_events,
     simulate_structure,
+    states_in,
 )
 
 if TYPE_CHECKING:
@@ -302,6 +304,16 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
     def _given_load(self) -> Load:
         """For a structure: its load; for a self-excited motion, without the frequency, which is a result."""
         return Load(constant=self.load.constant) if self.self_excited else self.load
+
+    def _in(self, units: Units) -> Motion:
+        """The motion of a structure of an oscillator in physical units."""
+        sizes = np.repeat([units.length, units.velocity], self.structure.coordinates)
+        found: Motion = self.__replace__(
+            structure=self.structure._in(units), load=self.load._in(units), states=states_in(self.states, units),
+            speeds=self.speeds * units.velocity, impulses=self.impulses * units.impulse,
+            matrix=self.matrix * np.divide.outer(sizes, sizes), request=request_in(self.request, units),
+        )  # fmt: skip
+        return found
 
     def _groups(self) -> list[tuple[str, dict[str, Any]]]:
         """For a structure: the namelist groups of the structure and its load."""

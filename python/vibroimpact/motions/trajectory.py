@@ -56,7 +56,7 @@ from ..results.tables import Result, made
 from ..systems.oscillator import Oscillator, Pattern, Point, of_numbers
 from ..systems.record import Record
 from ..systems.structure import Gap, Load, Structure, check_load, moves, opening_at, without_none
-from ..systems.units import argument, place_text, range_text
+from ..systems.units import argument, has_unit, place_text, range_text
 from ..systems.verbs import every_system, physical_arguments
 from .quantities import Quantities, oscillator_quantities, structure_quantities
 
@@ -242,9 +242,10 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         times = checks.real_array(argument(self.osc, t, "t", "1/omega"), "t", "real times")
         first, last = self.start, self.end
         if times.size and not (first <= times.min() and times.max() <= last):
+            osc = self.osc if has_unit(t) else None  # as the times were given
             raise ParameterError(
-                f"t from {times.min():.6g} to {times.max():.6g}: must be within the trajectory, "
-                f"{first:.6g} to {last:.6g}"
+                f"t from {range_text(osc, 't', times.min(), times.max())}: must be within the trajectory, "
+                f"{range_text(osc, 't', first, last)}"
             )
         starts, resting = self._segments()
         return sample(self.osc, self.r, self.load, self.clearance, starts, resting, times)
@@ -727,6 +728,21 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
             seconds = 10.0 if self.of_structure else 3.0
         return self._animate(path, *self._shown(cycles, window), seconds, units=units)
 
+    def _in(self, units: Units) -> Trajectory:
+        """The trajectory of a structure of an oscillator in physical units."""
+        events = self.events.copy()
+        for name, unit in {"time": "1/omega", "speed": "omega F0/K", "impulse": "F0/omega"}.items():
+            events[name] *= units.scale(unit)
+        ends = {
+            name: (q * units.length, rate * units.velocity)
+            for name in ("initial_state", "final_state") for q, rate in [getattr(self, name)]
+        }  # fmt: skip
+        return self.__replace__(
+            structure=self.structure._in(units), load=None if self.load is None else self.load._in(units),
+            start=self.start * units.time, end=self.end * units.time, events=events,
+            states=states_in(self.states, units), request=request_in(self.request, units), **ends,
+        )  # fmt: skip
+
     def _shown(
         self, cycles: float | None, window: ArrayLike | None
     ) -> tuple[float, tuple[float, float] | None]:
@@ -772,9 +788,29 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
                 wall = "R" if self.initial_state["side"] > 0 else "L"
                 rests += f", m rests on {wall} all the time"
         cut = "" if self.complete else f"; cut short, {self.cut or FULL}"
-        osc = None if self.of_structure else self.osc
-        span = range_text(osc, "t", self.start, self.end)
+        span = range_text(self._system, "t", self.start, self.end)
         return f"<Trajectory {place}t = {span}: {impacts}{rests}{cut}>"
+
+
+def states_in(states: _Array, units: Units) -> _Array:
+    """Dimensionless states (N, 2, n) in physical units."""
+    scaled: _Array = states * np.array([units.length, units.velocity])[:, None]
+    return scaled
+
+
+def request_in(request: dict[str, Any] | None, units: Units) -> dict[str, Any] | None:
+    """The keys of a &simulate or &motion of a dimensionless structure, for the structure in physical units."""
+    if request is None:
+        return None
+    scales = {"q": units.length, "q_dot": units.velocity} | dict.fromkeys(
+        ("start", "duration", "period"), units.time
+    )
+    if request.get("cycles") is None:
+        scales["discard"] = units.time
+    return {
+        name: value if value is None or name not in scales else (np.array(value) * scales[name]).tolist()
+        for name, value in request.items()
+    }  # fmt: skip
 
 
 def request_of(

@@ -18,9 +18,9 @@ from ..base.errors import MissingExtraError, ParameterError, ParameterTypeError
 from ..base.files import replacing
 from ..base.progress import Progress
 from ..systems.structure import moves, opening_at
-from .history import KINDS, KINDS_OF_STRUCTURE, History, history, times_of
+from .history import KINDS, KINDS_OF_STRUCTURE, History, history, of_structure, times_of
 from .sketch import bodies_of
-from .style import FREE, IMPACT, PRIMARY, REST, SETTINGS, pyplot
+from .style import FREE, IMPACT, PRIMARY, REST, SETTINGS, Scales, pyplot
 
 if TYPE_CHECKING:
     from ..motions.motion import Motion
@@ -66,7 +66,7 @@ def animate(
     seconds = _positive(seconds, "seconds")
     target, writer = (None, "") if path is None else _writer(path)
     if thing.of_structure:
-        begin, end = window or (thing.start, thing.end)
+        thing, begin, end, scales = of_structure(thing, window, units)
         n = round(seconds * RATE)
         named = f"seconds = {seconds:g}: makes"
         times = np.linspace(begin, end, max(n, 0))
@@ -83,7 +83,11 @@ def animate(
 
     def scene(axes: Any) -> Any:
         """The artists on two axes."""
-        return _Bodies(thing, begin, end, axes) if thing.of_structure else _Scene(thing, h, axes)
+        return (
+            _Bodies(thing, begin, end, axes, scales)
+            if thing.of_structure
+            else _Scene(thing, h, axes)
+        )
 
     return film(scene, times, height, target, writer)
 
@@ -288,9 +292,12 @@ class _Bodies:
     """The artists of a frame of a structure: a dot at each coordinate, coloured by its last event, and a bar at
     each wall of one coordinate, or between two of them."""
 
-    def __init__(self, run: Any, begin: float, end: float, axes: Any) -> None:
+    def __init__(
+        self, run: Any, begin: float, end: float, axes: Any, scales: Scales | None = None
+    ) -> None:
         from matplotlib.ticker import MaxNLocator
 
+        scales = self.scales = scales or Scales(None, bare=True)
         self.run, self.flash = run, 0.02 * (end - begin)
         ax, below = axes
         n = run.structure.coordinates
@@ -325,11 +332,11 @@ class _Bodies:
         margin = 0.08 * (high - low or 1.0)
         ax.set(
             xlim=(-0.7, n - 0.3), ylim=(low - margin, high + margin), xlabel="number of the coordinate",
-            ylabel="$q_i$",
+            ylabel=scales.label("$q_i$", "F0/K"),
         )  # fmt: skip
         ax.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
         ax.axhline(0, color="0.7", lw=0.6)
-        KINDS_OF_STRUCTURE["history"](below, run, begin, end)
+        KINDS_OF_STRUCTURE["history"](below, run, begin, end, scales)
         self.cursor = below.axvline(begin, color="0.2", lw=0.8)
 
     def _faces(self, time: float, q: NDArray[Any]) -> list[float]:
@@ -367,5 +374,8 @@ class _Bodies:
                     colours[i] = _mix(self.base[i], IMPACT, math.sqrt(bright))
         self.dots.set_color(colours)
         self.cursor.set_xdata([time, time])
-        self.text.set_text(f"$t$ = {time:.4g}   impacts: {int((past['kind'] == 'impact').sum())}")
+        unit = f" {self.scales.unit('1/omega')}" if self.scales.units else ""
+        self.text.set_text(
+            f"$t$ = {time:.4g}{unit}   impacts: {int((past['kind'] == 'impact').sum())}"
+        )
         return [self.bars, self.dots, self.stems, self.cursor, self.text]

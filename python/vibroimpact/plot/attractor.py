@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..base.errors import ParameterError
+from ..systems.units import unit_of_state
 from . import style
 
 if TYPE_CHECKING:
@@ -60,7 +61,11 @@ def axes(
         n, gaps = s.coordinates, len(s.gaps)
         text = f"{n} coordinate{'s' if n != 1 else ''}, {gaps} gap{'s' if gaps != 1 else ''}"
         if load is not None and load.frequency and swept != "frequency":
-            text += rf", $\Omega$ = {load.frequency:.6g}"
+            units = None if scales is None else scales.units
+            text += (
+                rf", $\Omega$ = {load.frequency:.6g}" if units is None
+                else f", {load.frequency * units.frequency:.6g} {units.hertz}"
+            )  # fmt: skip
         ax.set_title(text, fontsize=7, pad=pad)
         return ax
     names = ("r", "clearance", "load")
@@ -169,8 +174,12 @@ def draw_basins(basins: Basins, ax: Any = None, units: Units | None = None) -> A
         )
     scales, size = style.Scales(units), (style.ONE_COLUMN + 1.2, 3.4)
     if basins.of_structure:
-        ax = axes(ax, basins, None, *size)
-        shown = [(symbol(axis.name), axis.values) for axis in basins.axes]
+        scales = style.Scales(units, bare=units is None)
+        ax = axes(ax, basins, scales, *size)
+        shown = [
+            (scales.label(symbol(axis.name), unit), scales(axis.values, unit))
+            for axis in basins.axes for unit in [unit_of_state(axis.name)]
+        ]  # fmt: skip
     else:
         ax = axes(ax, basins, scales, *size)
         shown = [
@@ -213,9 +222,9 @@ def draw_response(response: Response, ax: Any = None, units: Units | None = None
     return ax
 
 
-def draw_exponents(result: Lyapunov, ax: Any = None) -> Any:
+def draw_exponents(result: Lyapunov, ax: Any = None, units: Units | None = None) -> Any:
     """The exponents per load cycle, or per unit of time, by their number, with three standard errors."""
-    ax = axes(ax, result)
+    ax = axes(ax, result, style.Scales(units))
     numbers = np.arange(1, result.per_cycle.size + 1)
     good = np.isfinite(result.per_cycle)
     ax.axhline(0, color="0.6", lw=0.6)
@@ -236,45 +245,51 @@ def draw_exponents(result: Lyapunov, ax: Any = None) -> Any:
 
 
 def draw_structure_bifurcation(
-    diagram: BifurcationDiagram, ax: Any = None, quantity: str = "q_0"
+    diagram: BifurcationDiagram, ax: Any = None, quantity: str = "q_0", units: Units | None = None
 ) -> Any:
     """A quantity along the parameter: dots on the way up, rings on the way down."""
-    values = diagram.column(quantity)
+    scales = style.Scales(units, bare=units is None)
+    unit = {"phase": "", "speed": "omega F0/K"}.get(quantity, unit_of_state(quantity))
+    values = scales(diagram.column(quantity), unit)
     table = diagram.points if quantity in ("phase", "speed") else diagram.strobes
-    along, run = diagram.values[table["index"]], np.array(diagram.runs)[table["run"]]
-    ax = axes(ax, diagram, None, style.TWO_COLUMNS, pad=16.0)
+    whole, label = scales.parameter(diagram.parameter, diagram.values)
+    along, run = whole[table["index"]], np.array(diagram.runs)[table["run"]]
+    ax = axes(ax, diagram, scales, style.TWO_COLUMNS, pad=16.0)
     for name, mark in SWEEPS.items():
         here = run == name
         if here.any():
             ax.plot(along[here], values[here], linestyle="", label=name, rasterized=True, **mark)
-    ax.set_xlabel(diagram.parameter)
+    ax.set_xlabel(label)
     labels = {"phase": "load phase at the impacts (rad)", "speed": "approach speed"}
-    ax.set_ylabel(labels.get(quantity, f"{symbol(quantity)} at load phase 0"))
+    ax.set_ylabel(scales.label(labels.get(quantity, f"{symbol(quantity)} at load phase 0"), unit))
     style.add_legend(ax, markerscale=2, **style.ABOVE)
     return ax
 
 
 def draw_structure_response(
-    response: Response, ax: Any = None, coordinate: int | str | None = None
+    response: Response,
+    ax: Any = None,
+    coordinate: int | str | None = None,
+    units: Units | None = None,
 ) -> Any:
     """The greatest magnitude of a coordinate or output over the frequency, with and without impacts."""
     if coordinate is None:
         coordinate = next(iter(response.structure.outputs), 0)
-    size = response.of(coordinate)
-    ax = axes(ax, response, swept="frequency", pad=16.0)
+    size, scales = response.of(coordinate), style.Scales(units, bare=units is None)
+    along, label = scales.parameter("frequency", response.values)
+    ax = axes(ax, response, scales, swept="frequency", pad=16.0)
     for name, sizes in zip(response.runs, size.largest.T, strict=True):
-        ax.plot(response.values, sizes, lw=0.6, label=name, **SWEEPS[name])
-    ax.plot(
-        response.values, size.steady_largest, "--", color="0.4", lw=0.8, label="without impacts"
-    )  # fmt: skip
-    top = np.nanmax(size.largest)
+        ax.plot(along, scales(sizes, "F0/K"), lw=0.6, label=name, **SWEEPS[name])
+    steady = scales(size.steady_largest, "F0/K")
+    ax.plot(along, steady, "--", color="0.4", lw=0.8, label="without impacts")
+    top = scales(np.nanmax(size.largest), "F0/K")
     if np.isfinite(top):
         ax.set_ylim(0, 1.6 * top)
-    ax.set_xlabel(r"$\Omega$")
+    ax.set_xlabel(label)
     shown = f"q_{{{coordinate}}}"
     if isinstance(coordinate, str):
         shown = rf"\mathrm{{{coordinate}}}".replace("_", r"\_")
-    ax.set_ylabel(rf"$\max|{shown}|$")
+    ax.set_ylabel(scales.label(rf"$\max|{shown}|$", "F0/K"))
     style.add_legend(ax, **style.ABOVE)
     return ax
 

@@ -21,6 +21,11 @@ SYMBOLS = {
     "q_max": r"$\max q_{%s}$", "q_min": r"$\min q_{%s}$", "speed": "$v_{%s}$", "impulse": r"$\lambda_{%s}$",
     "phase": r"$\Omega t_{%s}$ (rad)",
 }  # fmt: skip
+#: The units of these columns, and the number of the first one.
+UNITS_OF_STRUCTURE = {
+    "q_max": ("F0/K", 0), "q_min": ("F0/K", 0), "speed": ("omega F0/K", 1), "impulse": ("F0/omega", 1),
+    "phase": ("", 1),
+}  # fmt: skip
 MARKERS = {
     "fold": ("o", "k"), "pitchfork": ("P", style.PRIMARY), "flip": ("s", style.FREE),
     "neimark_sacker": ("^", style.REST), "grazing": ("D", style.IMPACT), "zero_approach": ("v", "k"),
@@ -33,16 +38,17 @@ def draw_branch(
     branch: Branch, ax: Any = None, y: str | None = None, units: Units | None = None
 ) -> Any:
     """Draw one column of a branch against its parameter."""
-    scales = style.Scales(units)
+    scales = style.Scales(units, bare=branch.of_structure and units is None)
     columns = columns_of(branch, scales)
     if y is None:
         y = "q_max_0" if branch.of_structure else "attenuation"
     if not isinstance(y, str) or y not in columns:
         raise ParameterError(f"y = {y!r}: must be {', '.join(map(repr, columns))}")
     column, label = columns[y]
-    along, name = branch.values, style.parameter_label(branch.parameter)
-    if not branch.of_structure:
-        along, name = scales.of(branch.parameter, along), scales.name(branch.parameter)
+    if branch.of_structure:
+        along, name = scales.parameter(branch.parameter, branch.values)
+    else:
+        along, name = scales.of(branch.parameter, branch.values), scales.name(branch.parameter)
     if ax is None:
         with style.pyplot().rc_context(style.SETTINGS):
             _, ax = style.pyplot().subplots(figsize=(style.ONE_COLUMN, 2.8), layout="constrained")
@@ -67,13 +73,14 @@ def columns_of(branch: Branch, scales: style.Scales) -> dict[str, tuple[Any, str
         return {
             name: (scales.of(name, values), scales.name(name)) for name, values in columns.items()
         }
-    return {
-        "largest": (largest, r"$\max|\lambda|$"),
-        **{f"{name}_{i}": (values, SYMBOLS[name] % i) for name in ("q_max", "q_min")
-           for i, values in enumerate(getattr(branch, name))},
-        **{f"{name}_{i}": (values, SYMBOLS[name] % i) for name in ("speed", "impulse", "phase")
-           for i, values in enumerate(getattr(branch, f"{name}s"), start=1)},
-    }  # fmt: skip
+    found = {"largest": (largest, r"$\max|\lambda|$")}
+    for name, (unit, first) in UNITS_OF_STRUCTURE.items():
+        every = getattr(branch, name if first == 0 else f"{name}s")
+        found |= {
+            f"{name}_{i}": (scales(values, unit), scales.label(SYMBOLS[name] % i, unit))
+            for i, values in enumerate(every, start=first)
+        }
+    return found
 
 
 def add_legend_once(ax: Any) -> None:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ..base import checks
 from ..base.errors import ParameterError, ParameterTypeError
+from ..results.systems import system_of
 from ..studies.chart import Chart
 from ..systems.units import Units, checked_names
 from .style import (
@@ -20,7 +21,6 @@ from .style import (
     identify,
     is_geometric,
     log_scale,
-    parameter_label,
     pyplot,
 )
 
@@ -97,7 +97,9 @@ def draw_chart(
     plt = pyplot()
     plane = Plane(_units_of_chart(data, units), inverse)
     if of_structure:
-        x, y = data["x"].values, data["y"].values
+        (x, x_label), (y, y_label) = (
+            plane.parameter(data[name].attrs["long_name"], data[name].values) for name in "xy"
+        )
     else:
         x, y = plane.r(data["r"].values), plane.gap(data["clearance"].values)
     kind = classes(data)
@@ -132,8 +134,8 @@ def draw_chart(
         if is_geometric(y):
             log_scale(ax, "y")
         if of_structure:
-            ax.set_xlabel(parameter_label(data["x"].attrs["long_name"]))
-            ax.set_ylabel(parameter_label(data["y"].attrs["long_name"]))
+            ax.set_xlabel(x_label)
+            ax.set_ylabel(y_label)
         else:
             plane.label_axes(ax)
         none = CLASSES[-1][3] if data.attrs.get("complete", 1) else "not reached, or no motion"
@@ -168,6 +170,8 @@ def _units_of_chart(data: Any, units: Units | str | None) -> Units | None:
     names = ("M", "K", "F0", "unit_names")
     known = all(name in data.attrs for name in names)
     own = Units(*(data.attrs[name] for name in names)) if known else None
+    if "x" in data.variables and "case" in data.attrs:
+        own = system_of(data.attrs["case"])[0]._units
     if units is None:
         return own and own.of_pictures
     if units == "dimensionless":

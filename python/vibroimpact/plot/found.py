@@ -34,7 +34,7 @@ def draw_found(found: FoundMotions, ax: Any = None, units: Units | None = None) 
     """
     motions = found[:MOST]
     if found.of_structure:
-        ax = axes(ax, found, pad=16.0)
+        ax = axes(ax, found, style.Scales(units), pad=16.0)
     if ax is not None:
         draw_multipliers(motions, ax)
         if found.of_structure:

@@ -16,7 +16,8 @@ from ..base import checks
 from ..base.errors import ParameterError
 from ..results.events import Sample
 from ..systems.structure import Gap, Stop, opening_at
-from .sketch import bodies_of, draw_sketch, has_bodies
+from ..systems.units import Units
+from .sketch import SKETCH_UNITS, bodies_of, draw_sketch, has_bodies
 from .style import (
     ABOVE,
     FREE,
@@ -36,7 +37,6 @@ from .style import (
 if TYPE_CHECKING:
     from ..motions.motion import Motion
     from ..motions.trajectory import Trajectory
-    from ..systems.units import Units
 
 __all__ = ["KINDS", "History", "draw", "history"]
 
@@ -106,10 +106,10 @@ def draw(
     kinds: dict[str, Any] = KINDS_OF_STRUCTURE if thing.of_structure else KINDS
     if kind is not None:
         checks.choice(kind, "kind", tuple(kinds))
-    shown: tuple[Any, ...] = (
-        (thing, *(window or (thing.start, thing.end))) if thing.of_structure else ()
-    )
-    if not thing.of_structure:
+    shown: tuple[Any, ...]
+    if thing.of_structure:
+        shown = of_structure(thing, window, units)
+    else:
         cycles = checks.to_float(cycles, "cycles", "a number above 0")
         if not 0 < cycles < math.inf:
             raise ParameterError(f"cycles = {cycles!r}: must be a number above 0")
@@ -141,6 +141,21 @@ def draw(
                 one.set_xlabel("")
             figure.suptitle(_title(thing, shown[0].scales), fontsize=8)
         return np.array(axes, dtype=object)
+
+
+def of_structure(
+    run: Any, window: tuple[float, float] | None, units: Units | None
+) -> tuple[Any, float, float, Scales]:
+    """A trajectory of a structure, in the units of the picture if there are any, the times between which it is
+    drawn, and the units of the axes."""
+    begin, end = window or (run.start, run.end)
+    if units is None:
+        return run, begin, end, Scales(None, bare=True)
+    physical = run.physical(units)
+    # the ends of the run exactly, whatever the rounding
+    begin = physical.start if begin == run.start else begin * units.time
+    end = physical.end if end == run.end else end * units.time
+    return physical, begin, end, Scales(Units(1.0, 1.0, 1.0, units.names))
 
 
 def _title(thing: Any, scales: Scales) -> str:
@@ -356,8 +371,10 @@ def _shade(ax: Any, run: Trajectory, begin: float, end: float) -> None:
             )  # fmt: skip
 
 
-def _draw_sketch(ax: Any, run: Trajectory, begin: float, end: float) -> None:
+def _draw_sketch(ax: Any, run: Trajectory, begin: float, end: float, scales: Scales) -> None:
     draw_sketch(ax, run.structure, run.load)
+    if scales.units:
+        ax.set_title(SKETCH_UNITS, fontsize=7)
 
 
 def _mark_events(ax: Any, run: Trajectory, begin: float, end: float, y: Any) -> None:
@@ -381,7 +398,7 @@ def _mark_events(ax: Any, run: Trajectory, begin: float, end: float, y: Any) -> 
             )  # fmt: skip
 
 
-def _draw_coordinates(ax: Any, run: Trajectory, begin: float, end: float) -> None:
+def _draw_coordinates(ax: Any, run: Trajectory, begin: float, end: float, scales: Scales) -> None:
     """The outputs (or the coordinates if there are no outputs) in one diagram or, if there are many, in separate
     lanes; and the events."""
     times = times_of(run, begin, end)
@@ -389,15 +406,15 @@ def _draw_coordinates(ax: Any, run: Trajectory, begin: float, end: float) -> Non
     n = len(q)
     _shade(ax, run, begin, end)
     if run.structure.outputs:
-        _draw_outputs(ax, run, times, q)
+        _draw_outputs(ax, run, times, q, scales)
     elif not has_bodies(run.structure):
-        _draw_openings(ax, run, times, q)
+        _draw_openings(ax, run, times, q, scales)
     elif n <= OVERLAID:
         for i, values in enumerate(q):
             ax.plot(times, values, color=COLOURS[i], label=f"$q_{{{i}}}$", lw=0.9)
         if run.structure.gaps and len(run.events):
             _mark_events(ax, run, begin, end, lambda values, _: values)
-        ax.set_ylabel("coordinates $q_i$")
+        ax.set_ylabel(scales.label("coordinates $q_i$", "F0/K"))
         add_legend(
             ax, loc="lower right", ncols=9, bbox_to_anchor=(1.0, 1.0), handlelength=1.4,
             columnspacing=1.0, borderaxespad=0.2,
@@ -423,11 +440,13 @@ def _draw_coordinates(ax: Any, run: Trajectory, begin: float, end: float) -> Non
             ax, loc="lower right", ncols=6, bbox_to_anchor=(1.0, 1.0), handlelength=1.4,
             columnspacing=1.0, borderaxespad=0.2,
         )  # fmt: skip
-    ax.set_xlabel(TIME)
+    ax.set_xlabel(scales.label(TIME, "1/omega"))
     ax.set_xlim(begin, end)
 
 
-def _draw_outputs(ax: Any, run: Trajectory, times: NDArray[Any], q: NDArray[Any]) -> None:
+def _draw_outputs(
+    ax: Any, run: Trajectory, times: NDArray[Any], q: NDArray[Any], scales: Scales
+) -> None:
     """The outputs by name, with the impacts."""
     begin, end = float(times[0]), float(times[-1])
     chosen = (run.events["time"] >= begin) & (run.events["time"] <= end)
@@ -440,14 +459,16 @@ def _draw_outputs(ax: Any, run: Trajectory, times: NDArray[Any], q: NDArray[Any]
             ax.plot(
                 hits, run.states[chosen, 0] @ row, "o", color=IMPACT, ms=2.6, mew=0, label=label
             )
-    ax.set_ylabel("outputs")
+    ax.set_ylabel(scales.label("outputs", "F0/K"))
     add_legend(
         ax, loc="lower right", ncols=9, bbox_to_anchor=(1.0, 1.0), handlelength=1.4, columnspacing=1.0,
         borderaxespad=0.2,
     )  # fmt: skip
 
 
-def _draw_openings(ax: Any, run: Trajectory, times: NDArray[Any], q: NDArray[Any]) -> None:
+def _draw_openings(
+    ax: Any, run: Trajectory, times: NDArray[Any], q: NDArray[Any], scales: Scales
+) -> None:
     """The openings of the gaps, if coordinates are not displacements of bodies."""
     begin, end = float(times[0]), float(times[-1])
     for j, gap in enumerate(run.structure.gaps[:OVERLAID]):
@@ -465,21 +486,21 @@ def _draw_openings(ax: Any, run: Trajectory, times: NDArray[Any], q: NDArray[Any
                 own, np.zeros(len(own)), marker, color=colour, ms=2.6, mew=0, label=kind, zorder=3
             )
     ax.axhline(0, color="0.5", lw=0.6)
-    ax.set_ylabel("opening $e_j - G_j q$")
+    ax.set_ylabel(scales.label("opening $e_j - G_j q$", "F0/K"))
     add_legend(
         ax, loc="lower right", ncols=9, bbox_to_anchor=(1.0, 1.0), handlelength=1.4, columnspacing=1.0,
         borderaxespad=0.2,
     )  # fmt: skip
 
 
-def _draw_impacts(ax: Any, run: Trajectory, begin: float, end: float) -> None:
+def _draw_impacts(ax: Any, run: Trajectory, begin: float, end: float, scales: Scales) -> None:
     """Approach speeds over time for few gaps and stops; for many, a raster of gaps and times with the speed as
     colour; without any, the speeds of sliding."""
     events = events_in(run, begin, end)
     events = events[np.isin(events["kind"], ("impact", "touch"))]
     gaps = len(run.structure.gaps)
     if not gaps:
-        _draw_sliding(ax, run, begin, end)
+        _draw_sliding(ax, run, begin, end, scales)
         return
     if gaps <= 4:
         for j in range(gaps):
@@ -496,7 +517,7 @@ def _draw_impacts(ax: Any, run: Trajectory, begin: float, end: float) -> None:
                     label=f"gap {j}",
                     clip_on=False,
                 )
-        ax.set_ylabel("approach speed $v$")
+        ax.set_ylabel(scales.label("approach speed $v$", "omega F0/K"))
         ax.set_ylim(bottom=0)
         if len(events):
             add_legend(ax, loc="lower right", ncols=4, bbox_to_anchor=(1.0, 1.0), handlelength=1.0,
@@ -510,13 +531,13 @@ def _draw_impacts(ax: Any, run: Trajectory, begin: float, end: float) -> None:
         ax.set_ylim(gaps - 0.5, -0.5)
         if len(events):
             bar = ax.figure.colorbar(dots, ax=ax, pad=0.02)
-            bar.set_label("approach speed $v$")
+            bar.set_label(scales.label("approach speed $v$", "omega F0/K"))
             bar.outline.set_visible(False)
-    ax.set_xlabel(TIME)
+    ax.set_xlabel(scales.label(TIME, "1/omega"))
     ax.set_xlim(begin, end)
 
 
-def _draw_sliding(ax: Any, run: Trajectory, begin: float, end: float) -> None:
+def _draw_sliding(ax: Any, run: Trajectory, begin: float, end: float, scales: Scales) -> None:
     """The speed of sliding along each friction element."""
     times = times_of(run, begin, end)
     rate = run.sample(times)[1]
@@ -524,8 +545,8 @@ def _draw_sliding(ax: Any, run: Trajectory, begin: float, end: float) -> None:
     for j, element in enumerate(run.structure.friction[:OVERLAID]):
         speed = element.direction @ rate - element.speed
         ax.plot(times, speed, color=COLOURS[j], lw=0.9, label=f"friction {j}")
-    ax.set_ylabel("sliding speed $s$")
-    ax.set_xlabel(TIME)
+    ax.set_ylabel(scales.label("sliding speed $s$", "omega F0/K"))
+    ax.set_xlabel(scales.label(TIME, "1/omega"))
     ax.set_xlim(begin, end)
     add_legend(ax, loc="lower right", ncols=4, bbox_to_anchor=(1.0, 1.0), handlelength=1.0,
                columnspacing=1.0, borderaxespad=0.2)  # fmt: skip
@@ -551,7 +572,7 @@ def modes_of(run: Trajectory) -> tuple[NDArray[np.float64], NDArray[np.float64]]
     return omega[order], shapes[:, order]
 
 
-def _draw_energy(ax: Any, run: Trajectory, begin: float, end: float) -> None:
+def _draw_energy(ax: Any, run: Trajectory, begin: float, end: float, scales: Scales) -> None:
     """Shares of the modes in the energy; for modes of frequency 0 this is only the kinetic energy."""
     times = times_of(run, begin, end)
     omega, shapes = modes_of(run)
@@ -560,8 +581,8 @@ def _draw_energy(ax: Any, run: Trajectory, begin: float, end: float) -> None:
     energy = 0.5 * (rate**2 + (omega[:, None] * q) ** 2)
     if len(energy) == 1:
         ax.plot(times, energy[0], color=PRIMARY, lw=0.9)
-        ax.set_ylabel("kinetic + elastic energy")
-        ax.set_xlabel(TIME)
+        ax.set_ylabel(scales.label("kinetic + elastic energy", "F0^2/K"))
+        ax.set_xlabel(scales.label(TIME, "1/omega"))
         ax.set_xlim(begin, end)
         ax.set_ylim(bottom=0)
         return
@@ -575,7 +596,7 @@ def _draw_energy(ax: Any, run: Trajectory, begin: float, end: float) -> None:
     means = np.where(alone, -1.0, shares.mean(1))
     chosen = np.sort(np.argsort(-means, kind="stable")[: min(MODES, int((~alone).sum()))])
     rows = [shares[k] for k in chosen]
-    labels = [rf"$\omega$ = {omega[k]:.3g}" for k in chosen]
+    labels = [scales.frequency(omega[k]) for k in chosen]
     colours = [*BANDS[: len(chosen)]]
     others = int((~alone).sum()) - len(chosen)
     if others:
@@ -590,7 +611,7 @@ def _draw_energy(ax: Any, run: Trajectory, begin: float, end: float) -> None:
         colours.append(FREE)
     ax.stackplot(times, rows, labels=labels, colors=colours, lw=0)
     ax.set_ylabel("share of the energy")
-    ax.set_xlabel(TIME)
+    ax.set_xlabel(scales.label(TIME, "1/omega"))
     ax.set_xlim(begin, end)
     ax.set_ylim(0, 1)
     add_legend(ax, loc="lower right", ncols=4, bbox_to_anchor=(1.0, 1.0), handlelength=0.9,

@@ -7,7 +7,7 @@ from typing import Any
 
 from ..base.errors import ParameterError
 from ..systems.oscillator import Oscillator
-from ..systems.units import Units, checked_names
+from ..systems.units import Units, checked_names, units_of_system, units_to_show
 from .animation import animate
 from .attractor import (
     draw_basins,
@@ -71,20 +71,20 @@ def units_of_picture(result: Any, units: Units | str | None) -> Units | None:
     ParameterError, ParameterTypeError
         If a unit is not known, or units are given for a result that has none.
     """
-    osc: Any = getattr(result, "osc", None)
-    known = isinstance(osc, Oscillator) and None not in (osc.M, osc.K, osc.F0)
+    system: Any = getattr(result, "_system", None)
     if units is None:
-        return osc.units().of_pictures if known and drawn_in_units(result) else None
+        return units_to_show(system) if drawn_in_units(result) else None
     if isinstance(units, Units):
         return units
     if isinstance(units, str) and units == "dimensionless":
         return None
     names = checked_names(units)
-    if not isinstance(osc, Oscillator):
+    known = units_of_system(system)
+    if known is None and not isinstance(system, Oscillator):
         raise ParameterError(
             f"units = {units!r}: must be left out; a Structure has the units of its user"
         )
-    return osc.units().to(names)
+    return (known or system.units()).to(names)
 
 
 def drawn_in_units(result: Any) -> bool:

@@ -15,12 +15,14 @@ from ..systems.oscillator import Oscillator, Point
 from ..systems.record import Record
 from ..systems.structure import Friction, Gap, Load, Stop, Structure, moves, opening_at
 from ..systems.units import MASS as MASS_UNIT
-from ..systems.units import units_to_show
+from ..systems.units import SI, units_to_show
 from .style import FREE, IMPACT, LOAD, PRIMARY, SETTINGS, Scales, given, pyplot
 from .style import system as parameters_of
 
 __all__ = ["bodies_of", "draw_sketch", "draw_system"]
 
+#: What a sketch of a structure with physical units says.
+SKETCH_UNITS = "numbers in the picture: in kg, N/m, N s/m, m, m/s and N"
 #: Printed points per unit of length above which labels have their full size.
 FULL_SIZE = 22.0
 #: Left and right end of M, of its slot, and of m; then their bottom and top (arbitrary unit).
@@ -95,7 +97,8 @@ def draw_system(
             system._has_elements or isinstance(system.amplitude, Load)
         ):
             draw_sketch(ax, system.structure, system.load)
-            note = "\nnumbers in the picture: in units of M, K, F0 and F0/K"
+            known = units_to_show(system.osc) is not None
+            note = f"\n{SKETCH_UNITS if known else 'numbers in the picture: in units of M, K, F0 and F0/K'}"
         else:
             _draw_support(ax)
             _draw_masses(ax)
@@ -260,7 +263,11 @@ def has_bodies(structure: Structure) -> bool:
 
 
 def draw_sketch(ax: Any, structure: Structure, load: Load | Record | None = None) -> None:
-    """Draw the bodies or, if coordinates are not displacements of bodies, a block with its gaps."""
+    """Draw the bodies or, if coordinates are not displacements of bodies, a block with its gaps; with units of SI
+    if the structure has physical units."""
+    if structure._units is not None:
+        in_si = structure._units.to(SI)
+        structure, load = structure._in(in_si), None if load is None else load._in(in_si)
     if has_bodies(structure):
         _draw_row(ax, structure, load, [np.flatnonzero(gap.direction) for gap in structure.gaps])
     else:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..base.errors import MissingExtraError
 from ..base.files import write_bytes
 from ..systems.oscillator import Oscillator
-from ..systems.units import SI, Units
+from ..systems.units import OF_STRUCTURE, SI, Units
 
 #: The colours of Okabe and Ito.
 PRIMARY, FREE, LOAD, IMPACT, REST = "#0072B2", "#D55E00", "#000000", "#CC79A7", "#009E73"
@@ -104,8 +104,10 @@ def add_legend(ax: Any, *entries: Any, **options: Any) -> Any:
 class Scales:
     """Numbers and labels of the axes of a picture, dimensionless or in physical units."""
 
-    def __init__(self, units: Units | None) -> None:
+    def __init__(self, units: Units | None, bare: bool = False) -> None:
         self.units = units
+        #: Whether the labels have no units, as for a structure, whose numbers are in the units of its user.
+        self.bare = bare
 
     def __call__(self, values: Any, unit: str) -> Any:
         """Values of a dimensionless unit in the unit of the picture."""
@@ -135,7 +137,22 @@ class Scales:
 
     def label(self, symbol: str, unit: str) -> str:
         """The label of an axis: a quantity, and its unit in brackets unless it is dimensionless."""
-        return f"{symbol} ({self.unit(unit)})" if unit else symbol
+        return f"{symbol} ({self.unit(unit)})" if unit and not self.bare else symbol
+
+    def parameter(self, name: str, values: Any) -> tuple[Any, str]:
+        """Values of a parameter of a structure, and the label of their axis."""
+        unit, label = OF_STRUCTURE.get(name.split("_")[0], ""), parameter_label(name)
+        if self.units is None or not unit:
+            return values, label
+        if unit == "omega":
+            return values * self.units.frequency, self.name("r")
+        return self(values, unit), self.label(label, unit)
+
+    def frequency(self, omega: float) -> str:
+        """A circular frequency of a structure as a text, in cycles per unit of time if that has a name."""
+        if self.units is None:
+            return rf"$\omega$ = {omega:.3g}"
+        return f"{omega * self.units.frequency:.4g} {self.units.hertz}"
 
     def name(self, name: str) -> str:
         """The label of an axis of a parameter or a column by its name."""
@@ -282,7 +299,7 @@ def condition_name(kind: str) -> str:
 PARAMETERS = {
     "frequency": r"$\Omega$", "load": "load factor", "constant": "factor of the constant forces",
     "damping": "factor of $C$", "stiffness": "factor of $K$", "opening": "$e$", "restitution": "$R$",
-    "mass": "$M$", "function": "parameter",
+    "mass": "$M$", "function": "parameter", "clearance": "clearance $d$, wall to wall",
 }  # fmt: skip
 
 

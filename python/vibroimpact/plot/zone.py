@@ -49,18 +49,22 @@ FILL = "_zone"
 class StructurePlane(style.Plane):
     """The plane of two parameters of a structure, over the window of a zone."""
 
-    def __init__(self, zone: Zone | Atlas) -> None:
-        super().__init__(None, False)
+    def __init__(self, zone: Zone | Atlas, units: Units | None) -> None:
+        super().__init__(units, False)
         self.zone = zone
 
+    def r(self, values: Any) -> Any:
+        return self.parameter(self.zone.x_parameter, values)[0]
+
     def gap(self, clearance: Any) -> Any:
-        return clearance
+        return self.parameter(self.zone.y_parameter, clearance)[0]
 
     def label_axes(self, ax: Any) -> None:
-        ax.set_xlim(*self.zone.x)
-        ax.set_ylim(*self.zone.y)
-        ax.set_xlabel(style.parameter_label(self.zone.x_parameter))
-        ax.set_ylabel(style.parameter_label(self.zone.y_parameter))
+        for axis, name, ends in (
+            ("x", self.zone.x_parameter, self.zone.x), ("y", self.zone.y_parameter, self.zone.y),
+        ):  # fmt: skip
+            values, label = self.parameter(name, np.array(ends))
+            ax.set(**{f"{axis}lim": values, f"{axis}label": label})
 
 
 def draw_zone(
@@ -76,7 +80,7 @@ def draw_zone(
     """
     if zone.of_structure and inverse:
         raise ParameterError("inverse = True: must be False for a zone of a structure")
-    plane = StructurePlane(zone) if zone.of_structure else style.Plane(units, inverse)
+    plane = StructurePlane(zone, units) if zone.of_structure else style.Plane(units, inverse)
     plt = style.pyplot()
     if ax is None:
         with plt.rc_context(style.SETTINGS):
@@ -125,7 +129,7 @@ def draw_atlas(
     """
     if atlas.of_structure and inverse:
         raise ParameterError("inverse = True: must be False for an atlas of a structure")
-    plane = StructurePlane(atlas) if atlas.of_structure else style.Plane(units, inverse)
+    plane = StructurePlane(atlas, units) if atlas.of_structure else style.Plane(units, inverse)
     plt = style.pyplot()
     if ax is None:
         with plt.rc_context(style.SETTINGS):

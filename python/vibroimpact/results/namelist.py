@@ -81,6 +81,11 @@ def has_structure(text: str) -> bool:
     return first is not None and first[1] == "structure"
 
 
+def has_scales(text: str) -> bool:
+    """Whether a case is that of a dimensionless structure with physical units."""
+    return has_structure(text) and re.search(r"(?m)^  scales = ", text) is not None
+
+
 def keys_of(text: str) -> dict[str, Any]:
     """The keys of a case with one `key = value` a line, and its kind.
 

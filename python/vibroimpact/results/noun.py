@@ -162,6 +162,11 @@ class Savable:
         """
         raise NotImplementedError
 
+    @property
+    def _system(self) -> Oscillator | Structure | None:
+        """The oscillator or the structure; None without one."""
+        return getattr(self, "structure" if self.of_structure else "osc", None)
+
     def _check_read(self) -> None:
         """Raises an error if tables read from a file are inconsistent, beyond the checks that all results
         share."""

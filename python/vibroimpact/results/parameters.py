@@ -121,7 +121,7 @@ def with_entries(
     changed = Structure(
         matrices[1], matrices[2], matrices[3], gaps, friction, outputs=structure.outputs,
         simultaneous=structure.simultaneous,
-    )  # fmt: skip
+    )._with_units(structure._units)  # fmt: skip
     return changed, Load(
         frequency, cosine=harmonics[COSINE], sine=harmonics[SINE], constant=constant
     )

@@ -13,6 +13,7 @@ from ..systems.oscillator import Oscillator
 from ..systems.record import Record
 from ..systems.restitution import KINDS, Restitution, at_rest, from_columns, to_columns
 from ..systems.structure import Friction, Gap, Load, Stop, Structure
+from ..systems.units import SI, Units
 from . import namelist
 from .tables import Result
 
@@ -94,7 +95,7 @@ def from_groups(
         )
         structure = Structure(
             mass, damping, stiffness, gaps, friction, outputs_of(keys), simultaneous=keys.get("simultaneous")
-        )  # fmt: skip
+        )._with_units(scales_of(keys))  # fmt: skip
     load: Load | Record | None = None
     for part in (part for name, part in parts if name == "load"):
         n = structure.coordinates
@@ -119,6 +120,14 @@ def outputs_of(keys: Mapping[str, Any]) -> dict[str, Any]:
     names = [names] if isinstance(names, str) else names
     rows = np.reshape(keys["output_rows"], (len(names), -1)) if names else ()
     return dict(zip(names, rows, strict=True))
+
+
+def scales_of(keys: Mapping[str, Any]) -> Units | None:
+    """The physical units of a dimensionless structure by the keys of its group."""
+    if "scales" not in keys:
+        return None
+    M, K, F0 = keys["scales"]
+    return Units(M, K, F0, keys.get("unit_names", SI))
 
 
 def _contact(name: str, part: Mapping[str, Any]) -> Gap | Stop:
@@ -238,6 +247,7 @@ def structure_of(result: Result, frequency: float, loaded: bool) -> tuple[Struct
         gaps = [replace(gap, **wall) for gap, wall in zip(gaps, walls, strict=True)]
     law = groups[0][1].get("simultaneous") if groups else None
     structure = Structure(mass, damping, stiffness, gaps, friction, outputs, simultaneous=law)
+    structure._with_units(scales_of(groups[0][1]) if groups else None)
     if not loaded:
         return structure, None
     sine, cosine = values("harmonics", "sine", "cosine")

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..base.errors import ParameterError
-from ..systems.units import GAP, MIXED, RATIO
-from .namelist import has_structure, keys_of
+from ..systems.units import GAP, MIXED, OF_STRUCTURE, RATIO, powers_of, unit_of_state
+from .namelist import has_scales, has_structure, keys_of, parts_of
 
 #: The models of systems, as the core calls them.
 MODELS = ("oscillator", "structure")
@@ -61,6 +61,10 @@ def present(study: str) -> str:
     """The present name of a study in a file; earlier versions had two names for a study of oscillators and
     structures."""
     return study if study in language()["results"] else study.removesuffix("_structure")
+
+
+#: Columns of results of structures whose unit depends on a parameter or an axis.
+OF_PARAMETERS = ("value", "place", "x", "y")
 
 
 class Handle:
@@ -161,10 +165,21 @@ class Found(dict[str, Any]):
 
 
 @cache
-def declared(study: str, of_structure: bool = False) -> dict[tuple[str, str], dict[str, Any]]:
-    """The declarations of the columns of a study of oscillators, or of structures, by table and name."""
+def declared(
+    study: str, of_structure: bool = False, scaled: bool = False
+) -> dict[tuple[str, str], dict[str, Any]]:
+    """The declarations of the columns of a study of oscillators, or of structures, by table and name.
+
+    A structure has the units of its user, so its columns have dimensionless units only if it is `scaled`.
+    """
     columns = language()["results"][study]["columns"]
-    return {(item["table"], item["name"]): item for item in columns if is_for(item, of_structure)}
+    own = {(item["table"], item["name"]): item for item in columns if is_for(item, of_structure)}
+    if not of_structure or scaled:
+        return own
+    return {
+        place: item | {"unit": "" if powers_of(item["unit"]) else item["unit"]}
+        for place, item in own.items()
+    }
 
 
 def row_of(study: str, of_structure: bool) -> str:
@@ -294,7 +309,7 @@ def made(
         Lines for the user, each with a flag (True for a fault) and a text.
     """
     structure = has_structure(case) or "matrices" in tables
-    about = declared(study, structure)
+    about = declared(study, structure, has_scales(case))
     filled = {}
     for name, (dims, values) in tables.items():
         columns = {
@@ -311,10 +326,13 @@ def settled(result: Result) -> Result:
     """The result with the units of the values of a parameter and of the values along an axis of initial states
     set."""
     found = {}
+    scaled = has_scales(result.case)
     for name, table in result.tables.items():
         columns = {}
         for key, column in table.columns.items():
             about = decided(result, name, key) if column.unit == MIXED else {}
+            if scaled and key in OF_PARAMETERS:
+                about = decided_for_structure(result, name, key)
             columns[key] = replace(column, **about) if about else column
         found[name] = replace(table, columns=Found(columns, name))
     return replace(result, tables=Found(found, "tables"))
@@ -336,6 +354,18 @@ def decided(result: Result, table: str, name: str) -> dict[str, Any]:
     return {"unit": "F0/K" if parameter == "clearance" else "", "meaning": meaning}
 
 
+def decided_for_structure(result: Result, table: str, name: str) -> dict[str, Any]:
+    """As `decided`, for a dimensionless structure."""
+    keys = parts_of(result.case)[-1][1]
+    if name == "place":
+        axis = keys["axes"][table == "second"] if "axes" in keys else ""
+        return {"unit": unit_of_state(axis)}
+    own = {"value": "parameter", "x": "x", "y": "y"}[name]
+    parameter = keys.get("label", keys.get(own, "frequency" if name == "value" else ""))
+    unit = OF_STRUCTURE.get(parameter.split("_")[0], "")
+    return {"unit": "", "meaning": RATIO} if unit == "omega" else {"unit": unit}
+
+
 def runs(table: Table, parents: int | None = None) -> list[slice]:
     """The rows of a table grouped by owner (owners are in order); all rows if the table has no owners."""
     owners = table.owners
@@ -352,7 +382,7 @@ def from_core(study: str, number: int) -> Result:
     described = json.loads(text_of(_core.describe_result, number))
     lines = [line[2:] for line in described["case"] if not line.startswith("# !")]
     case = "".join(f"{line}\n" for line in lines[: lines.index("&output")])
-    known = declared(study, has_structure(case))
+    known = declared(study, has_structure(case), has_scales(case))
     tables = {}
     for item in described["tables"]:
         # the core counts rows from 1, and its first dimension varies fastest

@@ -15,7 +15,7 @@ from ..base.errors import ParameterError
 from ..base.spacing import range_values, spacing_of
 from ..base.status import NOT_COMPUTED, sentence
 from ..results import door
-from ..results.noun import Noun, column, key
+from ..results.noun import Noun, column
 from ..results.parameters import Parameter, checked_pair, keys_of_parameter
 from ..results.states import NEEDED, checked_state, state_by_coordinates
 from ..systems.oscillator import Oscillator, Point
@@ -171,7 +171,11 @@ class BifurcationDiagram(
     __slots__ = ()
     x_min = cell("cells")
     x_max = cell("cells")
-    parameter: str = key("parameter", meaning='Name of the parameter; "function" for a function.')
+
+    @property
+    def parameter(self) -> str:
+        """Name of the parameter; "function" for a function."""
+        return str(self.keys.get("label", self.keys["parameter"]))
 
     @property
     def values(self) -> _Array:
@@ -345,8 +349,7 @@ class BifurcationDiagram(
                 "periodic window": len(self.windows),
             }
             found = ", ".join(f"{n} {what}{'s' * (n != 1)}" for what, n in counts.items())
-        own = None if self.of_structure else self.osc
-        span = range_text(own, self.parameter, self.values[0], self.values[-1])
+        span = range_text(self._system, self.parameter, self.values[0], self.values[-1])
         return f"<BifurcationDiagram over {self.parameter} = {span}: {found}{cut}>"
 
 
@@ -396,6 +399,7 @@ def bifurcation_structure(
     keys = {
         **chosen, **keys_of_values(array), "sweep": sweep, "q": start["q"], "q_dot": start["q_dot"],
         "settling": settling, "keep": keep, "points": impacts, "max_events": max_events,
+        "label": getattr(parameter, "label", None),
     }  # fmt: skip
     names = ENDS | {"points": "impacts"}
     return door.run_structure(
@@ -461,6 +465,7 @@ def _along_parameter(given: dict[str, Any]) -> None:
         found = replace(osc, **changes).at(**there, **elements)
         return found.structure, found.load
 
+    at.label = name  # type: ignore[attr-defined]
     given["parameter"] = "frequency" if name == "r" else at
     state_by_coordinates(given)
     if not given.get("start", 1):

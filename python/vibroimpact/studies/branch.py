@@ -596,8 +596,7 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
         kinds = dict.fromkeys(filter(None, types))
         found = ", ".join(f"{types.count(kind)} {kind}" for kind in kinds) or "no special points"
         pattern = "" if self.of_structure else f" {self.pattern.sides}/{self.pattern.cycles}"
-        own = None if self.of_structure else self.osc
-        span = range_text(own, self.parameter, self.values.min(), self.values.max())
+        span = range_text(self._system, self.parameter, self.values.min(), self.values.max())
         return f"<Branch{pattern} along {self.parameter}, {span}: {len(self)} points, {found}>"
 
 

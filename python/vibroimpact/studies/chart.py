@@ -19,10 +19,10 @@ from ..results.namelist import symmetric_word
 from ..results.noun import column
 from ..results.parameters import Span
 from ..systems.oscillator import Oscillator, Pattern, of_numbers, plain_pattern
-from ..systems.units import GAP
+from ..systems.units import GAP, OF_STRUCTURE
 from ..systems.verbs import every_system, physical_arguments
 from .branch import Followed, run_from
-from .zone import keys_of_plane
+from .zone import keys_of_plane, span_in_scales
 
 if TYPE_CHECKING:
     from ..systems.units import Units
@@ -160,15 +160,30 @@ class Chart(Followed, study="chart"):
         """The variables of charts of this kind of system, each with dimensions, values, unit and meaning."""
         if self.of_structure:
             names = {axis: str(self.keys[axis]) for axis in "xy"}
+            # of the structure of an oscillator; others have the units of their user
+            unit = {
+                name: item.unit for name, item in self._result.tables["motions"].columns.items()
+            }
+            axis = {
+                key: OF_STRUCTURE.get(name.split("_")[0], "") if unit["q_max"] else ""
+                for key, name in names.items()
+            }
             period = (
-                {"period": (grid, columns["period"], "", "period")} if self.self_excited else {}
-            )
+                {"period": (grid, columns["period"], unit["period"], "period")}
+                if self.self_excited else {}
+            )  # fmt: skip
             return period | {
-                "q_min": (("coordinate", *grid), columns["q_min"], "", "smallest value of each coordinate"),
-                "q_max": (("coordinate", *grid), columns["q_max"], "", "greatest value of each coordinate"),
+                "q_min": (
+                    ("coordinate", *grid), columns["q_min"], unit["q_min"], "smallest value of each coordinate",
+                ),
+                "q_max": (
+                    ("coordinate", *grid), columns["q_max"], unit["q_max"], "greatest value of each coordinate",
+                ),
                 "phases": (("impact", *grid), columns["phases"], "rad", "load phase of each impact"),
-                "speeds": (("impact", *grid), columns["speeds"], "", "approach speed of each impact"),
-                "x": (("x",), self.x, "", names["x"]), "y": (("y",), self.y, "", names["y"]),
+                "speeds": (
+                    ("impact", *grid), columns["speeds"], unit["speeds"], "approach speed of each impact",
+                ),
+                "x": (("x",), self.x, axis["x"], names["x"]), "y": (("y",), self.y, axis["y"], names["y"]),
             }  # fmt: skip
         tables = self._result.tables
         r, clearance = (
@@ -267,6 +282,7 @@ def chart_structure(
     both = points if isinstance(points, tuple) and len(points) == 2 else (points, points)
     keys, names = keys_of_plane(motion.structure, motion._given_load, (x, y), (x_at, y_at))
     for name, axis, n in zip("xy", (x, y), both, strict=True):
+        axis = span_in_scales(motion.structure, axis, name)
         values = axis[1] if len(axis) == 2 else ()
         if np.ndim(values) == 1 and np.size(values) > 2:  # two numbers are a range
             array = checks.real_array(values, f"{name}[1]", "numbers that rise or fall throughout")

@@ -200,7 +200,7 @@ class Response(SettledMotions, study="response", formerly="StructureResponse"):
         cut = "" if self.complete else f"; cut short, {self.cut}"
         points = f"{values.size} point{'s' * (values.size != 1)}"
         if self.of_structure:
-            span = f"frequency {values[0]:.6g} to {values[-1]:.6g}"
+            span = f"frequency {range_text(self._system, 'frequency', values[0], values[-1])}"
             return f"<Response at {points}, {span}: {self._periodic()}{cut}>"
         symbol = "" if units_to_show(self.osc) else "r = "
         span = range_text(self.osc, "r", values[0], values[-1])

@@ -31,6 +31,9 @@ from .units import (
     place_text,
     plain_number,
     positive,
+    positive_each,
+    units_to_show,
+    value_text,
 )
 
 __all__ = ["Oscillator", "Pattern"]
@@ -324,7 +327,10 @@ class Oscillator:
             else self.restitution if restitution is None else (restitution, restitution)
         )  # fmt: skip
         gaps = [Gap([-1, 1], half, right), Gap([1, -1], half, left)]
-        return Structure([M, self.mu * M], [2 * self.xi * math.sqrt(K * M), 0], [K, 0], gaps)
+        found = Structure([M, self.mu * M], [2 * self.xi * math.sqrt(K * M), 0], [K, 0], gaps)
+        if d is not None:
+            return found._with_units(Units(1.0, 1.0, 1.0, self.unit_names or SI))
+        return found._with_units(None if self.F0 is None else self.units())
 
     def base_load(
         self, f: float, *, displacement: float | None = None, velocity: float | None = None,
@@ -483,7 +489,8 @@ class Oscillator:
             dimensionless(self, name, value)
             for name, value in (("r", r), ("clearance", clearance), ("load", load))
         )
-        ratio, gap = checks.frequency_ratio(ratio, self.xi), positive(gap, "clearance")
+        ratio = checks.frequency_ratio(ratio, self.xi)
+        gap = positive_each(gap, "clearance", clearance)
         wanted = "a force over F0 from 0 to 1e100"
         rubs = checks.to_float(dimensionless(self, "friction", friction), "friction", wanted)
         if not 0 <= rubs <= 1e100:
@@ -558,7 +565,8 @@ class Point:
             for gap, wall in zip(pair.gaps, self.stops or (None, None), strict=True)
         ]
         friction = [Friction([-1, 1], self.friction)] if self.friction else []
-        return Structure(pair.mass, pair.damping, pair.stiffness, gaps, friction)
+        found = Structure(pair.mass, pair.damping, pair.stiffness, gaps, friction)
+        return found._with_units(pair._units)
 
     @property
     def _has_elements(self) -> bool:
@@ -597,14 +605,30 @@ class Point:
         }
         return facts_html(repr(self.osc), shown)
 
+    def _stops_text(self) -> str:
+        """Stiffness and damping of the walls as a text, in the units of the oscillator if it has them."""
+        units = units_to_show(self.osc)
+        if units is None:
+            return str(self.stops)
+        shown = [
+            "rigid" if wall is None
+            else f"({wall[0] * units.K:.6g} {units.name('K')}, {wall[1] * units.K * units.time:.6g} "
+            f"{units.name('K/omega')})"
+            for wall in self.stops or ()
+        ]  # fmt: skip
+        return ", ".join(
+            f"{side} {text}" for side, text in zip(("right", "left"), shown, strict=True)
+        )
+
     def __repr__(self) -> str:
         load = ""
         if isinstance(self.amplitude, Load):
             load = f", {self.amplitude!r}"
         elif self.amplitude != 1:
-            load = f", load {self.amplitude:.6g}"
-        load += f", friction {self.friction:.6g}" if self.friction else ""
-        load += f", stops {self.stops}" if self.stops else ""
+            load = f", load {value_text(self.osc, 'load', self.amplitude)}"
+        if self.friction:
+            load += f", friction {value_text(self.osc, 'friction', self.friction)}"
+        load += f", stops {self._stops_text()}" if self.stops else ""
         return f"<{self.osc!r} at {place_text(self.osc, self.r, self.clearance)}{load}>"
 
 

@@ -12,7 +12,7 @@ from ..base import checks
 from ..base.errors import ParameterError
 from .restitution import ByValue
 from .structure import Load, Structure, _numbers
-from .units import own_number
+from .units import Units, own_number
 
 __all__ = ["Record", "base_motion", "base_record"]
 
@@ -110,6 +110,12 @@ class Record(ByValue):
         object.__setattr__(self, "weights", matrix)
         object.__setattr__(self, "force", force)
         object.__setattr__(self, "constant", constant)
+
+    def _in(self, units: Units) -> Record:
+        """The force on a structure of an oscillator in physical units."""
+        return Record(
+            self.step * units.time, self.samples * units.F0, self.constant * units.F0, self.weights
+        )
 
     @property
     def coordinates(self) -> int:

@@ -49,6 +49,10 @@ class Law(ABC):
     def _scaled(self, factor: float) -> Restitution:
         """The law with all coefficients multiplied by a factor."""
 
+    @abstractmethod
+    def _in_speeds(self, unit: float) -> Restitution:
+        """The law of speeds in another unit, in which the present one is `unit`."""
+
     def __call__(self, speed: ArrayLike) -> _Array:
         """R at approach speeds >= 0, of any shape."""
         return self._evaluate(speed)[0]
@@ -129,6 +133,9 @@ class PowerLaw(Law):
     def _scaled(self, factor: float) -> PowerLaw:
         return replace(self, R0=self.R0 * factor)
 
+    def _in_speeds(self, unit: float) -> PowerLaw:
+        return replace(self, speed=self.speed * unit)
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TabulatedRestitution(ByValue, Law):
@@ -178,6 +185,9 @@ class TabulatedRestitution(ByValue, Law):
 
     def _scaled(self, factor: float) -> TabulatedRestitution:
         return TabulatedRestitution(self.speeds, self.values * factor)
+
+    def _in_speeds(self, unit: float) -> TabulatedRestitution:
+        return TabulatedRestitution(self.speeds * unit, self.values)
 
     def __repr__(self) -> str:
         return f"TabulatedRestitution({self.speeds.tolist()}, {self.values.tolist()})"

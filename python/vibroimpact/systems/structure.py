@@ -14,7 +14,7 @@ from ..base import checks
 from ..base.errors import ParameterError, ParameterTypeError, SingularError
 from ..base.status import DEFECTIVE, raise_status, sentence
 from .restitution import KINDS, ByValue, Law, Restitution, checked, numbers_of, to_columns
-from .units import own_number
+from .units import Units, own_number
 
 __all__ = ["Friction", "Gap", "Load", "Stop", "Structure"]
 
@@ -472,6 +472,8 @@ class Structure(ByValue):
     simultaneous: Literal["newton", "sequence"] | None = None
     _base: _Array | None = field(default=None, compare=False)
     _is_modal: bool = field(default=False, compare=False)
+    #: The physical units of a structure that `Oscillator.at` or `Oscillator.structure` made, if they are known.
+    _units: Units | None = field(default=None, compare=False)
 
     def __init__(
         self, mass: ArrayLike, damping: ArrayLike, stiffness: ArrayLike,
@@ -706,7 +708,45 @@ class Structure(ByValue):
             matrices |= {"outputs": [*self.outputs], "output_rows": rows}
         if self.simultaneous:
             matrices["simultaneous"] = self.simultaneous
+        if self._units is not None:
+            known = self._units
+            matrices |= {"scales": [known.M, known.K, known.F0], "unit_names": known.names}
         return [("structure", matrices), *(part._group() for part in self._parts)]
+
+    def _with_units(self, units: Units | None) -> Structure:
+        """The structure itself, after its units are set."""
+        object.__setattr__(self, "_units", units)
+        return self
+
+    def _in(self, units: Units) -> Structure:
+        """A structure of an oscillator, whose coordinates are displacements, in physical units."""
+        length, speed = units.length, units.velocity
+        stiffness, damping = units.K, units.K * units.time
+
+        def wall(part: Gap | Stop) -> dict[str, Any]:
+            names = ("opening", "cosine", "sine")
+            return {name: getattr(part, name) * length for name in names}
+
+        gaps: list[Gap | Stop] = []
+        for part in self.gaps:
+            if isinstance(part, Gap):
+                law = part.restitution
+                own = law._in_speeds(speed) if isinstance(law, Law) else law
+                gaps.append(replace(part, restitution=own, **wall(part)))
+            else:
+                gaps.append(replace(
+                    part, stiffness=part.stiffness * stiffness, damping=part.damping * damping,
+                    preload=part.preload * units.F0, **wall(part),
+                ))  # fmt: skip
+        friction = [
+            replace(part, slip=part.slip * units.F0, stick=part.stick * units.F0, speed=part.speed * speed)
+            for part in self.friction
+        ]  # fmt: skip
+        found = Structure(
+            self.mass * units.M, self.damping * damping, self.stiffness * stiffness, gaps, friction,
+            self.outputs, simultaneous=self.simultaneous,
+        )  # fmt: skip
+        return found._with_units(Units(1.0, 1.0, 1.0, units.names))
 
     @property
     def _parts(self) -> tuple[Gap | Stop | Friction, ...]:
@@ -914,6 +954,15 @@ class Load(ByValue):
     def coordinates(self) -> int:
         """Number of coordinates; 0 for no load."""
         return self.constant.size
+
+    def _in(self, units: Units) -> Load:
+        """The load on a structure of an oscillator in physical units."""
+        if not self.coordinates:
+            return self
+        parts = {"sine": self.sine, "cosine": self.cosine} if len(self.sine) else {}
+        parts = {name: values * units.F0 for name, values in parts.items()}
+        frequency = self.frequency * units.omega or None
+        return Load(frequency, **parts, constant=self.constant * units.F0)
 
     def __add__(self, other: Load) -> Load:
         """The sum of two loads: of one frequency, unless one of them is constant.

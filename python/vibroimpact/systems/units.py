@@ -107,6 +107,12 @@ PARAMETERS = ARGUMENTS | {"xi": "", "mu": MASS, "restitution": "", "R1": "", "R2
 STATE = {
     "t": "1/omega", "x": "F0/K", "y": "F0/K", "z": "F0/K", "x_dot": "omega F0/K", "z_dot": "omega F0/K"
 }  # fmt: skip
+#: The units of parameters of a dimensionless structure by the first words of their names; the frequency is a
+#: frequency ratio.
+OF_STRUCTURE = {
+    "frequency": "omega", "clearance": "F0/K", "opening": "F0/K", "slip": "F0", "stick": "F0",
+    "speed": "omega F0/K", "contact": "K",
+}  # fmt: skip
 #: The units of the initial state of a free vibration.
 START = {"amplitude": "F0/K", "y": "F0/K", "x_dot": "omega F0/K", "z_dot": "omega F0/K"}
 #: Arguments that contain values of a state by name.
@@ -506,6 +512,22 @@ class Scaled(Protocol):
     def units(self, F0: float | None = None) -> Units: ...
 
 
+@dataclass(frozen=True)
+class OfStructure:
+    """The units of the structure of an oscillator, in place of the oscillator."""
+
+    known: Units
+
+    @property
+    def F0(self) -> float:
+        """The load amplitude."""
+        return self.known.F0
+
+    def units(self, F0: float | None = None) -> Units:
+        """The units; `F0` is that of the structure."""
+        return self.known
+
+
 def in_si(text: str, name: str) -> tuple[Decimal, Powers, bool]:
     """A text with a unit: its value in SI, its powers of length, force and time, and whether it is an angle."""
     found = QUANTITY.fullmatch(with_u(text))
@@ -520,8 +542,10 @@ def in_si(text: str, name: str) -> tuple[Decimal, Powers, bool]:
         if part == "1":
             continue
         if factor is None or factor[1] not in NAMED:
+            hint = "; a decimal point is needed, not a comma" if re.match(r",\d", part) else ""
             raise ParameterError(
-                f"{name} = {text!r}: unknown unit {part!r}; must be made of {', '.join(NAMED)}, such as 'N s/m'"
+                f"{name} = {text!r}: unknown unit {part!r}{hint}; must be made of {', '.join(NAMED)}, such as "
+                "'N s/m'"
             )
         power = sign * int(factor[2] or 1)
         size, dimensions, angle = NAMED[factor[1]]
@@ -685,7 +709,33 @@ def plain_number(value: Any, name: str, powers: Powers, names: str) -> Any:
 
 def units_to_show(osc: Any) -> Units | None:
     """The units in which results of a system are shown; None if they are dimensionless."""
-    return osc.units().of_pictures if getattr(osc, "F0", None) is not None else None
+    units = units_of_system(osc)
+    return None if units is None else units.of_pictures
+
+
+def units_of_system(system: Any) -> Units | None:
+    """The units of an oscillator that knows M, K and F0, or of its structure; else None."""
+    units: Units | None = getattr(system, "_units", None)
+    return system.units() if getattr(system, "F0", None) is not None else units
+
+
+def chosen_units(result: Any, system: Any, units: Units | str | None) -> Units:
+    """The units of a system, or those that were asked for, in which a result is given.
+
+    Raises
+    ------
+    ParameterError, ParameterTypeError
+        If the system does not know M, K and F0, or a unit is not known.
+    """
+    known = units_of_system(system)
+    if known is None and not hasattr(system, "F0"):
+        raise ParameterTypeError(
+            f"result = {result!r}: must be a result of an Oscillator; a Structure has the units of its user"
+        )
+    if isinstance(units, Units):
+        return units
+    own: Units = system.units() if known is None else known
+    return own if units is None else own.to(units)
 
 
 def place_text(osc: Any, r: float, clearance: float, digits: int = 6) -> str:
@@ -712,7 +762,8 @@ def place_text(osc: Any, r: float, clearance: float, digits: int = 6) -> str:
 
 def shown_unit(osc: Any, name: str) -> tuple[float, str]:
     """The factor and the unit with which values of an argument, or of a limited quantity, are shown."""
-    units, unit = units_to_show(osc), (STATE | ARGUMENTS | START | OF_FIGURES).get(name, "")
+    known = STATE | ARGUMENTS | START | OF_FIGURES
+    units, unit = units_to_show(osc), known.get(name, OF_STRUCTURE.get(name.split("_")[0], ""))
     if units is None or not unit:
         return 1.0, ""
     if unit == "omega":
@@ -753,6 +804,12 @@ def own_number(value: Any, name: str, names: str = SI, label: str = "") -> Any:
     return float(f"{found:.15g}") if np.ndim(found) == 0 else found  # 2 kHz are 2000 Hz
 
 
+def unit_of_state(name: Any) -> str:
+    """The dimensionless unit of a coordinate or velocity by its name; of an output, that of a displacement."""
+    rate = isinstance(name, str) and name.startswith("q_dot")
+    return "omega F0/K" if rate else STATE.get(name, "F0/K")
+
+
 def dimensionless(osc: Scaled, name: str, value: Any, parameter: str = "") -> Any:
     """The dimensionless value of an argument of a function; a value without a unit is unchanged."""
     if name in OF_STATES:
@@ -767,7 +824,7 @@ def dimensionless(osc: Scaled, name: str, value: Any, parameter: str = "") -> An
         return tuple(
             (
                 axis[0],
-                *number_of(tuple(axis[1:3]), f"plane[{i}]", STATE.get(axis[0], "F0/K"), osc.units),
+                *number_of(tuple(axis[1:3]), f"plane[{i}]", unit_of_state(axis[0]), osc.units),
                 *axis[3:],
             )
             for i, axis in enumerate(value)
@@ -783,6 +840,8 @@ def dimensionless(osc: Scaled, name: str, value: Any, parameter: str = "") -> An
         unit = OF_FIGURES.get(parameter)
         return value if unit is None else number_of(value, name, unit, osc.units)
     unit = (PARAMETERS | START).get(parameter if name in OF_PARAMETER else name)
+    if unit is None and name in OF_PARAMETER:
+        unit = OF_STRUCTURE.get(parameter.split("_")[0])
     if unit is None:
         return value
     return argument(osc, value, name, unit)

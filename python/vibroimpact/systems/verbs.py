@@ -20,6 +20,7 @@ from .units import (
     PARAMETERS,
     PLAIN,
     START,
+    OfStructure,
     dimensionless,
     has_unit,
 )
@@ -95,8 +96,7 @@ def every_system(
     def decorate(of_oscillator: Callable[..., Any]) -> Callable[..., Any]:
         signature = inspect.signature(of_oscillator).parameters
         parameters, name = list(signature), of_oscillator.__name__
-        left = {*set(OF_POINT) - set(along[:1]), *along[1:]}
-        of_point = [item for key, item in signature.items() if key not in left]
+        of_point = [signature[key] for key in left_of_point(parameters, along)]
         forms = f"{usage(name, kind, of_structure)} {usage_of_point(name, of_point, no_point)}"
         of_oscillator.__doc__ = with_forms(of_oscillator.__doc__, forms)
 
@@ -175,6 +175,7 @@ def every_system(
             return of_structure(point.structure, point.load, **given)
 
         either.takes_points = True  # type: ignore[attr-defined]
+        either.along = along  # type: ignore[attr-defined]
         either.of_structure = of_structure  # type: ignore[attr-defined]
         return either
 
@@ -195,16 +196,22 @@ def named(
     return {**found, **kwargs}
 
 
+def left_of_point(parameters: list[str], along: tuple[str, ...] = ()) -> list[str]:
+    """The parameters of a function that a point does not provide; `along` is as in `every_system`."""
+    provided = {*set(OF_POINT) - set(along[:1]), *along[1:]}
+    return [key for key in parameters if key not in provided]
+
+
 def spread_out(
     verb: str, parameters: list[str], point: Point, args: tuple[Any, ...], kwargs: Mapping[str, Any],
     along: tuple[str, ...] = (),
 ) -> dict[str, Any]:  # fmt: skip
     """The arguments of a call by name, where a point provides several; `along` is as in `every_system`."""
+    names = left_of_point(parameters, along)
     of_point = {
         key: getattr(point, attribute)
-        for key, attribute in OF_POINT.items() if key in parameters and key not in along[:1]
+        for key, attribute in OF_POINT.items() if key in parameters and key not in names
     }  # fmt: skip
-    names = [key for key in parameters if key not in of_point and key not in along[1:]]
     further = {key: value for key, value in kwargs.items() if value is not point}
     found = named(verb, names, args, further)
     of_point.pop(str(found.get("parameter")), None)
@@ -283,19 +290,25 @@ def physical_arguments(function: Callable[Given, Found]) -> Callable[Given, Foun
         if not takes_points and args and isinstance(args[0], Point):
             spread = of_plain_point(function.__name__, names, args[0], args[1:], kwargs)
             return converted(**spread)  # type: ignore[call-arg]
-        for i, name in places:  # most calls have numbers
+        order, where = names, places
+        if args and isinstance(args[0], Point):  # which replaces several arguments
+            order = [names[0], *left_of_point(names[1:], getattr(function, "along", ()))]
+            where = [(i, name) for i, name in enumerate(order) if name in taken]
+        for i, name in where:  # most calls have numbers
             value = args[i] if i < len(args) else kwargs.get(name)
             if type(value) not in PLAIN and has_unit(value):
                 break
         else:
             return function(*args, **kwargs)
-        # a point replaces three arguments; further ones are given by name
-        order = names[:1] if args and isinstance(args[0], Point) else names
         given: dict[str, Any] = dict(zip(order, args, strict=False)) | kwargs
         physical = [name for _, name in places if has_unit(given.get(name))]
         first: Any = given.get(names[0])
         osc = first if isinstance(first, Oscillator) else getattr(first, "osc", None)
-        if not isinstance(osc, Oscillator):
+        units = getattr(getattr(first, "structure", None), "_units", None)
+        if units is not None and not isinstance(osc, Oscillator):
+            osc = OfStructure(units)
+            physical = [name for name in physical if name in OF_PARAMETER]
+        if not isinstance(osc, (Oscillator, OfStructure)):
             return function(*args, **kwargs)
         before: Any = given.get("uncertain")
         for name in physical:

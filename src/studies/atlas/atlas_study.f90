@@ -15,7 +15,7 @@ module vi_atlas_study
    use vi_structure_keys, only: needs_frequency
    use vi_structure_parameter, only: parameter_change, x_function_keys, y_function_keys
    use vi_structure_path, only: structure_path_type, value_at
-   use vi_structure_tables, only: put_path, put_structure
+   use vi_structure_tables, only: put_path, put_structure, set_unit
    use vi_study, only: a_whole, case_type, column_type, every_model, key_type, list_for, &
       of_oscillator, of_structure, result_type, study_type, truths, wholes, words
    use vi_text, only: counted, exact, line_type, whole, whole_width
@@ -305,6 +305,8 @@ contains
       call result%put('families', 'cycles', [(families(i)%motion%cycles, i=1, n)])
       call result%put('families', 'symmetric', [(merge(1, 0, families(i)%symmetric), i=1, n)])
       call put_pieces(found, result, vertex_names)
+      call set_unit(result, 'vertices', 'x', case%study%word('x'))
+      call set_unit(result, 'vertices', 'y', case%study%word('y'))
       call put_survey(plane, points, result)
       call result%open('motion', 'one', [n], 'families', [(i, i=1, n)])
       call result%put('motion', 'gaps', [gaps])

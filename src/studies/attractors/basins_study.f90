@@ -184,9 +184,10 @@ module vi_basins_study
       'quasi-periodic', 'permanent rest']
 
    type(column_type), parameter :: structure_state_columns(*) = [ &
-      column_type('states', 'q', each='coordinate', label='q_#', &
+      column_type('states', 'q', unit='F0/K', each='coordinate', label='q_#', &
       meaning='coordinates of the initial state'), &
-      column_type('states', 'q_dot', each='coordinate', label='q_dot_#', meaning='velocities')]
+      column_type('states', 'q_dot', unit='omega F0/K', each='coordinate', label='q_dot_#', &
+      meaning='velocities')]
 
    type(column_type), parameter :: structure_attractor_columns(*) = [ &
       column_type('first', 'place', label='=', listed=.false., meaning='along the first axis'), &

@@ -125,22 +125,26 @@ module vi_bifurcation_study
       key_type('low', never='list', meaning='first value of the parameter', &
       takes='a finite number', option='values'), &
       key_type('high', over='low', never='list', meaning='last value of the parameter', &
-      takes='a finite number', option='values')]
+      takes='a finite number', option='values'), &
+      key_type('label', a_word, may_miss=.true., only='parameter=function', takes='a word', &
+      meaning='name of the parameter in tables and pictures')]
 
    type(key_type), parameter :: structure_impact_keys(*) = [ &
       key_type('points', a_whole, default='100', low=0.0_wp, high=4096.0_wp, &
       meaning='impacts kept at each value')]
 
    type(column_type), parameter :: structure_columns(*) = [ &
-      column_type('strobes', 'q', each='coordinate', label='q_#', &
+      column_type('strobes', 'q', unit='F0/K', each='coordinate', label='q_#', &
       meaning='coordinates at the beginning of a load cycle'), &
-      column_type('strobes', 'q_dot', each='coordinate', label='q_dot_#', meaning='velocities'), &
-      column_type('strobes', 'outputs', each='output', label='#', &
+      column_type('strobes', 'q_dot', unit='omega F0/K', each='coordinate', label='q_dot_#', &
+      meaning='velocities'), &
+      column_type('strobes', 'outputs', unit='F0/K', each='output', label='#', &
       meaning='outputs at the beginning of a load cycle'), &
       column_type('impacts', 'gap', wholes, listed=.false., meaning='number of the gap, from 0'), &
       column_type('impacts', 'phase', unit='rad', listed=.false., &
       meaning='load phase within a load cycle'), &
-      column_type('impacts', 'speed', listed=.false., meaning='approach speed'), &
+      column_type('impacts', 'speed', unit='omega F0/K', listed=.false., &
+      meaning='approach speed'), &
       column_type('impacts', 'kind', words, words=event_kinds, listed=.false., &
       meaning='kind of the event, only with stops or friction')]
 

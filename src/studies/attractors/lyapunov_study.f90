@@ -104,8 +104,10 @@ module vi_lyapunov_study
       &the greatest first'), &
       column_type('exponents', 'error_per_cycle', unit='1/load cycle', &
       meaning='standard error of per_cycle'), &
-      column_type('exponents', 'exponent', meaning='Lyapunov exponent per unit of time'), &
-      column_type('exponents', 'standard_error', meaning='standard error of exponent'), &
+      column_type('exponents', 'exponent', unit='omega', &
+      meaning='Lyapunov exponent per unit of time'), &
+      column_type('exponents', 'standard_error', unit='omega', &
+      meaning='standard error of exponent'), &
       column_type('run', 'dimension', listed=.false., &
       meaning='Kaplan-Yorke dimension; nan unless all 2n exponents are computed'), &
       column_type('run', 'identity_error', listed=.false., &

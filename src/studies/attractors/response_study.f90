@@ -74,30 +74,32 @@ module vi_response_study
       meaning='last circular frequency of the load')]
 
    type(column_type), parameter :: structure_columns(*) = [ &
-      column_type('cells', 'largest', each='coordinate', label='largest_#', &
+      column_type('cells', 'largest', unit='F0/K', each='coordinate', label='largest_#', &
       meaning='greatest magnitude of each coordinate'), &
-      column_type('cells', 'rms', each='coordinate', label='rms_#', &
+      column_type('cells', 'rms', unit='F0/K', each='coordinate', label='rms_#', &
       meaning='root mean square of each coordinate'), &
-      column_type('cells', 'steady_largest', each='coordinate', label='steady_largest_#', &
+      column_type('cells', 'steady_largest', unit='F0/K', each='coordinate', &
+      label='steady_largest_#', &
       meaning='greatest magnitude of the steady motion without impacts, stops and friction; nan if &
       &there is none'), &
-      column_type('cells', 'steady_rms', each='coordinate', label='steady_rms_#', &
+      column_type('cells', 'steady_rms', unit='F0/K', each='coordinate', label='steady_rms_#', &
       meaning='root mean square of the steady motion without impacts'), &
-      column_type('cells', 'output_largest', each='output', label='largest_#', &
+      column_type('cells', 'output_largest', unit='F0/K', each='output', label='largest_#', &
       meaning='greatest magnitude of each output'), &
-      column_type('cells', 'output_rms', each='output', label='rms_#', &
+      column_type('cells', 'output_rms', unit='F0/K', each='output', label='rms_#', &
       meaning='root mean square of each output'), &
-      column_type('cells', 'steady_output_largest', each='output', label='steady_largest_#', &
+      column_type('cells', 'steady_output_largest', unit='F0/K', each='output', &
+      label='steady_largest_#', &
       meaning='greatest magnitude of each output in the steady motion without impacts'), &
-      column_type('cells', 'steady_output_rms', each='output', label='steady_rms_#', &
+      column_type('cells', 'steady_output_rms', unit='F0/K', each='output', label='steady_rms_#', &
       meaning='root mean square of each output in the steady motion without impacts'), &
-      column_type('cells', 'output_min', each='output', listed=.false., &
+      column_type('cells', 'output_min', unit='F0/K', each='output', listed=.false., &
       meaning='smallest value of each output'), &
-      column_type('cells', 'output_max', each='output', listed=.false., &
+      column_type('cells', 'output_max', unit='F0/K', each='output', listed=.false., &
       meaning='greatest value of each output'), &
-      column_type('cells', 'q_min', each='coordinate', listed=.false., &
+      column_type('cells', 'q_min', unit='F0/K', each='coordinate', listed=.false., &
       meaning='smallest value of each coordinate'), &
-      column_type('cells', 'q_max', each='coordinate', listed=.false., &
+      column_type('cells', 'q_max', unit='F0/K', each='coordinate', listed=.false., &
       meaning='greatest value of each coordinate')]
 
 contains

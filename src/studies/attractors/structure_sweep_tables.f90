@@ -12,6 +12,7 @@ module vi_structure_sweep_tables
    use vi_structure_find, only: open_gaps
    use vi_structure_path, only: changed, structure_path_type, value_at
    use vi_structure_run, only: is_far, new_run, run_type, state_now
+   use vi_structure_tables, only: set_unit
    use vi_study, only: a_whole, a_word, column_type, key_type, result_type, values_type, &
       wholes, words
    use vi_text, only: counted, whole
@@ -127,6 +128,7 @@ contains
       type(cell_type), allocatable :: all_cells(:)
       real(wp), allocatable :: shares(:)
       integer, allocatable :: runs(:)
+      character(:), allocatable :: name
       integer :: done, first, i, last, lost, n
 
       n = value_count(study)
@@ -150,6 +152,10 @@ contains
          counted(size(all_cells), 'value')//' were reached'
       allocate (cells, source=all_cells(:done))
       order = order(:done)
+      name = 'frequency'
+      if (study%has('parameter')) call study%text('parameter', name)
+      if (study%has('label')) call study%text('label', name)
+      call set_unit(result, 'cells', 'value', name)
       call result%open('cells', 'cell', [done])
       call result%put('cells', 'value', [(value_at(path%changes(1), shares(order(i))), i=1, done)])
       call result%put('cells', 'run', runs(:done))

@@ -32,7 +32,8 @@ module vi_branch_study
    use vi_structure_return, only: settled_type
    use vi_structure_run, only: event_kinds
    use vi_structure_start, only: motion_at, period_at, phases_at, start_curve
-   use vi_structure_tables, only: path_columns, put_path, put_structure, structure_columns
+   use vi_structure_tables, only: path_columns, put_path, put_structure, set_unit, &
+      structure_columns
    use vi_study, only: a_whole, a_word, case_type, column_type, complexes, every_model, key_type, &
       list_for, of_oscillator, of_parameter, of_structure, result_type, study_type, truths, &
       values_type, verdicts, wholes, words
@@ -87,7 +88,8 @@ module vi_branch_study
       column_type('points', 'R2', meaning='coefficient of restitution of the left wall', &
       model=of_oscillator), &
       column_type('points', 'value', meaning='the parameter', model=of_structure), &
-      column_type('points', 'period', listed=.false., meaning='period of a self-excited motion', &
+      column_type('points', 'period', unit='1/omega', listed=.false., &
+      meaning='period of a self-excited motion', &
       model=of_structure), &
       column_type('points', 'consistent', verdicts, meaning='whether it solves all equations'), &
       column_type('points', 'admissible', verdicts, &
@@ -105,9 +107,9 @@ module vi_branch_study
       column_type('points', 'x_max', unit='F0/K', &
       meaning='greatest displacement of the primary mass', model=of_oscillator), &
       column_type('points', 'attenuation', meaning='max|X|/A', model=of_oscillator), &
-      column_type('points', 'q_min', each='coordinate', label='q_min_#', &
+      column_type('points', 'q_min', unit='F0/K', each='coordinate', label='q_min_#', &
       meaning='smallest value of each coordinate', model=of_structure), &
-      column_type('points', 'q_max', each='coordinate', label='q_max_#', &
+      column_type('points', 'q_max', unit='F0/K', each='coordinate', label='q_max_#', &
       meaning='greatest value of each coordinate', model=of_structure), &
       column_type('points', 'phases', each='impact', label='phase_#', unit='rad', &
       meaning='load phases of the impacts; for an oscillator from the first impact'), &
@@ -123,17 +125,17 @@ module vi_branch_study
       meaning='velocities of the free mass before the impacts', model=of_oscillator), &
       column_type('points', 'Z_dot_after', each='impact', unit='omega F0/K', listed=.false., &
       meaning='velocities of the free mass after the impacts', model=of_oscillator), &
-      column_type('points', 'speeds', each='impact', label='speed_#', &
+      column_type('points', 'speeds', unit='omega F0/K', each='impact', label='speed_#', &
       meaning='approach speeds of the impacts', model=of_structure), &
-      column_type('points', 'impulses', each='impact', listed=.false., &
+      column_type('points', 'impulses', unit='F0/omega', each='impact', listed=.false., &
       meaning='impulses of the impacts', model=of_structure), &
       column_type('points', 'rest_begin', each='rest', unit='rad', listed=.false., &
       meaning='load phase at which each rest begins', model=of_structure), &
       column_type('points', 'rest_end', each='rest', unit='rad', listed=.false., &
       meaning='load phase at which each rest ends', model=of_structure), &
-      column_type('points', 'q', each='coordinate', listed=.false., &
+      column_type('points', 'q', unit='F0/K', each='coordinate', listed=.false., &
       meaning='coordinates just after the first impact, with rests', model=of_structure), &
-      column_type('points', 'q_dot', each='coordinate', listed=.false., &
+      column_type('points', 'q_dot', unit='omega F0/K', each='coordinate', listed=.false., &
       meaning='velocities just after the first impact, with rests', model=of_structure), &
       column_type('points', 'special', words, meaning='type of a special point'), &
       column_type('points', 'detail', words, meaning='the impact, flight or bound concerned'), &
@@ -155,7 +157,7 @@ module vi_branch_study
       meaning='gaps that rest, from 0', model=of_structure), &
       column_type('branch', 'cycles', wholes, listed=.false., meaning='load cycles in a period', &
       model=of_structure), &
-      column_type('branch', 'frequency', listed=.false., &
+      column_type('branch', 'frequency', unit='omega', listed=.false., &
       meaning='circular frequency of the load at the start', model=of_structure), &
       column_type('branch', 'first_end', words, listed=.false., &
       meaning='why it ends at its first point', model=of_structure), &
@@ -683,6 +685,7 @@ contains
       call put_structure_branch(result, curve, found, load%frequency, points(:, :n), &
          conditions(:n), motions(:n), extremes(:, :n, :), rests(:, :, :n), reasons, mirrored, &
          change, case%study%word('parameter'))
+      call set_unit(result, 'points', 'value', case%study%word('parameter'))
       call put_path(result, [change])
       call put_structure(result, structure, load)
       if (any(reasons == end_stopped)) then

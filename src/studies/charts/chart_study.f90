@@ -18,6 +18,7 @@ module vi_chart_study
    use vi_structure_path, only: change_type, value_at
    use vi_structure_period, only: structure_motion_type
    use vi_structure_start, only: motion_at, period_at, phases_at
+   use vi_structure_tables, only: set_unit
    use vi_text, only: counted, whole
    use vi_chart_grid, only: compute_chart, chart_type, most_points, chart_grid_type
    use vi_study, only: a_whole, a_word, case_type, column_type, complexes, every_model, key_type, &
@@ -110,17 +111,19 @@ module vi_chart_study
       meaning='greatest displacement of the primary mass', model=of_oscillator), &
       column_type('motions', 'tau', unit='rad', listed=.false., meaning='phase of equation (4)', &
       model=of_oscillator), &
-      column_type('motions', 'q_min', each='coordinate', label='q_min_#', listed=.false., &
+      column_type('motions', 'q_min', unit='F0/K', each='coordinate', label='q_min_#', &
+      listed=.false., &
       meaning='smallest value of each coordinate', model=of_structure), &
-      column_type('motions', 'q_max', each='coordinate', label='q_max_#', &
+      column_type('motions', 'q_max', unit='F0/K', each='coordinate', label='q_max_#', &
       meaning='greatest value of each coordinate', model=of_structure), &
       column_type('motions', 'phases', each='impact', unit='rad', listed=.false., &
       meaning='load phases of the impacts; for an oscillator from the first impact'), &
       column_type('motions', 'X', each='impact', unit='F0/K', listed=.false., &
       meaning='displacements of the primary mass at the impacts', model=of_oscillator), &
-      column_type('motions', 'speeds', each='impact', listed=.false., &
+      column_type('motions', 'speeds', unit='omega F0/K', each='impact', listed=.false., &
       meaning='approach speeds of the impacts', model=of_structure), &
-      column_type('motions', 'period', listed=.false., meaning='period of a self-excited motion', &
+      column_type('motions', 'period', unit='1/omega', listed=.false., &
+      meaning='period of a self-excited motion', &
       model=of_structure), &
       column_type('motions', 'status', wholes, absent=[stat%no_motion, stat%not_computed], &
       meaning='code of the failure; 0: none'), &
@@ -595,6 +598,8 @@ contains
       call result%open('abscissas', 'x', [n])
       call axis_values(study, 'x', plane%changes(1), net%lines%axes(1)%at, values)
       call result%put('abscissas', 'x', values)
+      call set_unit(result, 'abscissas', 'x', study%word('x'))
+      call set_unit(result, 'ordinates', 'y', study%word('y'))
       call result%open('ordinates', 'y', [m])
       call axis_values(study, 'y', plane%changes(2), net%lines%axes(2)%at, values)
       call result%put('ordinates', 'y', values)

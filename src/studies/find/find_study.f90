@@ -99,7 +99,7 @@ module vi_find_study
 
    type(column_type), parameter :: structure_columns(*) = [found_columns(:3), &
       column_type('motions', 'settled', wholes, meaning='simulated states that settle on it'), &
-      column_type('motions', 'frequency', listed=.false., &
+      column_type('motions', 'frequency', unit='omega', listed=.false., &
       meaning='of self-excited motions: 2 pi over the period'), &
       found_columns(4:), &
       column_type('search', 'states', wholes, listed=.false., &

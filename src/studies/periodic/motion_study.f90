@@ -229,7 +229,7 @@ module vi_motion_study
       meaning='whether all gaps stay open between the impacts'), &
       column_type('motion', 'stable', verdicts, listed=.false., &
       meaning='whether disturbances decay'), &
-      column_type('motion', 'frequency', listed=.false., &
+      column_type('motion', 'frequency', unit='omega', listed=.false., &
       meaning='circular frequency of the load'), &
       derivative_columns, structure_columns]
 

@@ -23,10 +23,11 @@ module vi_structure_found
       column_type('impacts', 'impact', wholes, meaning='number of the impact'), &
       column_type('impacts', 'gap', wholes, meaning='number of the gap, from 0'), &
       column_type('impacts', 'phase', unit='rad', meaning='load phase'), &
-      column_type('impacts', 'speed', meaning='approach speed'), &
-      column_type('impacts', 'impulse', meaning='impulse'), &
-      column_type('impacts', 'q', each='coordinate', label='q_#', meaning='coordinates'), &
-      column_type('impacts', 'q_dot', each='coordinate', label='q_dot_#', &
+      column_type('impacts', 'speed', unit='omega F0/K', meaning='approach speed'), &
+      column_type('impacts', 'impulse', unit='F0/omega', meaning='impulse'), &
+      column_type('impacts', 'q', unit='F0/K', each='coordinate', label='q_#', &
+      meaning='coordinates'), &
+      column_type('impacts', 'q_dot', unit='omega F0/K', each='coordinate', label='q_dot_#', &
       meaning='velocities just after the impact')], &
       derivative_columns(*) = [ &
       column_type('multipliers', 'multiplier', complexes, listed=.false., &

@@ -96,35 +96,37 @@ module vi_simulate_study
       meaning='events after which the simulation stops')]
 
    type(column_type), parameter :: own_structure_columns(*) = [ &
-      column_type('events', 'time', meaning='time'), &
+      column_type('events', 'time', unit='1/omega', meaning='time'), &
       column_type('events', 'kind', words, words=event_kinds, &
       meaning='kind; touch to press belong to stops, halt to slip_down to friction'), &
       column_type('events', 'gap', wholes, &
       meaning='number of the gap, stop or friction, from 0; friction is numbered after gaps and &
       &stops'), &
-      column_type('events', 'speed', &
+      column_type('events', 'speed', unit='omega F0/K', &
       meaning='approach speed; for a stop the rate of its opening'), &
-      column_type('events', 'impulse', meaning='impulse'), &
-      column_type('events', 'q', each='coordinate', label='q_#', &
+      column_type('events', 'impulse', unit='F0/omega', meaning='impulse'), &
+      column_type('events', 'q', unit='F0/K', each='coordinate', label='q_#', &
       meaning='coordinates'), &
-      column_type('events', 'q_dot', each='coordinate', label='q_dot_#', &
+      column_type('events', 'q_dot', unit='omega F0/K', each='coordinate', label='q_dot_#', &
       meaning='velocities just after the event'), &
-      column_type('events', 'outputs', each='output', label='#', meaning='outputs'), &
-      column_type('events', 'output_rates', each='output', label='#_dot', &
+      column_type('events', 'outputs', unit='F0/K', each='output', label='#', meaning='outputs'), &
+      column_type('events', 'output_rates', unit='omega F0/K', each='output', label='#_dot', &
       meaning='their velocities just after the event'), &
       column_type('moments', 'moment', words, words='initial,final', listed=.false., &
       meaning='the start and the end'), &
-      column_type('moments', 'time', listed=.false., meaning='time'), &
-      column_type('moments', 'q', each='coordinate', listed=.false., meaning='coordinates'), &
-      column_type('moments', 'q_dot', each='coordinate', listed=.false., meaning='velocities'), &
+      column_type('moments', 'time', unit='1/omega', listed=.false., meaning='time'), &
+      column_type('moments', 'q', unit='F0/K', each='coordinate', listed=.false., &
+      meaning='coordinates'), &
+      column_type('moments', 'q_dot', unit='omega F0/K', each='coordinate', listed=.false., &
+      meaning='velocities'), &
       column_type('rests', 'gap', wholes, listed=.false., &
       meaning='number of a gap that rests from start to end'), &
-      column_type('run', 'frequency', listed=.false., &
+      column_type('run', 'frequency', unit='omega', listed=.false., &
       meaning='circular frequency of the load; 0 if there is none'), &
       column_type('run', 'loaded', truths, listed=.false., meaning='whether there is a load'), &
       column_type('run', 'finished', truths, listed=.false., &
       meaning='whether the end was reached before max_events events'), &
-      column_type('run', 'step', listed=.false., &
+      column_type('run', 'step', unit='1/omega', listed=.false., &
       meaning='time between the samples of a record; 0 without a record'), &
       column_type('record', 'value', each='channel', listed=.false., &
       meaning='samples of a record, which is linear between them'), &

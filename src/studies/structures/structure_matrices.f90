@@ -7,6 +7,7 @@ module vi_structure_matrices
    use vi_namelist, only: group_type
    use vi_structure, only: is_extreme
    use vi_text, only: brief, counted, number_text, whole
+   use vi_units, only: are_units, forces, lengths, make_plain, times
    use vi_values, only: read_values, values_type
    implicit none (type, external)
    private
@@ -69,7 +70,15 @@ module vi_structure_matrices
       key_type('simultaneous', a_word, may_miss=.true., words='newton sequence', &
       meaning='law of impacts where coupled gaps close at the same instant: Newton''s law at all &
       &of &
-      &them at once, or impacts one after the other; an error if it is left out')]
+      &them at once, or impacts one after the other; an error if it is left out'), &
+      key_type('scales', least=3, most=3, low=0.0_wp, above=.true., may_miss=.true., &
+      never='frequencies', &
+      takes='mass M, stiffness K and force F0, in the units of unit_names', &
+      meaning='if its numbers are dimensionless (lengths over F0/K, times over sqrt(M/K)): tables &
+      &and pictures are then in physical units'), &
+      key_type('unit_names', a_word, may_miss=.true., only='scales', &
+      takes='units of length, force and time, as ''mm N s'', of '//lengths//', '//forces// &
+      ' and '//times, meaning='units of scales; m N s if left out')]
 
    character(9), parameter :: matrices(3) = [character(9) :: 'mass', 'damping', 'stiffness']
 
@@ -89,6 +98,12 @@ contains
       integer :: i
 
       call read_values('structure', structure_keys, group, structure)
+      if (len(structure%fault) == 0 .and. structure%has('unit_names')) then
+         call structure%text('unit_names', name)
+         call make_plain(name)
+         if (.not. are_units(name)) call structure%refuse('unit_names')
+         call structure%set_word('unit_names', name)
+      end if
       do i = 1, size(matrices)
          if (len(structure%fault) > 0) return
          name = trim(matrices(i))

@@ -8,11 +8,12 @@ module vi_structure_tables
    implicit none (type, external)
    private
 
-   public :: put_path, put_structure
+   public :: put_path, put_structure, set_unit
 
    !> The columns of these tables.
    type(column_type), parameter, public :: structure_columns(*) = [ &
-      column_type('gaps', 'opening', listed=.false., meaning='opening of the gap at q = 0'), &
+      column_type('gaps', 'opening', unit='F0/K', listed=.false., &
+      meaning='opening of the gap at q = 0'), &
       column_type('gaps', 'restitution', listed=.false., &
       meaning='coefficient of restitution; with a law, its value at approach speed 0'), &
       column_type('gaps', 'law', words, words='constant,power,table,stop,pushing,friction', &
@@ -21,7 +22,8 @@ module vi_structure_tables
       column_type('gaps', 'law_numbers', each='law_number', listed=.false., &
       meaning='speed, exponent and sharpness of a power law; stiffness, damping and preload of a &
       &stop; slip, stick and speed of friction; else 0'), &
-      column_type('law_points', 'speed', listed=.false., meaning='approach speed of a table'), &
+      column_type('law_points', 'speed', unit='omega F0/K', listed=.false., &
+      meaning='approach speed of a table'), &
       column_type('law_points', 'restitution', listed=.false., &
       meaning='coefficient of restitution there'), &
       column_type('gaps', 'direction', each='coordinate', listed=.false., &
@@ -51,6 +53,29 @@ module vi_structure_tables
       meaning='coefficients of the entry as a function of the parameter')]
 
 contains
+
+   !> Sets the unit of the values of a parameter, in which tables show them if the structure has
+   !! `scales`.
+   pure subroutine set_unit(result, table, column, parameter)
+      !> In and out: without these values yet.
+      type(result_type), intent(inout) :: result
+      !> Their table and column.
+      character(*), intent(in) :: table, column
+      !> The parameter by its name, which may end with a number, as opening_0.
+      character(*), intent(in) :: parameter
+      character(16) :: unit
+
+      associate (name => parameter(:scan(parameter//'_', '_') - 1), &
+         about => result%columns(result%place(table, column))%column)
+         unit = ''
+         if (name == 'opening' .or. name == 'clearance') unit = 'F0/K'
+         if (name == 'slip' .or. name == 'stick') unit = 'F0'
+         if (name == 'speed') unit = 'omega F0/K'
+         if (name == 'contact') unit = 'K'
+         about%unit = unit
+         if (name == 'frequency') about%meaning = 'frequency ratio'
+      end associate
+   end subroutine set_unit
 
    !> Fills the table of the entries that change.
    pure subroutine put_path(result, changes)

@@ -20,7 +20,8 @@ module vi_zone_study
    use vi_structure_return, only: settled_type
    use vi_structure_run, only: run_event_type
    use vi_structure_start, only: start_curve
-   use vi_structure_tables, only: path_columns, put_path, put_structure, structure_columns
+   use vi_structure_tables, only: path_columns, put_path, put_structure, set_unit, &
+      structure_columns
    use vi_study, only: a_whole, a_word, case_type, column_type, every_model, key_type, list_for, &
       of_oscillator, of_structure, result_type, study_type, truths, values_type, wholes, words
    use vi_text, only: counted, exact, whole
@@ -82,11 +83,11 @@ module vi_zone_study
       column_type('vertices', 'y', meaning='parameter of the ordinate')]
 
    type(column_type), parameter, public :: structure_vertex_columns(*) = [ &
-      column_type('vertices', 'speeds', each='impact', label='speed_#', &
+      column_type('vertices', 'speeds', unit='omega F0/K', each='impact', label='speed_#', &
       meaning='approach speeds of the impacts'), &
       column_type('vertices', 'phases', each='impact', label='phase_#', unit='rad', &
       meaning='load phases of the impacts'), &
-      column_type('vertices', 'period', listed=.false., &
+      column_type('vertices', 'period', unit='1/omega', listed=.false., &
       meaning='period of a self-excited motion'), &
       column_type('rings', 'x', listed=.false., &
       meaning='abscissa along a closed loop, counter-clockwise around a zone'), &
@@ -102,7 +103,7 @@ module vi_zone_study
       column_type('motion', 'resting', wholes, each='rest', listed=.false., &
       meaning='gaps that rest, from 0'), &
       column_type('motion', 'cycles', wholes, listed=.false., meaning='load cycles in a period'), &
-      column_type('motion', 'frequency', listed=.false., &
+      column_type('motion', 'frequency', unit='omega', listed=.false., &
       meaning='circular frequency of the load at the start'), path_columns, structure_columns]
 
    !> A motion of a structure, and two parameters that change.
@@ -550,6 +551,8 @@ call find_structure_motion(case, case%start, .true., structure, load, motion, st
       call result%open('families', 'family', [1])
       families(1) = found
       call put_pieces(families, result, vertex_names)
+      call set_unit(result, 'vertices', 'x', case%study%word('x'))
+      call set_unit(result, 'vertices', 'y', case%study%word('y'))
       call put_plane(plane, result)
       if (.not. found%closed) call result%remark(not_closed//' (its loop is 0)')
       result%empty = found%n == 0

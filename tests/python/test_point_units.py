@@ -1,0 +1,224 @@
+"""Points with friction or stops, whose results are those of a structure, answer in the units of the oscillator."""
+
+import json
+
+import numpy as np
+import pytest
+import vibroimpact as vi
+from vibroimpact.plot import draw_chart, draw_system
+
+RIG = vi.Oscillator.from_dimensional(
+    M="2.7 kg", K="42 kN/m", xi="1.1 %", m="0.11 kg", restitution=0.75, F0="6 N"
+)
+POINT = RIG.at("20.5 Hz", "2 mm", friction="0.3 N", stops=(("40 kN/m", "3 N s/m"), None))
+RUBS = RIG.at("20.5 Hz", "2 mm", friction="0.3 N")
+FREQUENCY = 2 * np.pi * 20.5
+
+
+@pytest.fixture(scope="module")
+def run():
+    """The trajectory at the point with friction and a stop."""
+    return vi.simulate(POINT, cycles=5, discard=400)
+
+
+@pytest.fixture(scope="module")
+def motion():
+    """The periodic motion at the point with friction."""
+    return vi.exact(RUBS, vi.simulate(RUBS, cycles=5, discard=400))
+
+
+def by_hand():
+    """The rig at the point as a structure in m, N and s, from its definition."""
+    M, K, m = 2.7, 42e3, 0.11
+    C = 2 * 0.011 * np.sqrt(K * M)
+    gaps = [vi.Stop([-1, 1], 1e-3, stiffness=40e3, damping=3.0), vi.Gap([1, -1], 1e-3, 0.75)]
+    structure = vi.Structure([M, m], [C, 0], [K, 0], gaps, [vi.Friction([-1, 1], 0.3)])
+    return structure, vi.Load(FREQUENCY, sine=[6.0, 0.0])
+
+
+def header(path):
+    """The units that a CSV names, and its rows as an array of texts by column."""
+    lines = path.read_text().splitlines()
+    rows = [line.split(",") for line in lines if not line.startswith("#")]
+    return lines[0].partition("; ")[2], dict(zip(rows[0], zip(*rows[1:], strict=True), strict=True))
+
+
+def test_run_is_that_of_the_structure_in_si(run):
+    """A run in SI agrees with that of the structure defined in SI: the motion is periodic and stable."""
+    structure, load = by_hand()
+    other = vi.simulate(structure, load, cycles=5, discard=400)
+    own = run.physical("SI")
+    assert own.events["kind"].tolist() == other.events["kind"].tolist()
+    for name in ("time", "speed", "impulse"):
+        np.testing.assert_allclose(own.events[name], other.events[name], rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(own.states, other.states, rtol=1e-8, atol=1e-10)
+    t = np.linspace(other.start, other.end, 50)[1:-1]
+    for mine, its in zip(own.sample(t), other.sample(t), strict=True):
+        np.testing.assert_allclose(mine, its, rtol=1e-8, atol=1e-9)
+    np.testing.assert_allclose(own.structure.mass, structure.mass)
+    np.testing.assert_allclose(own.structure.damping, structure.damping, rtol=1e-12)
+    assert own.structure.gaps[0].stiffness == pytest.approx(40e3)
+    assert own.structure.friction[0].slip == pytest.approx(0.3)
+    assert own.load.frequency == pytest.approx(FREQUENCY)
+
+
+def test_physical_run_has_a_namelist_in_its_units(run, tmp_path):
+    """The case of a run in SI gives the same run, up to rounding."""
+    own = run.physical("SI")
+    path = tmp_path / "run.nml"
+    path.write_text(own.to_namelist())
+    ((again,),) = (case.run() for case in vi.read_namelist(path))
+    np.testing.assert_allclose(again.events["time"], own.events["time"], rtol=1e-8)
+    assert again.structure._units == own.structure._units
+
+
+@pytest.mark.parametrize("units", [None, "SI", "in lbf s"])
+def test_csv(run, units, tmp_path):
+    """A CSV names the unit of each column, and its numbers are those of the run in these units."""
+    run.save(tmp_path / "run.csv", units=units)
+    names, columns = header(tmp_path / "run.csv")
+    shown = {None: "mm N s", "SI": "m N s"}.get(units, units)
+    length, force, time = shown.split()
+    assert names == (
+        f"time {time}, speed {length}/{time}, impulse {force} {time}, q_# {length}, q_dot_# {length}/{time}"
+    )
+    own = run.physical(shown)
+    np.testing.assert_allclose(np.array(columns["time"], float), own.events["time"], rtol=1e-13)
+    np.testing.assert_allclose(np.array(columns["q_1"], float), own.states[:, 0, 1], rtol=1e-13)
+
+
+def test_dimensionless_csv_and_files(run, tmp_path):
+    """A dimensionless CSV says so, and files restore the units."""
+    run.save(tmp_path / "run.csv", units="dimensionless")
+    names, columns = header(tmp_path / "run.csv")
+    assert names.startswith("units as in the case")
+    np.testing.assert_array_equal(np.array(columns["time"], float), run.events["time"])
+    for suffix in ("json", "nc", "mat"):
+        run.save(tmp_path / f"run.{suffix}")
+        again = vi.load(tmp_path / f"run.{suffix}")
+        assert again.structure._units == RIG.units()
+        assert repr(again) == repr(run)
+    assert "19.5" in repr(run)
+    assert " s: " in repr(run)
+
+
+def test_motion(motion):
+    """A motion in mm: speeds and states scale, and the multipliers are those of its matrix."""
+    own, units = motion.physical("mm N s"), RIG.units().to("mm N s")
+    np.testing.assert_allclose(own.speeds, motion.speeds * units.velocity)
+    np.testing.assert_allclose(
+        sorted(abs(np.linalg.eigvals(own.matrix))), sorted(abs(motion.multipliers)), rtol=1e-9
+    )
+    structure, load = own.structure, own.load
+    again = vi.exact(structure, load, own)
+    np.testing.assert_allclose(again.speeds, own.speeds, rtol=1e-9, atol=1e-9)
+
+
+def labels(axes):
+    """The labels of both axes of each panel."""
+    return [f"{ax.get_xlabel()} | {ax.get_ylabel()}" for ax in np.ravel(axes)]
+
+
+def test_pictures_of_runs_and_motions(run, motion):
+    """Each axis with a dimension names its unit; the numbers are in it."""
+    for thing in (run, motion):
+        _, history, impacts, energy = thing.plot()
+        assert "(s)" in history.get_xlabel()
+        assert "(mm)" in history.get_ylabel()
+        assert "(mm/s)" in impacts.get_ylabel()
+        assert "(s)" in energy.get_xlabel()
+    line = run.plot(kind="history").get_lines()[0]
+    assert np.abs(line.get_ydata()).max() == pytest.approx(
+        np.abs(run.sample(np.linspace(run.start, run.end, 1500))[0][0]).max() * 1e3 * 6 / 42e3,
+        rel=1e-3,
+    )
+    assert "(mm)" not in run.plot(kind="history", units="dimensionless").get_ylabel()
+    assert "kg" in draw_system(POINT).get_title()
+
+
+def test_pictures_and_tables_of_studies(motion, tmp_path):
+    """Responses, diagrams, branches, zones and charts along frequency and clearance in Hz and mm."""
+    response = vi.response(RUBS, ("18 Hz", "22 Hz"), points=5, settling=50)
+    assert labels(response.plot()) == ["load frequency $\\Omega/2\\pi$ (Hz) | $\\max|q_{0}|$ (mm)"]
+    assert "18 to 22 Hz" in repr(response)
+    response.save(tmp_path / "r.csv")
+    names, columns = header(tmp_path / "r.csv")
+    assert names.startswith("value Hz, largest_# mm")
+    np.testing.assert_allclose(np.array(columns["value"], float)[:5], [18, 19, 20, 21, 22])
+    table = response.physical("mm N s").to_pandas()
+    np.testing.assert_allclose(table["value"][:5], [18, 19, 20, 21, 22])
+    np.testing.assert_allclose(table["largest_0"], np.array(columns["largest_0"], float))
+    for name, values, unit in (
+        ("r", ("18 Hz", "20 Hz"), "Hz"), ("clearance", ("2 mm", "3 mm"), "mm"), ("slip", ("0.2 N", "0.3 N"), "N"),
+    ):  # fmt: skip
+        diagram = vi.bifurcation_diagram(RUBS, name, values, points=3, settling=20, keep=4)
+        assert f"({unit})" in diagram.plot().get_xlabel()
+        low, high = diagram.plot().get_xlim()
+        given = [float(value.split()[0]) for value in values]
+        assert low < given[0] < given[1] < high < 2 * given[1]
+        assert f"{values[0].split()[0]} to {values[1]}" in repr(diagram)
+        diagram.save(tmp_path / "d.csv")
+        assert header(tmp_path / "d.csv")[0].startswith(f"value {unit}, q_# mm")
+    branch = vi.branch(motion, "opening", bounds=("0.95 mm", "1.05 mm"))
+    assert "0.95 to 1.05 mm" in repr(branch)
+    assert "(mm)" in branch.plot().get_ylabel()
+    spans = ("frequency", "20.3 Hz", "20.7 Hz"), ("opening", ("0.95 mm", "1.05 mm"))
+    zone = vi.zone(motion, *spans, lines=5)
+    assert "(Hz)" in zone.plot().get_xlabel()
+    assert "(mm)" in zone.plot().get_ylabel()
+    np.testing.assert_allclose(zone.plot().get_xlim(), [20.3, 20.7])
+    chart = vi.chart(motion, *spans, points=3)
+    np.testing.assert_allclose(vi.physical(chart, "mm N s")["x"], [20.3, 20.5, 20.7])
+    assert "(Hz)" in draw_chart(chart).get_xlabel()
+
+
+def test_basins_along_velocities():
+    """A plane of velocities takes speeds, and is drawn in them."""
+    plane = ("q_0", ("-1 mm", "1 mm")), ("q_dot_0", "-5 mm/s", "5 mm/s", 3)
+    basins = vi.basins(RUBS, plane=plane, points=3, settling=100)
+    axes = basins.axes
+    units = RIG.units().to("mm N s")
+    np.testing.assert_allclose(axes[1].values * units.velocity, [-5, 0, 5], atol=1e-12)
+    assert labels(basins.plot()) == ["$q_{0}$ (mm) | $\\dot q_{0}$ (mm/s)"]
+
+
+def test_structures_of_users_have_no_units():
+    """A structure that the user defines is shown in the user's units, which have no names."""
+    structure, load = by_hand()
+    run = vi.simulate(structure, load, cycles=2)
+    assert run.plot(kind="history").get_ylabel() == "coordinates $q_i$"
+    for units in ("mm N s", None):
+        with pytest.raises(vi.errors.ParameterTypeError, match="units of its user"):
+            run.physical(units)
+    assert "F0" not in json.dumps(
+        {k: v.attrs for k, v in run.to_xarray().variables.items()}, default=str
+    )
+
+
+def test_point_names_its_units():
+    """The point shows friction and stops as they were given."""
+    assert "friction 0.3 N" in repr(POINT)
+    assert "right (40 N/mm, 0.003 N s/mm), left rigid" in repr(POINT)
+    bare = vi.Oscillator(xi=0.01, mu=0.04, restitution=0.75).at(1.0, 20, friction=0.05)
+    assert "friction 0.05" in repr(bare)
+
+
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        ("scales = 2.7, 42e3", "scales"),
+        ("scales = 2.7, 42e3, 0", "scales"),
+        ("scales = 2.7, 42e3, 6, unit_names = 'mm N'", "unit_names"),
+        ("unit_names = 'mm N s'", "scales"),
+    ],
+)
+def test_scales_of_a_namelist(keys, message, tmp_path):
+    """Scales are three positive numbers, with units of length, force and time."""
+    text = (
+        f"&structure mass = 1, 0.04, damping = 0.02, 0, stiffness = 1, 0, {keys} /\n"
+        "&gap direction = -1, 1, opening = 14 /\n&load frequency = 1, sine = 1, 0 /\n&simulate cycles = 1 /\n"
+    )
+    path = tmp_path / "scales.nml"
+    path.write_text(text)
+    with pytest.raises(vi.errors.ParameterError, match=message):
+        vi.read_namelist(path)
