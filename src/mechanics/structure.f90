@@ -513,7 +513,7 @@ contains
       !> In: which gaps and stops are closed. Out: the motion.
       type(regime_type), intent(inout) :: regime
       !> `stat%ok`; a status of `decouple`; `stat%resonance` where an undamped mode resonates;
-      !! `stat%dependent_rests`; `stat%extreme_units`.
+      !! `stat%dependent_rests` or `stat%dependent_friction`; `stat%extreme_units`.
       integer, intent(out) :: status
       !> Whether contacts will be searched in it and its coordinates evaluated, which takes tables;
       !! true if it is left out.
@@ -529,7 +529,8 @@ contains
 
       regime%frequency = load%frequency
       call constraint(structure, regime%held, basis, inverse, regime%offset, pushes, status)
-      if (status == stat%singular) status = stat%dependent_rests
+      if (status == stat%singular) status = merge(stat%dependent_friction, stat%dependent_rests, &
+         any(structure%rubs(regime%held)))
       if (status /= stat%ok) return
       if (size(regime%held) == 0) then
          mass = structure%mass
@@ -1001,7 +1002,8 @@ contains
       gaps = pack([(i, i=1, size(directions, 2))], sum(abs(directions(at, :)), 1) > 0)
       s = size(gaps)
       status = stat%singular
-      if (s > m) return
+      ! elsewhere, directions that depend on each other would leave more normal vectors than there are
+      if (s > m .or. columns + m - s > size(basis, 2)) return
       local = 0
       local(:, :s) = directions(at, gaps)
       if (s == 0) local = 1                         ! a coordinate that no gap holds

@@ -98,6 +98,8 @@ module vi_status
       integer :: endless_sequence = 43
       !> Newton's law at all coupled gaps at once would add energy.
       integer :: gains_energy = 44
+      !> The directions of friction that sticks, and of gaps that rest, depend on each other.
+      integer :: dependent_friction = 45
    end type status_codes
 
    !> The codes by name, for example stat%no_motion.
@@ -235,6 +237,9 @@ contains
       case (stat%gains_energy)
          text = 'coupled gaps with different restitution close at the same instant, and Newton''s &
             &law would add energy: set simultaneous = ''sequence'' in the structure'
+      case (stat%dependent_friction)
+         text = 'friction elements with linearly dependent directions stick at once: their forces &
+            &are not determined; combine those along one direction into one'
       case default
          text = 'unknown status code'
       end select

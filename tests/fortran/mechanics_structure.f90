@@ -317,6 +317,8 @@ contains
          all(abs(drifts - 1.5_wp*unit) <= 0), 'inputs: xd and vd times the accelerations')
       call expect(reshape([1.0_wp, 1.0_wp, 2.0_wp, 2.0_wp], [n, 2]), stat%dependent_rests)
       call expect(reshape([1.0_wp, 1.0_wp, -1.0_wp, -1.0_wp], [n, 2]), stat%dependent_rests)
+      ! of one coordinate, where another one is free
+      call expect(reshape([0.0_wp, 1.0_wp, 0.0_wp, -1.0_wp], [n, 2]), stat%dependent_rests)
       call expect(reshape([1.0_wp, 1.0_wp, 1.0_wp, 1.001_wp], [n, 2]), stat%ok)
       call expect(reshape([1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 1.0_wp, 1.0_wp], [n, 3]), &
          stat%dependent_rests)

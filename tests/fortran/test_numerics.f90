@@ -596,7 +596,7 @@ contains
          stat%dependent_rests, stat%unbalanced, stat%too_stiff, &
          stat%permanent_rest, stat%narrow_gap, stat%stop_holds, &
          stat%friction_rests, stat%friction_undecided, stat%permanent_stick, &
-         stat%no_derivative, stat%endless_sequence, stat%gains_energy]
+         stat%no_derivative, stat%endless_sequence, stat%gains_energy, stat%dependent_friction]
       character(:), allocatable :: text, nonsense
       integer :: i, j
 

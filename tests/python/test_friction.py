@@ -413,3 +413,15 @@ def test_in_parts():
                      friction=[vi.Friction([1, 0], 0.2, 0.3), vi.Friction([-1, 1], 0.1, 0.1, 0.05)])  # fmt: skip
     load = vi.Load(0.7, cosine=[0.8, 0.3])
     check_parts(s, load, lambda _: np.linspace(5.03, 14, 7).tolist(), 1e-10)
+
+
+@pytest.mark.parametrize("coordinates", [1, 2, 4])
+def test_friction_that_sticks_along_one_direction(coordinates):
+    """Forces of elements along one direction are not determined, whether other coordinates are free or not."""
+    direction = np.eye(coordinates)[-1]
+    parts = [vi.Friction(direction, h) for h in (0.3, 0.2, 0.1)]
+    s = vi.Structure(*(np.ones((3, coordinates))), friction=parts)
+    with pytest.raises(vi.SingularError, match="friction elements with linearly dependent"):
+        vi.simulate(s, vi.Load(1.0, cosine=0.1 * direction), cycles=1)
+    one = vi.Structure(*(np.ones((3, coordinates))), friction=[vi.Friction(direction, 0.6)])
+    assert vi.simulate(one, vi.Load(1.0, cosine=0.1 * direction), cycles=1).end > 6
