@@ -1002,7 +1002,7 @@ contains
       gaps = pack([(i, i=1, size(directions, 2))], sum(abs(directions(at, :)), 1) > 0)
       s = size(gaps)
       status = stat%singular
-      ! elsewhere, directions that depend on each other would leave more normal vectors than there are
+      ! there are more normal vectors where directions elsewhere depend on each other
       if (s > m .or. columns + m - s > size(basis, 2)) return
       local = 0
       local(:, :s) = directions(at, gaps)
