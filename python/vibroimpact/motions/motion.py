@@ -867,6 +867,31 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         check_gap_numbers(result, structure)
         return of_tables(result, structure, load, "motion", None, None, request)
 
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """What happens at each of `phases`, in words as in `Trajectory.events`.
+
+        "impact"; with stops or friction also "touch", "leave", "let_go" and "press" of a stop, and "halt",
+        "slip_up" and "slip_down" of friction, where a slip that follows the opposite one is a reversal.
+
+        Raises
+        ------
+        SingularError
+            If the motion has stops or friction and is not admissible, unless it was given by its kinds.
+        """
+        if not self.of_structure or self.structure._is_rigid:
+            return ("impact",) * len(self.phases)
+        if self.request and self.request.get("kinds"):
+            return tuple(self.request["kinds"])
+        events = self._from_flight().events
+        whole = 2 * np.pi * self.cycles
+        found = []
+        for phase, gap in zip(self.phases, self.gaps, strict=True):
+            own = events[(events["gap"] == gap) & ~np.isin(events["kind"], ["stick", "release"])]
+            apart = np.mod(own["time"] * self.load.frequency - phase + whole / 2, whole) - whole / 2
+            found.append(str(own["kind"][np.abs(apart).argmin()]))
+        return tuple(found)
+
     def _run(self) -> Trajectory:
         """For a structure: the trajectory over a period from just after the first impact, built from the flights
         and rests.
