@@ -24,6 +24,9 @@ def pytest_addoption(parser):
     group = parser.getgroup("audit", "random systems against an independent simulation")
     group.addoption("--audit-systems", type=int, default=3, help="systems (3)")
     group.addoption("--audit-points", type=int, default=12, help="points of each system (12)")
+    group.addoption(
+        "--audit-structures", type=int, default=60, help="structures with elements (60)"
+    )
     group.addoption("--audit-seed", type=int, default=1, help="seed of the systems and points (1)")
 
 

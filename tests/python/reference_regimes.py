@@ -3,6 +3,7 @@
 A regime is the set of the states of all elements. In each one the motion is the exponential of the matrix of
 (q, q', 1, cos, sin), and functionals of this vector are watched: where one falls below 0, between two steps that
 are far shorter than any contact, Newton's method between brackets finds the zero. No modes, no bounds.
+Derivatives are those of the complex step: disturbances of 1e-30 i go through the same simulation.
 """
 
 import numpy as np
@@ -21,13 +22,19 @@ BACK = {
     "let_go": "press",
     "press": "let_go",
 }
+#: The imaginary part of a disturbance.
+TINY = 1e-30
 
 
 class ReferenceRegimes:
-    """A structure under a load without a record, at a step in time that is shorter than any contact."""
+    """A structure under a load without a record, at a step in time that is shorter than any contact.
 
-    def __init__(self, structure, load=None, step=1e-3):
-        self.structure, self.load, self.step = structure, load, step
+    The walls move with at most as many harmonics as the load has. Friction sticks at first where its speed is
+    below `still`.
+    """
+
+    def __init__(self, structure, load=None, step=1e-3, still=1e-13):
+        self.structure, self.load, self.step, self.still = structure, load, step, still
         self.parts = [*structure.gaps, *structure.friction]
         self.n = structure.coordinates
         self.free = first_order(structure, load)
@@ -41,11 +48,19 @@ class ReferenceRegimes:
         row[:n], row[n : 2 * n], row[2 * n] = of_q, of_rate, constant
         return row
 
+    def opening(self, wall):
+        """The distance of a gap or a stop, whose wall may move, and its derivative."""
+        place, pace = self.row(-wall.direction, constant=wall.opening), self.row(0, -wall.direction)
+        for i, (cosine, sine) in enumerate(zip(wall.cosine, wall.sine, strict=True)):
+            at, omega = 2 * self.n + 1 + 2 * i, (i + 1) * self.load.frequency
+            place[at : at + 2] = cosine, sine
+            pace[at : at + 2] = omega * sine, -omega * cosine
+        return place, pace
+
     def force(self, stop):
         """The force of a stop while it presses."""
-        g = stop.direction
-        constant = stop.preload - stop.stiffness * stop.opening
-        return self.row(stop.stiffness * g, stop.damping * g, constant)
+        place, pace = self.opening(stop)
+        return self.row(0, constant=stop.preload) - stop.stiffness * place - stop.damping * pace
 
     def slip(self, part):
         """The speed s of friction."""
@@ -65,7 +80,7 @@ class ReferenceRegimes:
                 matrix[n : 2 * n, 2 * n] -= sign * part.slip * self.inverse @ part.direction
                 watched.append((sign * self.slip(part), j, STICK, STICK))
                 continue
-            opening = self.row(-part.direction, constant=part.opening)
+            opening = self.opening(part)[0]
             if isinstance(part, vi.Gap):
                 watched.append((opening, j, "impact", OPEN))
                 continue
@@ -79,7 +94,6 @@ class ReferenceRegimes:
                 watched.append((force, j, "let_go", INSIDE))
             if part.release == "force" and state == INSIDE:
                 watched.append((-force, j, "press", PRESSING))
-        self.holding = {}
         forces = {}
         if held:
             d = np.array([part.direction for _, part in held]).T
@@ -89,7 +103,8 @@ class ReferenceRegimes:
                 forces[j] = phi
                 limit = self.row(np.zeros(n), constant=part.stick)
                 watched += [(limit - phi, j, UP, UP), (limit + phi, j, DOWN, DOWN)]
-        self.known[states] = matrix, exponential(matrix * self.step), watched, forces
+        rows = np.array([row for row, *_ in watched]).reshape(-1, len(matrix))
+        self.known[states] = matrix, exponential(matrix * self.step), watched, forces, rows
         return self.known[states]
 
     def start(self, y):
@@ -99,8 +114,8 @@ class ReferenceRegimes:
             state = OPEN
             if isinstance(part, vi.Friction):
                 s = self.slip(part) @ y
-                state = STICK if abs(s) < 1e-13 else UP if s > 0 else DOWN
-            elif isinstance(part, vi.Stop) and part.direction @ y[: self.n] > part.opening:
+                state = STICK if abs(s) < self.still else UP if s > 0 else DOWN
+            elif isinstance(part, vi.Stop) and self.opening(part)[0] @ y < 0:
                 pulls = part.release == "force" and self.force(part) @ y < 0
                 state = INSIDE if pulls else PRESSING
             states.append(state)
@@ -137,41 +152,61 @@ class ReferenceRegimes:
         """The velocities after an impact, and the states, in which friction has the sign of its speed."""
         gap = self.parts[j]
         kick = self.inverse @ gap.direction
-        speed = gap.direction @ y[self.n : 2 * self.n]
-        y[self.n : 2 * self.n] -= (1 + gap.restitution) * speed / (gap.direction @ kick) * kick
+        speed = -self.opening(gap)[1] @ y
+        y[self.n : 2 * self.n] -= np.outer(
+            kick, (1 + gap.restitution) * speed / (gap.direction @ kick)
+        )
         after = list(states)
         for i, part in enumerate(self.parts):
             if isinstance(part, vi.Friction) and abs(part.direction @ kick) > 1e-12:
-                after[i] = UP if self.slip(part) @ y > 0 else DOWN
+                after[i] = UP if self.slip(part) @ y[:, 0].real > 0 else DOWN
+            if after[i] in (PRESSING, INSIDE) and part.release == "force" and part.damping:
+                after[i] = PRESSING if self.force(part) @ y[:, 0].real > 0 else INSIDE
         return tuple(after)
 
-    def simulate(self, duration, state):
-        """The events: time, kind, number, coordinates and velocities after it."""
+    def simulate(self, duration, state, start=0.0, disturbances=None):
+        """The events: time, kind, number, coordinates and velocities after it.
+
+        `final` is the state at the end, and `derivative` what the columns of `disturbances` of the first state
+        have become there.
+        """
         n, t, events = self.n, 0.0, []
-        y = extended(state, self.load, 0.0)
-        states, fresh = self.start(y), set()
+        y0 = extended(state, self.load, start)
+        extra = np.zeros((2 * n, 0)) if disturbances is None else disturbances
+        y = np.repeat(y0[:, None].astype(complex), 1 + extra.shape[1], axis=1)
+        y[: 2 * n, 1:] += TINY * 1j * extra
+        late = np.zeros(y.shape[1], complex)  # by how much each column is beyond the time t
+        states, fresh = self.start(y0), set()
         for j, part in enumerate(self.parts):
             if (
                 isinstance(part, vi.Friction)
-                and abs(self.slip(part) @ y) < 1e-13
+                and abs(self.slip(part) @ y0) < self.still
                 and states[j] != STICK
             ):
                 fresh.add((j, STICK))
         while t < duration:
-            matrix, step, watched, _ = self.regime(states)
-            after = step @ y
-            fallen = [item for item in watched if item[0] @ after < 0]
+            matrix, step, watched, _, rows = self.regime(states)
+            after = (step @ y.view(float)).view(complex)
+            values = rows @ after[:, 0].real
             # what was passed just now is at 0, and must have moved off it within a step
-            assert all(item[1:3] not in fresh or item[0] @ after > 0 for item in watched)
-            if not fallen:
+            assert not fresh or all(
+                v > 0 for item, v in zip(watched, values, strict=True) if item[1:3] in fresh
+            )
+            if values.min(initial=0.0) >= 0:
                 y, t, fresh = after, t + self.step, set()
                 continue
-            zeros = [self.first_zero(matrix, y, item[0]) for item in fallen]
+            fallen = [item for item, v in zip(watched, values, strict=True) if v < 0]
+            zeros = [self.first_zero(matrix, y[:, 0].real, item[0]) for item in fallen]
             first = int(np.argmin(zeros))
-            _, j, kind, new = fallen[first]
+            row, j, kind, new = fallen[first]
             if t + zeros[first] > duration:
                 break
-            y, t = exponential(matrix * zeros[first]) @ y, t + zeros[first]
+            t += zeros[first]
+            for i in range(y.shape[1]):
+                now = exponential(matrix * zeros[first]) @ y[:, i]
+                further = -1j * ((row @ now) / (row @ matrix @ now)).imag if i else 0.0
+                y[:, i] = exponential(matrix * further) @ now
+                late[i] += further
             before = states
             states = (*states[:j], new, *states[j + 1 :])
             fresh = {(j, BACK.get(kind))}
@@ -180,17 +215,25 @@ class ReferenceRegimes:
             if kind == STICK:
                 part = self.parts[j]
                 kick = self.inverse @ part.direction
-                y[n : 2 * n] -= (self.slip(part) @ y) / (part.direction @ kick) * kick
-            states = self.settle(states, y)
+                y[n : 2 * n] -= np.outer(kick, (self.slip(part) @ y) / (part.direction @ kick))
+            states = self.settle(states, y[:, 0].real)
+            now = y[: 2 * n, 0].real.copy()
             if not isinstance(self.parts[j], vi.Friction):
-                events.append((t, kind, j, y[: 2 * n].copy()))
+                events.append((start + t, kind, j, now))
             for i, part in enumerate(self.parts):
+                if i != j and isinstance(part, vi.Stop) and states[i] != before[i]:
+                    changed = "press" if states[i] == PRESSING else "let_go"
+                    events.append((start + t, changed, i, now))
+                    fresh.add((i, BACK[changed]))
                 if isinstance(part, vi.Friction) and states[i] != before[i]:
-                    events.append((t, states[i], i, y[: 2 * n].copy()))
+                    events.append((start + t, states[i], i, now))
                     if kind != "impact" and states[i] != STICK:
                         fresh.add((i, STICK))
         # the last step may have gone beyond the end
-        self.final = (exponential(self.regime(states)[0] * (duration - t)) @ y)[: 2 * n]
+        matrix = self.regime(states)[0]
+        ends = [exponential(matrix * (duration - t - late[i])) @ y[:, i] for i in range(len(late))]
+        self.final = ends[0][: 2 * n].real
+        self.derivative = np.array(ends[1:]).T[: 2 * n].imag / TINY if len(ends) > 1 else None
         return events
 
 

@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 import vibroimpact as vi
-from reference_regimes import ReferenceRegimes
-from shared_structures import one_stop
+from shared_structures import one_stop, with_elements
 
 TURN = 2 * math.pi
 
@@ -333,38 +332,46 @@ def test_multipliers_are_those_of_differences():
     assert judged >= 8
 
 
-@pytest.mark.parametrize("seeds", [
-    range(1, 4), pytest.param(range(4, 80), marks=pytest.mark.slow),
-])  # fmt: skip
-def test_multipliers_are_those_of_an_independent_program(seeds, share):
-    """Traces of [P] and of its square are those of differences of matrix exponentials over a period."""
-    seeds = seeds[: max(3, share(len(seeds)))]
-    judged = 0
-    for seed in seeds:
-        s, load = of_chance(seed)
-        try:
-            motion = vi.exact(s, load, vi.simulate(s, load, cycles=600, discard=500))
-        except (vi.ParameterError, vi.SingularError):
-            continue  # it has no impacts, rests for ever or is not periodic
-        if len(motion.rests):
-            continue
-        # the reference begins at t = 0, so the load is turned to the middle of a flight
-        start, parts = motion._run()._between_events()
-        state, angle = np.concatenate(parts), load.frequency * start
-        force = load.cosine[0]
-        turned = vi.Load(load.frequency, cosine=force * np.cos(angle), sine=-force * np.sin(angle))
-        if any(abs(part.direction @ parts[1]) < 1e-3 for part in s.friction):
-            continue  # changes of what sticks are no motions of it
-        reference = ReferenceRegimes(s, turned, 2e-3)
+@pytest.mark.parametrize("name", with_elements())
+def test_kinds_of_events(name):
+    """Each event of a motion is one of a simulation from its start, with the same phase and gap."""
+    s, load = with_elements()[name]
+    motion = settled(s, load, 400)
+    assert len(motion.kinds) == len(motion.phases)
+    run = vi.simulate(
+        s,
+        load,
+        duration=1.001 * motion.period,
+        state=(motion.q, motion.q_dot),
+        start=float(motion.phases[0] / load.frequency),
+    )
+    for kind, gap, phase in zip(motion.kinds, motion.gaps, motion.phases, strict=True):
+        at = np.exp(1j * (run.events["time"] * load.frequency - phase) / motion.cycles)
+        near = run.events[np.abs(at - 1) < 1e-6]
+        assert (kind, gap) in [tuple(e) for e in near[["kind", "gap"]].tolist()]
+    given = vi.periodic(s, load, motion.phases, motion.gaps, motion.cycles, kinds=motion.kinds)
+    assert given.kinds == motion.kinds
+    assert given.speeds == pytest.approx(motion.speeds, abs=1e-8)
 
-        def after(state, reference=reference, motion=motion):
-            reference.simulate(motion.period, np.split(state, 2))
-            return reference.final.copy()
 
-        assert after(state) == pytest.approx(state, abs=1e-8)
-        steps = 1e-6 * np.eye(len(state))
-        P = np.transpose([(after(state + step) - after(state - step)) / 2e-6 for step in steps])
-        found = [np.sum(motion.multipliers**k).real for k in (1, 2)]
-        assert found == pytest.approx([np.trace(P), np.trace(P @ P)], abs=1e-6, rel=1e-6)
-        judged += 1
-    assert judged >= len(seeds) / 3
+def test_a_stop_lets_go_at_an_impact():
+    """An impact makes a dashpot pull, so that its stop lets go at once: [P] is that of differences."""
+    stop = vi.Stop([1.0], 0.25, stiffness=50.0, damping=1.9, release="force")
+    s = vi.Structure([1.0], [0.1], [1.0], [stop, vi.Gap([1.0], 0.32, 0.7)])
+    load = vi.Load(0.9, cosine=[1.5])
+    motion = settled(s, load, 400)
+    run = motion._from_flight()
+    hit = int(np.flatnonzero(run.events["kind"] == "impact")[0])
+    assert run.events["kind"][hit + 1] == "let_go"
+    assert run.events["time"][hit + 1] == run.events["time"][hit]
+    state = np.concatenate(run.initial_state)
+
+    def after(state):
+        parts = np.split(state, 2)
+        end = vi.simulate(s, load, duration=motion.period, start=run.start, state=parts).final_state
+        return np.concatenate(end)
+
+    P = np.transpose([(after(state + e) - after(state - e)) / 2e-6 for e in 1e-6 * np.eye(2)])
+    found = [np.sum(motion.multipliers**k).real for k in (1, 2)]
+    assert found == pytest.approx([np.trace(P), np.trace(P @ P)], abs=1e-7)
+    assert motion.determinant == pytest.approx(motion.law, rel=1e-10)

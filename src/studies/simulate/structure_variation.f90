@@ -320,6 +320,8 @@ contains
             end associate
          else
             call find_row(run, regime, event, phase, x, v, row)
+            ! an impact at this instant, and not its own zero, makes a stop let go or press
+            if (.not. time > 0 .and. any(event%kind == [let_go_event, press_event])) row = 0
             scale = maxval(abs(after)) + maxval(abs(before))
             if (row > 0) then
                call row_derivatives(regime, x, v, phase, row, d)
