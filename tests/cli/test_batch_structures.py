@@ -21,7 +21,7 @@ FAULTS = [
     (STRUCTURE + GAP + LOAD * 2 + RUN, "load", "is the second of this &structure", 4),
     (CASE + GAP, "gap", "must follow a &structure and precede its studies", 5),
     (CASE + LOAD, "load", "must follow a &structure and precede its studies", 5),
-    (STRUCTURE + GAP + "&decay cycles = 2 /\n", "decay", "is not a study of a &structure; must be", 3),
+    (STRUCTURE + GAP + "&design cycles = 2 /\n", "design", "is not a study of a &structure; must be", 3),
     (RUN, "simulate", "no &system or &structure precedes it", 1),
     (STRUCTURE + GAP * 501 + RUN, "gap", "must be at most 500", 502),
     *[(CASE.replace("mass = 1, 0.1", f"mass = {v}"), "structure", wanted, 1) for v, wanted in (

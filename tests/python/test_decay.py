@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 import vibroimpact as vi
+from shared_structures import one_stop
 from vibroimpact.base.errors import ParameterError, ParameterTypeError
 
 DAMPER = vi.Oscillator(xi=0.005, mu=0.1, restitution=0.75)
@@ -268,3 +269,144 @@ def test_interrupted(monkeypatch):
     at = np.searchsorted(clearances, part.clearance)
     for i, run in enumerate(at.tolist()):
         np.testing.assert_array_equal(part.damping[part.run == i], whole.damping[whole.run == run])
+
+
+#: A gap that stays open.
+FAR = vi.Gap([1.0], 99.0)
+
+
+def of_structure(osc, clearance):
+    """The oscillator as a structure."""
+    return osc.at(1.0, clearance).structure
+
+
+@pytest.mark.parametrize(("osc", "clearance", "start"), [
+    (DAMPER, 0.7, {}), (UNEVEN, 0.9, START), (STICKY, 0.5, {}),
+])  # fmt: skip
+def test_a_structure_is_the_oscillator(osc, clearance, start):
+    """The peaks of the oscillator's closed form and of a structure of two masses are the same."""
+    own = vi.decay(osc, clearance, **start, cycles=8)
+    s = {"amplitude": 1.0, "x_dot": 0.0, "y": 0.0, "z_dot": 0.0} | start
+    state = ([s["amplitude"], s["amplitude"] + s["y"]], [s["x_dot"], s["z_dot"]])
+    found = vi.decay(of_structure(osc, clearance), state=state, cycles=8)
+    assert found.rests.tolist() == own.rests.tolist()
+    if not own.rests.any():  # the sums of accumulations begin at different impacts
+        assert found.impacts.tolist() == own.impacts.tolist()
+    for name in ("time", "x", "energy", "decrement", "damping"):
+        assert getattr(found, name) == pytest.approx(getattr(own, name), abs=1e-9, nan_ok=True)
+
+
+@pytest.mark.parametrize("zeta", [0.0, 0.004, 0.2])
+@pytest.mark.parametrize("f", [0.0, 0.013])
+def test_damping_and_friction(zeta, f):
+    """Between reversals x decays towards the place where the spring balances friction, until the mass sticks."""
+    s = vi.Structure([2.0], [2 * zeta * math.sqrt(2 * 3.0)], [3.0], [FAR],
+                     [vi.Friction([1.0], f)] if f else [])  # fmt: skip
+    found = vi.decay(s, state=([0.85], [0.0]), cycles=25)
+    w, k = math.sqrt(1 - zeta**2), 3.0
+    loss = math.exp(-zeta * math.pi / w)
+    expected = [0.85]
+    while len(expected) < 51 and abs(expected[-1]) > f / k:
+        shift = math.copysign(f / k, expected[-1])
+        following = shift - (expected[-1] - shift) * loss
+        if following * expected[-1] > 0:
+            break  # it moves a little, and halts on the same side
+        expected.append(following)
+    assert found.x == pytest.approx(expected, rel=1e-11, abs=1e-13)
+    half = math.pi / w / math.sqrt(k / 2.0)
+    assert found.time == pytest.approx(half * np.arange(len(expected)), rel=1e-11)
+    assert found.energy == pytest.approx(1.5 * np.square(expected), rel=1e-11)
+    assert found.rests.sum() == (len(expected) < 51 and abs(expected[-1]) <= f / k)
+    if not f:
+        decrement = 2 * math.pi * zeta / w
+        assert found.decrement[:-2] == pytest.approx(decrement, rel=1e-9, abs=1e-12)
+        assert found.damping[:-2] == pytest.approx(zeta, rel=1e-9, abs=1e-12)
+
+
+def test_a_stop_without_loss():
+    """Half oscillations on the spring alone and on both springs, of one energy."""
+    s = vi.Structure([100.0], [0.0], [1e4], [vi.Stop([1.0], 0.0, stiffness=1e6)])
+    found = vi.decay(s, state=([0.0], [1.0]), cycles=10)
+    assert found.x[::2] == pytest.approx(1 / math.sqrt(10100), rel=1e-11)
+    assert found.x[1::2] == pytest.approx(-0.1, rel=1e-11)
+    assert found.energy == pytest.approx(50.0, rel=1e-11)
+    assert found.impacts.tolist() == [1, 0] * 10 + [1]
+    assert found.decrement[:-2] == pytest.approx(0, abs=1e-11)
+
+
+def test_energy_of_a_structure():
+    """From peak to peak the energy falls by what impacts, dashpots, stops and friction take in `simulate`."""
+    s = vi.Structure(
+        [1.0, 0.4, 0.7], [[0.03, -0.01, 0], [-0.01, 0.02, 0], [0, 0, 0.01]],
+        [[3.0, -1, 0], [-1, 2.5, -1], [0, -1, 1.5]],
+        [vi.Gap([-1, 1, 0], 0.3, 0.7), vi.Stop([0, 0, 1], 0.4, stiffness=30, damping=0.3),
+         vi.Stop([0, 0, -1], 0.5, stiffness=20, damping=0.4, preload=0.02, release="force")],
+        [vi.Friction([0, 0, 1], 0.01), vi.Friction([1, -1, 0], 0.005)],
+        outputs={"tip": [0, 0.2, 1]},
+    )  # fmt: skip
+    state = ([1.0, 0.8, 0.3], [0.1, 0.0, -0.4])
+    found = vi.decay(s, state=state, direction="tip", cycles=8)
+    assert found.x.size == 17
+    assert found.impacts.sum() > 5
+    run = vi.simulate(s, duration=found.time[-1] + 0.1, state=state)
+    kinds = run.events["kind"][run.events["time"] <= found.time[-1]]
+    assert found.impacts.sum() == np.isin(kinds, ["impact", "touch"]).sum()
+    assert found.rests.sum() == np.isin(kinds, ["stick", "halt"]).sum()
+    assert np.diff(found.energy).max() < 0
+    # the greatest displacement between two zeros
+    t = np.linspace(0, found.time[-1], 100_001)
+    y = np.array([0, 0.2, 1]) @ run.sample(t)[0]
+    halves = np.split(np.abs(y), np.flatnonzero(y[1:] * y[:-1] < 0) + 1)
+    # the first half oscillation begins beyond its peak
+    greatest = [half.max() for half in halves[1:]]
+    assert np.abs(found.x) == pytest.approx(greatest, rel=1e-5)
+    for k in range(16):
+        window = (found.time[k], found.time[k + 1])
+        balance = run.quantities(window=window)
+        lost = found.energy[k] - found.energy[k + 1]
+        assert lost == pytest.approx(losses(balance), abs=1e-9), k
+
+
+def losses(balance):
+    """Losses of all kinds in a window."""
+    return balance.damping_loss + balance.impact_loss + balance.friction_loss
+
+
+def test_a_constant_load():
+    """Weight shifts the place about which a mass oscillates, but zeros are those of the displacement."""
+    s = vi.Structure([1.0], [0.02], [1.0], [FAR])
+    found = vi.decay(s, vi.Load(constant=[-0.3]), state=([0.7], [0.0]), cycles=3)
+    free = vi.decay(s, state=([1.0], [0.0]), cycles=3)
+    assert found.x == pytest.approx(free.x[: len(found.x)] - 0.3, rel=1e-10)
+    with pytest.raises(ParameterError, match="a &load may only be constant"):
+        vi.decay(s, vi.Load(1.0, cosine=[1.0]), state=([1.0], [0.0]))
+
+
+@pytest.mark.parametrize(("given", "wanted"), [
+    ({}, "q = 0.*it must not be 0 if all masses start at rest"),
+    ({"state": ([1.0], [0.0]), "direction": [0.0]}, "direction = 0.0: must be numbers from -1e40"),
+    ({"state": ([1.0], [0.0]), "direction": [1.0, 2.0]}, "direction"),
+    ({"state": ([1.0], [0.0]), "direction": "tip"}, "direction = 'tip': must be"),
+])  # fmt: skip
+def test_bad_input_of_a_structure(given, wanted):
+    with pytest.raises(ParameterError, match=wanted):
+        vi.decay(one_stop(0.5, stiffness=4), **given)
+
+
+def test_a_structure_that_nothing_pulls_back():
+    with pytest.raises(vi.SingularError, match="no spring holds the structure"):
+        vi.decay(vi.Structure([1.0], [0.1], [0.0], [FAR]), state=([1.0], [0.0]))
+
+
+def test_a_structure_again(tmp_path):
+    """Files and the namelist give the decay of a structure again; it is drawn."""
+    pytest.importorskip("matplotlib")
+    found = vi.decay(one_stop(0.5, stiffness=4, damping=0.2), state=([1.0], [0.0]), cycles=4)
+    assert repr(found).startswith("<Decay of a structure: 9 peaks, damping ratio of a cycle from")
+    found.save(tmp_path / "one.json")
+    (tmp_path / "case.nml").write_text(found.to_namelist())
+    (case,) = vi.read_namelist(tmp_path / "case.nml")
+    assert vi.load(tmp_path / "one.json").to_json() == case.run()[0].to_json() == found.to_json()
+    assert [panel.get_xlabel()[:3] for panel in found.plot()] == ["$t$", "$|X"]
+    with pytest.raises(AttributeError, match="clearance"):
+        _ = found.clearance

@@ -40,18 +40,19 @@ def draw_decay(
         _, panels = plt.subplots(1, n, figsize=(width, 2.8), layout="constrained", squeeze=False)
         for name, panel in zip([kind] if kind else PANELS, panels[0], strict=True):
             PANELS[name](panel, decay, scales)
-            if decay.clearance.size <= len(COLORS) or panel is panels[0, -1]:
+            if decay.status.size <= len(COLORS) or panel is panels[0, -1]:
                 _name_runs(panel, decay, scales)
-        values = style.system(decay.osc)
-        if decay.clearance.size == 1:
+        values = {} if decay.of_structure else style.system(decay.osc)
+        if not decay.of_structure and decay.clearance.size == 1:
             values["clearance"] = float(decay.clearance[0])
         style.identify(panels[0, 0], scales.given(values), "free vibration")
         return panels[0, 0] if kind else panels[0]
 
 
 def _runs(decay: Decay, scales: style.Scales) -> Iterator[tuple[float, Any, dict[str, Any]]]:
-    """Clearance, position of the peaks and style of each run."""
-    few, clearances = decay.clearance.size <= len(COLORS), scales.of("clearance", decay.clearance)
+    """Clearance (0 of a structure), position of the peaks and style of each run."""
+    given = np.zeros(1) if decay.of_structure else decay.clearance
+    few, clearances = given.size <= len(COLORS), scales.of("clearance", given)
     for i, clearance in enumerate(clearances.tolist()):
         color = COLORS[i] if few else colors_of(clearances).to_rgba(clearance)
         yield clearance, decay.run == i, {
@@ -62,6 +63,8 @@ def _runs(decay: Decay, scales: style.Scales) -> Iterator[tuple[float, Any, dict
 
 def _name_runs(ax: Any, decay: Decay, scales: style.Scales) -> None:
     """A legend of the clearances, or the scale of their colours."""
+    if decay.of_structure:
+        return
     if decay.clearance.size > len(COLORS):
         clearances = scales.of("clearance", decay.clearance)
         ax.figure.colorbar(colors_of(clearances), ax=ax, label=scales.name("clearance"))
@@ -81,8 +84,8 @@ def _draw_peaks(ax: Any, decay: Decay, scales: style.Scales) -> None:
         t, x = scales.of("t", decay.time[own]), scales.of("x", np.abs(decay.x[own]))
         ax.plot(t, x, lw=0.6, label=f"{clearance:.6g}", **look)
     style.log_scale(ax, "y")
-    ax.set_xlabel(scales.name("t"))
-    ax.set_ylabel(scales.label("peaks $|X|$", "F0/K"))
+    ax.set_xlabel("$t$" if decay.of_structure else scales.name("t"))
+    ax.set_ylabel(of_peaks("peaks $|X|$", decay, scales))
 
 
 def _draw_damping(ax: Any, decay: Decay, scales: style.Scales) -> None:
@@ -96,13 +99,19 @@ def _draw_damping(ax: Any, decay: Decay, scales: style.Scales) -> None:
     ax.yaxis.set_major_formatter(lambda value, _: f"{value:g}".replace("-", "\N{MINUS SIGN}"))
     ax.margins(y=0.08)
     ax.axhline(0, color="0.8", lw=0.6, zorder=0)
-    ax.axhline(decay.osc.xi, color="0.4", lw=0.8, ls="--", zorder=0)
-    ax.annotate(
-        r"$\xi$", (1, decay.osc.xi), xycoords=ax.get_yaxis_transform(), xytext=(3, 0),
-        textcoords="offset points", va="center", color="0.4", fontsize=8, annotation_clip=False,
-    )  # fmt: skip
-    ax.set_xlabel(scales.label("$|X|$ at the start of the cycle", "F0/K"))
+    if not decay.of_structure:
+        ax.axhline(decay.osc.xi, color="0.4", lw=0.8, ls="--", zorder=0)
+        ax.annotate(
+            r"$\xi$", (1, decay.osc.xi), xycoords=ax.get_yaxis_transform(), xytext=(3, 0),
+            textcoords="offset points", va="center", color="0.4", fontsize=8, annotation_clip=False,
+        )  # fmt: skip
+    ax.set_xlabel(of_peaks("$|X|$ at the start of the cycle", decay, scales))
     ax.set_ylabel(r"damping ratio $\zeta$ of the cycle")
+
+
+def of_peaks(label: str, decay: Decay, scales: style.Scales) -> str:
+    """The label of an axis of displacements."""
+    return label if decay.of_structure else scales.label(label, "F0/K")
 
 
 def colors_of(clearances: Any) -> Any:

@@ -1,22 +1,24 @@
-"""Free vibration: the peaks of the primary mass and the damping by impacts."""
+"""Free vibration: the peaks, and the damping by impacts, stops and friction."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
 from functools import wraps
-from typing import TYPE_CHECKING, Any, ParamSpec
+from typing import TYPE_CHECKING, Any, ParamSpec, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..base.errors import ParameterError
+from ..base import checks
+from ..base.errors import ParameterError, SingularError
 from ..base.spacing import range_values
 from ..results import door
 from ..results.noun import Noun, column
 from ..systems.oscillator import Oscillator
+from ..systems.structure import Load, Structure
 from ..systems.units import SI, has_unit, own_number, positive
-from ..systems.verbs import physical_arguments
+from ..systems.verbs import every_system, physical_arguments
 
 if TYPE_CHECKING:
     from ..systems.units import Units, Value
@@ -39,28 +41,32 @@ NAMES = (
 
 
 class Decay(Noun, study="decay"):
-    """The peaks of free vibrations, one run for each clearance.
+    """The peaks of free vibrations, one run for each clearance, or one of a structure.
 
-    A peak is the greatest \\|x\\| of the primary mass between two zeros of x. Runs are stored one after
-    another; `run` gives the run of each peak.
+    A peak is the greatest \\|x\\| between two zeros of x, the displacement of the primary mass or that of a
+    structure in a direction. Runs are stored one after another; `run` gives the run of each peak.
 
     Attributes
     ----------
-    osc : Oscillator
-    clearance : ndarray (runs,)
+    osc, clearance : Oscillator, ndarray (runs,)
+        For an oscillator.
+    structure, load : Structure, Load or None
+        For a structure.
     run : ndarray (n,) of int
         Run of each peak, from 0.
     time, x : ndarray (n,)
-        Time in 1/omega, and displacement of the primary mass; its sign gives the side.
+        Time (in 1/omega for an oscillator) and displacement; its sign gives the side.
     decrement : ndarray (n,)
         ln(x/x'), where x' is the next peak on the same side, one cycle later; NaN for the last two of a run.
-        It is negative if the free mass returns energy to the primary mass.
+        It is negative if other masses return energy.
     damping : ndarray (n,)
         decrement/sqrt(4 pi^2 + decrement^2): xi of a linear oscillator with this decrement.
     energy : ndarray (n,)
-        Energy of both masses and the spring, over F0^2/K; after the impact, if the peak is at an impact.
+        Energy of all masses, springs and pressed stops (over F0^2/K for an oscillator); after the impact, if the
+        peak is at an impact.
     impacts, rests : ndarray (n,) of int
-        Number since the previous peak, or since the start.
+        Number since the previous peak, or since the start; contacts with stops count as impacts, and halts by
+        friction as rests.
     status : ndarray (runs,) of int
         0 done; see `status_text`.
     case : str
@@ -85,6 +91,11 @@ class Decay(Noun, study="decay"):
         """Run of each peak, from 0."""
         owners = self._result.tables["peaks"].owners
         return np.zeros(0, np.int32) if owners is None else owners
+
+    def require(self) -> None:
+        """Raise a SingularError if there is no peak of a structure."""
+        if self.of_structure and self._result.empty:
+            raise SingularError(self._result.notes[0][1])
 
     def plot(
         self, ax: Any = None, kind: str | None = None, units: Units | str | None = None
@@ -111,12 +122,19 @@ class Decay(Noun, study="decay"):
 
     def __repr__(self) -> str:
         cut = "" if self.complete else f"; cut short, {self.cut}"
-        runs = "1 clearance" if self.clearance.size == 1 else f"{self.clearance.size} clearances"
         known = self.damping[np.isfinite(self.damping)]
+        if self.of_structure:
+            runs = "of a structure"
+        else:
+            runs = (
+                "at 1 clearance"
+                if self.clearance.size == 1
+                else f"at {self.clearance.size} clearances"
+            )
         if not known.size:
-            return f"<Decay at {runs}: {self.x.size} peaks{cut}>"
+            return f"<Decay {runs}: {self.x.size} peaks{cut}>"
         return (
-            f"<Decay at {runs}: {self.x.size} peaks, damping ratio of a cycle from {known.min():.4g} to "
+            f"<Decay {runs}: {self.x.size} peaks, damping ratio of a cycle from {known.min():.4g} to "
             f"{known.max():.4g}{cut}>"
         )
 
@@ -149,8 +167,47 @@ def with_length(function: Callable[Given, Decay]) -> Callable[Given, Decay]:
     return scaled
 
 
+def decay_structure(
+    structure: Structure,
+    load: Load | None = None,
+    state: tuple[ArrayLike, ArrayLike] | None = None,
+    direction: ArrayLike | str | None = None,
+    cycles: int = 20,
+    max_events: int = 10_000_000,
+    progress: door.Progress | None = None,
+) -> Decay:
+    """As `decay`, for a structure."""
+    keys = door.start_keys(structure, state, 0.0)
+    del keys["start"]
+    if isinstance(direction, str):
+        checks.choice(direction, "direction", tuple(structure.outputs))
+        direction = structure.outputs[direction]
+    keys |= {"direction": direction, "cycles": cycles, "max_events": max_events}
+    found = door.run_structure(
+        Decay, structure, load, keys, None, progress, needs_frequency=False, stops=True
+    )
+    found.require()
+    return found
+
+
+@overload
+def decay(
+    osc: Oscillator, clearance: ArrayLike | None = None, amplitude: Value = 1.0,
+    inverse_clearance: ArrayLike | None = None, x_dot: Value = 0.0, y: Value = 0.0, z_dot: Value = 0.0,
+    cycles: int = 20, points: int | None = None, max_events: int = 10_000_000, threads: int | None = None,
+    progress: door.Progress | None = None,
+) -> Decay: ...  # fmt: skip
+@overload
+def decay(
+    structure: Structure, load: Load | None = None, state: tuple[ArrayLike, ArrayLike] | None = None,
+    direction: ArrayLike | str | None = None, cycles: int = 20, max_events: int = 10_000_000,
+    progress: door.Progress | None = None,
+) -> Decay: ...  # fmt: skip
+
+
 @with_length
 @physical_arguments
+@every_system(decay_structure, no_point="give its osc and clearance, or its structure")
 def decay(
     osc: Oscillator,
     clearance: ArrayLike | None = None,
@@ -165,16 +222,19 @@ def decay(
     threads: int | None = None,
     progress: door.Progress | None = None,
 ) -> Decay:
-    """The peaks and the damping of free vibration, for one or several clearances.
+    """The peaks and the damping of free vibration, for one or several clearances, or of a structure.
 
-    There is no load. F0/K is then an arbitrary unit of length: only the ratio of clearance to amplitude
-    matters, and with the default amplitude the clearance is in units of the initial displacement. If F0 of a rig
-    is not known and values have units, F0 is chosen so that F0/K is the amplitude.
+    There is no load, except constant forces on a structure. For an oscillator, F0/K is then an arbitrary unit of
+    length: only the ratio of clearance to amplitude matters, and with the default amplitude the clearance is in
+    units of the initial displacement. If F0 of a rig is not known and values have units, F0 is chosen so that F0/K
+    is the amplitude.
 
     Parameters
     ----------
     osc : Oscillator
         The system: xi, mu and the coefficients of restitution of both walls.
+    structure, load : Structure, Load or None
+        In place of it, with gaps, stops and friction; the load may only have a `constant`.
     clearance : float or array_like (runs,), or (float, float)
         Clearance d K/F0; d is the whole travel between the walls. With `points` a range (lo, hi).
     amplitude : float
@@ -185,14 +245,19 @@ def decay(
         Velocity of the primary mass at the start.
     y, z_dot : float
         Position z - x of the free mass between the walls, 0 in the middle, and its velocity at the start.
+    state : (array_like, array_like)
+        For a structure: coordinates and velocities at the start.
+    direction : array_like (n,) or str, optional
+        For a structure: coefficients of the coordinates in the displacement whose peaks are found, or the name of
+        an output; by default the first coordinate.
     cycles : int
-        Oscillations of the primary mass: a run ends with peak 2 cycles + 1.
+        Oscillations: a run ends with peak 2 cycles + 1, or when friction or damping has ended the motion.
     points : int, optional
         Number of evenly spaced values of a range.
     max_events : int
         Events (impacts, rests, releases) after which one simulation is abandoned; its status says so.
     threads : int, optional
-        Default: one for each processor. The result does not depend on it.
+        For an oscillator: one for each processor by default. The result does not depend on it.
     progress : callable, optional
         Called a few times a second with the fraction done and the current task; by default a bar on a terminal
         or in a notebook.
@@ -206,6 +271,8 @@ def decay(
     ------
     ParameterError, ParameterTypeError
         The parameter, its value and what it must be.
+    SingularError
+        If a structure has no peak: nothing pulls it back, or the simulation fails.
     StudyInterrupted
         After Ctrl-C; its attribute `result` contains the clearances whose runs were completed.
 
@@ -219,6 +286,12 @@ def decay(
     np.float64(0.005)
     >>> vi.decay(osc, [0.3, 0.7, 1.5])
     <Decay at 3 clearances: 123 peaks, damping ratio of a cycle from -0.2005 to 0.2452>
+
+    Friction reduces each peak of a mass on a spring by twice its force over the stiffness, until the mass sticks:
+
+    >>> mass = vi.Structure(mass=[1], damping=[0], stiffness=[1], friction=[vi.Friction([1], 0.1)])
+    >>> vi.decay(mass, state=([0.85], [0])).x.round(12).tolist()
+    [0.85, -0.65, 0.45, -0.25, 0.05]
     """
     clearance = range_values(clearance, "clearance", points)
     inverse_clearance = range_values(inverse_clearance, "inverse_clearance", points)

@@ -31,7 +31,7 @@ MOST_HARMONICS = 100
 #: The functions that accept stops and friction.
 WITH_ELEMENTS = (
     "simulate, periodic, exact, find, branch, zone, chart, atlas, response, bifurcation_diagram,"
-    " lyapunov and basins"
+    " lyapunov, basins and decay"
 )
 
 

@@ -13,42 +13,12 @@ module vi_free_states
    implicit none (type, external)
    private
 
-   public :: longest_natural_period, settle_free_states
+   public :: settle_free_states
 
    !> States between which the list of motions is brought up to date.
    integer, parameter :: block = 512
 
 contains
-
-   !> The longest natural period of a structure with all gaps open and all friction slipping, or of
-   !! the softest stop where nothing else pulls it back; 0 if there is none.
-   pure subroutine longest_natural_period(structure, load, period, status)
-      !> The structure.
-      type(structure_type), intent(in) :: structure
-      !> Constant forces.
-      type(load_type), intent(in) :: load
-      !> The period.
-      real(wp), intent(out) :: period
-      !> As of `new_run`.
-      integer, intent(out) :: status
-      type(run_type) :: run
-      real(wp) :: square
-      integer :: j
-
-      period = 0
-      call new_run(structure, load, run, status)
-      if (status /= stat%ok) return
-      associate (squares => run%regimes(1)%modes%stiffness)
-         square = minval(squares, squares > 0)
-         if (.not. any(squares > 0)) then
-            do j = 1, size(run%structure%laws)
-               if (run%structure%elastic(j)) square = min(square, &
-                  run%structure%laws(j)%numbers(1)/run%structure%effective(j))
-            end do
-         end if
-      end associate
-      if (square > 0 .and. square < huge(square)) period = two_pi/sqrt(square)
-   end subroutine longest_natural_period
 
    !> The motion on which each of some states settles.
    subroutine settle_free_states(structure, load, unit, states, how, list, outcomes, progress)

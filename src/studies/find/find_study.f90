@@ -5,7 +5,7 @@ module vi_find_study
    use vi_forced_system, only: event_type, impact_event, new_forced_system, release_event, &
       stick_event
    use vi_found_motion, only: described_type, found_type
-   use vi_free_states, only: longest_natural_period, settle_free_states
+   use vi_free_states, only: settle_free_states
    use vi_kinds, only: two_pi, wp
    use vi_motion, only: motion_type, yes
    use vi_motion_study, only: exact_kind, motion_columns, put_motions, put_origin
@@ -21,6 +21,7 @@ module vi_find_study
    use vi_structure_groups, only: load_frequency, record_end, structure_of
    use vi_structure_keys, only: needs_frequency
    use vi_structure_lines, only: follow_lines
+   use vi_structure_run, only: longest_natural_period
    use vi_study, only: a_whole, case_type, column_type, every_model, key_type, list_for, &
       of_oscillator, of_structure, result_type, study_type, wholes
    use vi_text, only: counted, whole

@@ -17,7 +17,7 @@ module vi_peaks
    implicit none (type, external)
    private
 
-   public :: find_peaks
+   public :: find_peaks, take
 
    !> A peak. Impacts and rests are counted from the previous peak, or from the start.
    type, public :: peak_type
@@ -28,7 +28,7 @@ module vi_peaks
    end type peak_type
 
    !> The half oscillation that is being followed.
-   type :: half_type
+   type, public :: half_type
       !> Sign of x; 0 before the first one.
       real(wp) :: side = 0
       !> Its greatest |x| so far, with impacts and rests since the start of the simulation.

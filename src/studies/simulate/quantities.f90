@@ -21,10 +21,11 @@ module vi_quantities
    implicit none (type, external)
    private
 
-   public :: quantities_of
+   public :: energy, quantities_of, turning_shares
 
    !> Longest window, in the shortest time scales, and nodes of extremes in one of them.
-   real(wp), parameter :: longest = 5.0e5_wp, density = 4.0_wp
+   real(wp), parameter :: longest = 5.0e5_wp
+   real(wp), parameter, public :: density = 4.0_wp
 
    !> What is summed over a window.
    type :: sums_type

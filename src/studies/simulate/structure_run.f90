@@ -20,8 +20,8 @@ module vi_structure_run
    implicit none (type, external)
    private
 
-   public :: find_regime, is_far, is_listed, new_run, simulate_structure, start_at, state_now, &
-      time_of, whole_periods
+   public :: find_regime, is_far, is_listed, longest_natural_period, new_run, simulate_structure, &
+      start_at, state_now, time_of, whole_periods
 
    !> Kinds of events. A gap: an impact, and the start and the end of a rest. A stop: it is touched
    !! and left; one that cannot pull lets go while it is closed, and presses again. Friction halts,
@@ -127,6 +127,36 @@ contains
       call new_regime(run%structure, load, [integer :: ], run%regimes(1), status, searched)
       if (status == stat%ok) call recognise(run%structure, load, run%pair)
    end subroutine new_run
+
+   !> The longest natural period of a structure with all gaps open and all friction slipping, or of
+   !! the softest stop where nothing else pulls it back; 0 if there is none.
+   pure subroutine longest_natural_period(structure, load, period, status)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> Constant forces.
+      type(load_type), intent(in) :: load
+      !> The period.
+      real(wp), intent(out) :: period
+      !> As of `new_run`.
+      integer, intent(out) :: status
+      type(run_type) :: run
+      real(wp) :: square
+      integer :: j
+
+      period = 0
+      call new_run(structure, load, run, status)
+      if (status /= stat%ok) return
+      associate (squares => run%regimes(1)%modes%stiffness)
+         square = minval(squares, squares > 0)
+         if (.not. any(squares > 0)) then
+            do j = 1, size(run%structure%laws)
+               if (run%structure%elastic(j)) square = min(square, &
+                  run%structure%laws(j)%numbers(1)/run%structure%effective(j))
+            end do
+         end if
+      end associate
+      if (square > 0 .and. square < huge(square)) period = two_pi/sqrt(square)
+   end subroutine longest_natural_period
 
    !> Whole periods at a time, not more than `most_periods`.
    pure integer(int64) function whole_periods(run, time)

@@ -16,7 +16,8 @@ module vi_structure_trajectory
    private
 
    public :: closed_at_start, complete_rests, find_parts, find_start, pass_label, &
-      resting_at_start, sample_structure_arrays, simulate_structure_arrays, simulate_structure_case
+      resting_at_start, sample_structure_arrays, simulate_structure_arrays, &
+      simulate_structure_case, start_run
 
    !> Events between two looks at the progress counters.
    integer, parameter :: chunk = 256
@@ -69,7 +70,7 @@ contains
       if (present(resting)) resting = 0
       call new_run(structure, load, run, status)
       if (status /= stat%ok) return
-      call begin(run, start, q, rate, state, status)
+      call start_run(run, start, q, rate, state, status)
       if (status /= stat%ok) return
       allocate (events(chunk))
       if (present(first)) then
@@ -101,7 +102,7 @@ contains
    end subroutine simulate_structure_arrays
 
    !> A state from coordinates and velocities, where no gap is too narrow.
-   pure subroutine begin(run, start, q, rate, state, status)
+   pure subroutine start_run(run, start, q, rate, state, status)
       !> In and out: the regime of closed gaps is added.
       type(run_type), intent(inout) :: run
       !> Time, coordinates (n) and velocities (n) at the start.
@@ -117,7 +118,7 @@ contains
       if (status /= stat%ok) return
       call find_narrow(run%structure, run%regimes(1), q, gap, least)
       if (gap > 0) status = stat%narrow_gap
-   end subroutine begin
+   end subroutine start_run
 
    !> A time as whole periods and the remainder.
    pure subroutine find_parts(run, time, cycle, elapsed)
@@ -224,7 +225,7 @@ contains
       call add_expected_work(simulation_work, progress)
       call new_run(structure, load, run, status)
       if (status /= stat%ok) return
-      call begin(run, start, q, rate, state, status)
+      call start_run(run, start, q, rate, state, status)
       if (status /= stat%ok) return
       allocate (events(chunk))
       if (present(first)) then
