@@ -91,6 +91,18 @@ def test_too_few_cycles_leave_no_shorter_period_without_a_doubt(cycles):
     assert found.doubts or found.pattern.cycles == k
 
 
+def test_twice_the_period_with_equal_halves_is_doubted():
+    """A record with much noise, of which only a motion of twice the period is found."""
+    rig, (_, load, acceleration, _), k, sides = wide_rig(4011, "pulses", False)
+    assert (k, sides) == (1, "LR")
+    with pytest.warns(vi.PoorFitWarning, match="both halves of the period have the same impacts"):
+        found = vi.identify(
+            rate=rig.rate, load=load, acceleration=acceleration,
+            known={"M": M, "K": K, "m": M * rig.mu}, calibration=0,
+        )  # fmt: skip
+    assert found.pattern == vi.Pattern("RL" * 2, 2)
+
+
 def three_impacts():
     """A rig whose motion has three impacts, which tell the free mass, with its record."""
     rig, (_, load, acceleration, _), _, sides = random_rig(0, "defg")

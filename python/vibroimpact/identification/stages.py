@@ -242,13 +242,19 @@ def twice_as_long(
         return None
     if max(found.misfits) > DOUBTFUL or far_off([step], found):
         return None
-    right = found.motions[0].jumps > 0
-    half = len(right) // 2
-    if np.array_equal(right[:half], right[half:]):
-        step.notes.append(
-            "doubtful: both halves of the period have the same impacts, so the true period may be half of it"
-        )
+    doubt_halves([step], found)
     return [step], found, own
+
+
+def doubt_halves(steps: Sequence[Step], found: Fit) -> None:
+    """Doubt twice the period that the scatter shows if impacts on the same walls follow in both of its halves."""
+    for step, motion in zip(steps, found.motions, strict=True):
+        right = motion.jumps > 0
+        half = len(right) // 2
+        if np.array_equal(right[:half], right[half:]):
+            step.notes.append(
+                "doubtful: both halves of the period have the same impacts, so the true period may be half of it"
+            )
 
 
 def from_single(
@@ -382,6 +388,8 @@ def identified_by(
         if attempt == "twice":
             half = halved(others, found, own, scale, shared, guess)
             others, found = half or (others, found)
+            if half is None:
+                doubt_halves(others, found)
         if far_off(others, found) or max(found.misfits) > DOUBTFUL:
             single = single or apart(steps, *given)
             if clear(single[1]):
