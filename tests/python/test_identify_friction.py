@@ -188,3 +188,56 @@ def test_no_friction_is_no_doubt():
     """Neither of a periodic nor of a chaotic record."""
     assert vi.identify(vi.VirtualRig(**BENCH).record(rng=1), known=KNOWN).good
     assert vi.identify(recorded(44.0, 0.0), known={"M": M, "K": K}).good
+
+
+TRUE = {"xi": 0.0114, "R1": 0.75, "R2": 0.68, "d": 20.0 * 6.0 / K}
+
+
+def off(found, true):
+    """Errors of fitted parameters over their standard errors."""
+    return {
+        name: (found.values[name] - value) / found.errors[name]
+        for name, value in true.items()
+        if name not in found.undetermined
+    }
+
+
+def test_known_friction_is_part_of_the_motion():
+    """Of a record of another program, whose parameters are right with it; as a share of the load or a force."""
+    made, known = recorded(20.0, 0.01), {"M": M, "K": K, "m": 0.04 * M, "F0": 6.0}
+    share, force = (vi.identify(made, known=known, friction=f) for f in (0.01, "0.06 N"))
+    assert share.good
+    assert share.values["friction"] == 0.01
+    assert "friction" not in share.errors
+    assert max(abs(share.values[name] / force.values[name] - 1) for name in share.values) < 1e-9
+    assert max(map(abs, off(share, TRUE).values())) < 3
+    without = quietly(made, known=known)
+    assert min(off(without, TRUE).values()) < -3
+    # the motion is that of the core, also from the result alone
+    assert share.motion.stable
+    assert abs(share.motion.structure.friction[0].slip - 0.01) < 1e-6
+    again = vi.Identification.from_json(share.to_json()).motion
+    assert abs(again.speeds - share.motion.speeds).max() < 1e-5
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"law": "power", "friction": 0.1}, "friction = 0.1: must be left out with law = 'power'"),
+        ({"friction": -0.1}, r"friction = -0\.1"),
+        ({"friction": True}, "friction = True: must be a known friction"),
+    ],
+)
+def test_refusals_name_friction(options, message):
+    """A law, a negative number, and several records."""
+    made = vi.virtual_record(1.0, 3, **BENCH)
+    with pytest.raises(vi.VibroimpactError, match=message):
+        vi.identify(made, known=KNOWN, **options)
+    with pytest.raises(vi.ParameterError, match="must be given with one record, not 2"):
+        vi.identify([made, made], known=KNOWN, friction=0.1)
+
+
+def test_friction_of_a_record_that_is_not_periodic_is_refused():
+    """Its flights are not separated by friction."""
+    with pytest.raises(vi.SingularError, match="must be left out, since the record is not"):
+        quietly(recorded(48.0, 1e-3), known={"M": M, "K": K}, friction=1e-3)

@@ -14,7 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.errors import SingularError
+from ..motions.exact import settled
+from ..motions.motion import Motion
+from ..systems.oscillator import Oscillator, Pattern
+from ..systems.structure import Load
 from .flights import Measured, predicted
+from .laws import Law
 from .motions import FARTHEST, MOST_STEPS, SETTLED, STEP, TOUCHING, Impacting, System
 from .windows import Windows
 
@@ -22,6 +27,8 @@ _Array = NDArray[np.float64]
 _Ints = NDArray[np.int64]
 #: Instants of a flight at which the sign of the slip is looked at, and how often reversals are looked for.
 ALONG, LOOKS = 200, 3
+#: Friction over F0 of a motion of the core at least: without any, it has other events.
+LEAST = 1e-9
 
 
 class Rubbing(System):
@@ -224,8 +231,12 @@ class Rubbing(System):
         """The motion with its response to friction at the places of the record; `by` are the derivatives of
         impacts and reversals."""
         places, order = self.data.places, self.data.order
+        motion = motion._replace(
+            turns=turns, flight=flight, aside=0.0, aside_by=0.0,
+            at=lambda at: self.response(p, at, motion.angles, turns, flight, order)[0],
+        )  # fmt: skip
         if not places.size:
-            return motion._replace(turns=turns, flight=flight, aside=0.0, aside_by=0.0)
+            return motion
         value, one, changes, sign = self.response(p, places, motion.angles, turns, flight, order)
         omega, static, friction = p[0], p[4], p[-1]
         own = np.zeros((places.size, p.size))
@@ -234,9 +245,49 @@ class Rubbing(System):
         unit = static * (one.jumps @ changes * omega**2 + sign)
         own[:, 4] = unit * friction / static
         own[:, -1] = unit
-        return motion._replace(
-            turns=turns, flight=flight, aside=value, aside_by=own + one.angles @ by
-        )
+        return motion._replace(aside=value, aside_by=own + one.angles @ by)
+
+
+def slid(
+    osc: Oscillator, r: float, clearance: float, phases: _Array, pattern: Pattern, friction: float,
+    speeds: _Array, harmonics: NDArray[np.complex128],
+) -> Motion:  # fmt: skip
+    """The exact motion with friction in the slot as computed by the core, near given load phases and approach
+    speeds of its impacts; lengths in F0/K, and `harmonics` as in `verified`."""
+    right, left = osc.restitution
+    signs = pattern.signs.astype(float)
+    jumps = signs * osc.mu * (1 + np.where(signs > 0, right, left)) / (1 + osc.mu) * speeds
+    shape = np.append(-1j, harmonics)
+    data = Measured(
+        r, pattern.cycles, phases, jumps=jumps, sides=pattern.sides,
+        orders=np.arange(1.0, shape.size + 1), shape=shape,
+    )  # fmt: skip
+    p = np.array([1.0, osc.xi, osc.mu, clearance, 1.0, 0.0, right, left, friction])
+    system = Rubbing(data, Law())
+    one = system.motion(p, phases, jumps)
+    # the middle of the first flight until its first event
+    until = min([one.angles[1], *one.turns[one.flight == 0]])
+    place = 0.5 * (one.angles[:1] + until)
+    own = p, one.angles, one.turns, one.jumps, one.flight
+    x, v = (system.velocity(p, place, *own[1:], order)[0] for order in (0, 1))
+    ends = system.positions(*own)
+    T, drag = (one.angles[1] - one.angles[0]) / r, friction / osc.mu
+    left_over = (one.angles[1] - one.turns[one.flight == 0]) / r
+    changes = system.steps(one.flight)[1][one.flight == 0]
+    twice = 0.5 * (-signs[0] * T**2 + left_over**2 @ changes)
+    since = float(place[0] - one.angles[0]) / r
+    after = (ends[1] - ends[0]) / T + drag * twice / T
+    bent = drag * signs[0]
+    state = (
+        np.array([x, ends[0] + after * since + 0.5 * bent * since**2]),
+        np.array([v, after + bent * since]),
+    )
+    none = np.zeros(shape.size)
+    load = Load(
+        r, sine=np.column_stack([-shape.imag, none]), cosine=np.column_stack([shape.real, none])
+    )
+    structure = osc.at(r, clearance, friction=max(friction, LEAST)).structure
+    return settled(structure, load, place[0] % (2 * math.pi) / r, state, 0, cycles=pattern.cycles)
 
 
 def of_no_friction(data: Measured, law: Any, p: _Array, motion: Impacting) -> Impacting:

@@ -19,13 +19,15 @@ from ..results.noun import Noun
 from ..systems.oscillator import Oscillator, Pattern, of_numbers
 from ..systems.restitution import Restitution
 from ..systems.units import SI as SI_UNITS
-from ..systems.units import Units, own_number, positive
+from ..systems.units import Units, has_unit, own_number, positive
+from .friction import slid
 from .known import known_values
 from .laws import KINDS, KNOWN_OF_LAW, Law, law_of
 from .measured import OF_SENSORS, PerChannel, SensorRecord
 from .motions import oscillator_of, verified
+from .sliding import with_friction
 from .stages import identified_by
-from .steps import of_record, of_times
+from .steps import Step, of_record, of_times
 from .tables import place_in_hertz, said, tables_of
 
 __all__ = ["Identification", "identify"]
@@ -303,6 +305,10 @@ class Identification(Noun, study="identify"):
         values = self.values
         walls = law_of(values).restitution(values, values["omega"] * self._one("static", record))
         harmonics = self._result.column("records", "harmonics").values[record]
+        if "friction" in values:
+            speeds = self._of(record, "impacts", "speed") / values["omega"]
+            speeds = speeds / self._one("static", record)
+            return slid(osc, r, clearance, phases, pattern, values["friction"], speeds, harmonics)
         return verified(osc, r, clearance, phases, pattern, walls, harmonics)
 
     def _of(self, record: int, table: str, name: str) -> NDArray[Any]:
@@ -515,6 +521,7 @@ def identify(
     law: str = "constant",
     law_speed: float | None = None,
     law_knots: int | None = None,
+    friction: float | str | None = None,
     calibration: float = CALIBRATION,
     progress: Callable[[float, str], None] | None = None,
 ) -> Identification:
@@ -569,6 +576,9 @@ def identify(
     law_knots : int, optional
         Number of knots of a table, 3 by default, 20 at the most. They are quantiles of the approach speeds; the
         outer ones lie a little beyond the range of the speeds.
+    friction : float or str, optional
+        Known dry friction of the free mass in its slot, as a fraction of F0 or a force such as "0.3 N", with one
+        periodic record and constant coefficients of restitution. By default there is none, which is tested.
     calibration : float
         Relative standard error of the calibration of each sensor, 1 % by default; 0 if they are exact. It is part
         of all errors: gain errors of load and motion change xi at a resonance, and a gain error of the motion
@@ -619,7 +629,7 @@ def identify(
     }  # fmt: skip
     options: dict[str, Any] = {
         "frequency": frequency, "known": known, "start": start, "law": law, "law_speed": law_speed,
-        "law_knots": law_knots, "calibration": calibration, "progress": progress,
+        "law_knots": law_knots, "friction": friction, "calibration": calibration, "progress": progress,
     }  # fmt: skip
     checks.progress(progress)
     records: list[SensorRecord]
@@ -638,6 +648,19 @@ def identify(
             stacklevel=2,
         )
     return found
+
+
+def friction_over(friction: float | str, step: Step, scale: Mapping[str, float]) -> float:
+    """A known friction over F0."""
+    if not has_unit(friction):
+        return positive(friction, "friction", zero=True)
+    force = positive(own_number(friction, "load", label="friction"), "friction", zero=True)
+    F0 = scale.get("F0", step.F0)
+    if F0 is None:
+        raise ParameterError(
+            "friction: must be a fraction of F0 if there is neither a load channel nor a known F0"
+        )
+    return force / F0
 
 
 def records_of(
@@ -684,8 +707,8 @@ def identified(
     records: Sequence[SensorRecord] = (), *, impact_times: Any = None, impact_sides: Any = None,
     frequency: float | None = None, load_phase: float | None = None, known: Mapping[str, float] | None = None,
     start: Oscillator | None = None, law: str = "constant", law_speed: float | None = None,
-    law_knots: int | None = None, calibration: float = CALIBRATION, case: str = "",
-    progress: Callable[[float, str], None] | None = None,
+    law_knots: int | None = None, friction: float | str | None = None,
+    calibration: float = CALIBRATION, case: str = "", progress: Callable[[float, str], None] | None = None,
 ) -> Identification:  # fmt: skip
     """All steps; arguments as in `identify`."""
     if frequency is not None:
@@ -708,6 +731,17 @@ def identified(
         )
     knots = checks.integer(3 if law_knots is None else law_knots, "law_knots", 2, 20)
     own = Law(law, knots if tabulated else 0)
+    if friction is not None:
+        if law != "constant":
+            raise ParameterError(f"friction = {friction!r}: must be left out with law = {law!r}")
+        if len(records) != 1:
+            raise ParameterError(
+                f"friction = {friction!r}: must be given with one record, not {len(records)}"
+            )
+        if isinstance(friction, bool):
+            raise ParameterError(
+                f"friction = {friction!r}: must be a known friction; it is not fitted"
+            )
     for name in shared:
         if name not in own.shared:
             of = [repr(kind) for kind in KINDS if name in Law(kind).shared]
@@ -735,4 +769,8 @@ def identified(
             for i, record in enumerate(records)
         ]
     steps, found, own = identified_by(steps, scale, shared, guess, own, law_speed, progress)
+    if friction is not None:
+        share = friction_over(friction, steps[0], scale)
+        steps, found, own = with_friction((steps, found, own), scale, shared, guess, share)
+        shared["friction"] = share
     return Identification(tables_of(steps, found, scale, shared, own, case))

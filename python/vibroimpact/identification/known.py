@@ -34,7 +34,7 @@ def known_values(known: Mapping[str, float]) -> tuple[dict[str, float], dict[str
     for name, value in known.items():
         if name in ("f", "friction"):
             raise ParameterError(
-                f"known {name} = {value!r}: must be left out; identify does not model friction in the slot"
+                f"known {name} = {value!r}: must be left out; give it as friction = {value!r}"
             )
         checks.choice(name, "known: name", tuple(KNOWN))
         if name == "omega" or name in POWERS or name in OTHERS:

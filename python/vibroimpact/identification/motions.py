@@ -10,7 +10,7 @@ errors.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -42,7 +42,7 @@ class Impacting(NamedTuple):
     """The impacts of a period: angles Omega t, jumps of the velocity of the primary mass, approach speeds,
     coefficients of restitution; derivatives of angles and jumps with respect to all parameters (2, N, P). With
     friction in the slot also the angles at which the slip reverses, the impacts before these, and the response to
-    friction at the places of the record with its derivatives (n, P)."""
+    friction at the places of the record with its derivatives (n, P), and as a function of angles."""
 
     angles: _Array
     jumps: _Array
@@ -53,6 +53,7 @@ class Impacting(NamedTuple):
     flight: Any = None
     aside: Any = None
     aside_by: Any = None
+    at: Callable[[_Array], _Array] | None = None
 
 
 class System:

@@ -118,11 +118,19 @@ class Step:
         self.growth, self.growth_size = 0.0, 0.0
         #: Doubts about the record.
         self.notes: list[str] = []
+        #: Response of the primary mass to friction in the slot, at the samples, which is no part of the flights.
+        self.aside: _Array | float = 0.0
         #: Receives the share of the flights that is fitted.
         self.report: Callable[[float, str], None] = silent
         #: Whether single flights show that the record repeats nothing; asked where flights that repeat are
         #: hopeless.
         self.aperiodic: Callable[[], bool] = unasked
+
+    @property
+    def motion(self) -> _Array:
+        """The recorded motion without the response to friction."""
+        values: _Array = getattr(self.record, self.quantity)
+        return values if isinstance(self.aside, float) else values - self.aside
 
 
 def of_record(
@@ -319,7 +327,7 @@ def flown(
     assert step.data is not None
     record = step.record
     assert record is not None
-    values: _Array = getattr(record, step.quantity)
+    values = step.motion
     starts = onsets(values, record.rate, step.data.Omega, step.data.k)
     starts = starts[:1] if quick else starts
     flights = flights_of(step, scale, known, guess, exactly)
@@ -398,7 +406,7 @@ def flights_of(
     assert record is not None
     trusted = replace(data, F0_error=step.F0_scatter, calibration=0.0) if exactly else data
     omega, priors, force = known_of(trusted, scale, known)
-    fold = folded(getattr(record, step.quantity), record.rate, data.Omega, data.k, PLACES)
+    fold = folded(step.motion, record.rate, data.Omega, data.k, PLACES)
     return Flights(data, fold, omega, known.get("xi", guess["xi"]), step.noise, priors, force)
 
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ..results.tables import made
 from .fit import DOUBTFUL, TYPICAL_FRICTION, Fit
 from .flights import LEAST_GAIN, Measured, predicted, rung, unexplained
+from .friction import slid
 from .known import KNOWN
 from .laws import Law
 from .measured import SensorRecord
@@ -122,10 +123,16 @@ def tables_of(
                 harmonics[int(order) - 2] = tone
             values = found.values | law.fixed
             fitted_angles = motion.angles + phase
-            multipliers = verified(
-                oscillator_of(values), r, clearance, fitted_angles, pattern,
-                law.restitution(values, values["omega"] * static), harmonics,
-            ).multipliers  # fmt: skip
+            osc = oscillator_of(values)
+            if law.friction:
+                speeds = motion.speeds / (values["omega"] * static)
+                f = values["friction"]
+                exact = slid(osc, r, clearance, fitted_angles, pattern, f, speeds, harmonics)
+            else:
+                walls = law.restitution(values, values["omega"] * static)
+                exact = verified(osc, r, clearance, fitted_angles, pattern, walls, harmonics)
+            if exact.multipliers is not None:
+                multipliers = exact.multipliers
             first = motion.angles[0] / step.Omega + middle + begin
             away = distances(data, motion)
             impacts["number"] += [i + 1] * motion.angles.size
@@ -300,8 +307,7 @@ def doubts_of(
                 "or an impact is missing"
             )
     if data is not None and step.record is not None:
-        values = getattr(step.record, step.quantity)
-        place_of = unexplained(values, step.record.rate, data.Omega, data.k, data.angles)
+        place_of = unexplained(step.motion, step.record.rate, data.Omega, data.k, data.angles)
         if place_of is not None:
             late = (place_of - data.angles[0]) % (2 * math.pi * data.k) / data.Omega
             texts.append(
@@ -449,10 +455,13 @@ def modelled(data: Measured, i: int, step: Step, found: Fit, angles: Any) -> Any
     assert fold is not None
 
     def at(angles: Any) -> Any:
-        value = free.offset + found.gain * predicted(
+        value = predicted(
             data, angles, data.order, found.values["omega"], found.values["xi"], found.lengths[i],
             found.phases[i], motion.angles, motion.jumps,
         ).value  # fmt: skip
+        value = free.offset + found.gain * (
+            value if motion.at is None else value + motion.at(angles)
+        )
         return value + sum(rung(data, angles, free.data.angles, mode)[0] for mode in free.modes)
 
     whole = 2 * math.pi * data.k

@@ -1,0 +1,116 @@
+"""The fit of a rig with friction in its slot to a periodic record."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from copy import copy
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base.errors import SingularError
+from .fit import Fit, fit
+from .flights import Measured
+from .known import HINT
+from .laws import Law
+from .motions import Impacting
+from .signals import centred
+from .steps import Step, flown
+
+_Array = NDArray[np.float64]
+#: Largest number of fits with the response to friction of the previous one, and its change at which they end,
+#: relative to the errors of a folded record.
+ROUNDS, SETTLED = 12, 0.03
+#: Time about a reversal of slip (s) within which a filter of the sensor may smooth the step of the force.
+SMOOTHED = 1.5e-3
+#: Least relative error of a load; a fit would not change what determines it much less than that.
+EXACT = 1e-5
+
+
+def with_friction(
+    found: tuple[list[Step], Fit | None, Law], scale: Mapping[str, float], shared: Mapping[str, float],
+    guess: Mapping[str, float], friction: float,
+) -> tuple[list[Step], Fit, Law]:  # fmt: skip
+    """The fit with a known friction over F0, from a fit without friction.
+
+    Friction acts between the impacts, where the primary mass would fly freely. Flights are therefore fitted to the
+    record without the response to friction of the motion fitted before, and so on until it does not change.
+    """
+    (step, *_), plain, law = found
+    given = f"friction = {friction:g}"
+    if plain is None or step.data is None or not plain.motions:
+        raise SingularError(
+            f"{given}: must be left out, since the record is {step.rhythm.status}; friction is part of "
+            "fits of periodic motions only"
+        )
+    law = replace(law, friction=True)
+    known = {**shared, "friction": friction}
+    step = copy(step)
+    step.data = data = replace(
+        step.data, F0_error=max(step.data.F0_error, EXACT * (step.data.F0 or 0.0))
+    )
+    M, K = scale.get("M"), scale.get("K")
+    assert step.record is not None
+    angles = step.Omega * centred(len(step.record), step.record.rate)
+    # with the flights of the first fit, friction is only approximate
+    now = fit(
+        [data],
+        known,
+        plain.values,
+        plain.lengths,
+        plain.phases,
+        M,
+        K,
+        law,
+        plain.motions,
+        rough=True,
+    )
+    aside: _Array | float = 0.0
+    for _ in range(ROUNDS):
+        motion = now.motions[0]
+        assert motion.at is not None
+        response = motion.at(angles)
+        change, aside = float(np.std(response - aside)), response
+        other = copy(step)
+        other.aside, other.known_flights, other.notes = aside, {}, [*step.notes]
+        other.data = replace(step.data, places=np.empty(0))
+        flown(other, scale, shared, guess)
+        if other.data is None or other.data.sides != data.sides:
+            raise SingularError(
+                f"{given}: without its effect the record has other impacts than with it; {HINT}"
+            )
+        own = away_from(motion, other.data)
+        own = replace(own, values=own.values + motion.at(own.places))
+        other.data = own
+        last = change < SETTLED * float(np.median(own.errors))
+        now = fit(
+            [own], known, now.values, now.lengths, now.phases, M, K, law, nearest(now.motions, own), rough=not last
+        )  # fmt: skip
+        if last:
+            return [other], now, law
+    raise SingularError(f"{given}: the fit did not converge in {ROUNDS} rounds; {HINT}")
+
+
+def nearest(motions: list[Impacting], data: Measured) -> list[Impacting]:
+    """The motions with angles near those of flights."""
+    turn = 2 * math.pi * round(float(np.mean(data.angles - motions[0].angles)) / (2 * math.pi))
+    return [one._replace(angles=one.angles + turn) for one in motions]
+
+
+def away_from(motion: Impacting, data: Measured) -> Measured:
+    """The data without the places about reversals of the slip, where a filter smooths the step of the force."""
+    whole, width = 2 * math.pi * data.k, SMOOTHED * data.Omega
+    off = (data.places[:, None] - motion.turns + whole / 2) % whole - whole / 2
+    kept = abs(off).min(axis=1, initial=math.inf) > width
+    if kept.all():
+        return data
+    beside = np.linalg.qr(data.beside[kept])[0]
+    return replace(
+        data,
+        places=data.places[kept],
+        values=data.values[kept],
+        errors=data.errors[kept],
+        beside=beside,
+    )
