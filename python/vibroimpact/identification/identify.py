@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..base import checks
-from ..base.errors import ParameterError, ParameterTypeError, PoorFitWarning
+from ..base.errors import ParameterError, ParameterTypeError, PoorFitWarning, SingularError
 from ..base.progress import with_progress
 from ..motions.motion import Motion
 from ..results.noun import Noun
@@ -21,7 +21,7 @@ from ..systems.restitution import Restitution
 from ..systems.units import SI as SI_UNITS
 from ..systems.units import Units, has_unit, own_number, positive
 from .friction import slid
-from .known import known_values
+from .known import Doubted, Known, known_values, with_errors
 from .laws import KINDS, KNOWN_OF_LAW, Law, law_of
 from .measured import OF_SENSORS, PerChannel, SensorRecord
 from .motions import oscillator_of, verified
@@ -39,6 +39,10 @@ CALIBRATION = 0.01
 OF_KEYS = {
     "primary_mass": "M", "spring": "K", "dashpot": "C", "free_mass": "m", "travel": "d", "load_amplitude": "F0",
 }  # fmt: skip
+
+
+#: The shares of the standard error of a known value over which the change of the parameters is computed, in order.
+SHARES = (1.0, 0.3, 0.1)
 
 
 class Boundary(NamedTuple):
@@ -144,9 +148,13 @@ class Identification(Noun, study="identify"):
 
     @property
     def errors(self) -> dict[str, float]:
-        """Standard errors of the parameters that are not known, by name."""
+        """Standard errors of the parameters that are not known exactly, by name."""
         states, errors = self._parameters("state"), self._parameters("error")
-        return {name: errors[name] for name, state in states.items() if state != "known"}
+        return {
+            name: errors[name]
+            for name, state in states.items()
+            if state != "known" or errors[name] > 0
+        }
 
     @property
     def undetermined(self) -> list[str]:
@@ -437,7 +445,7 @@ class Identification(Noun, study="identify"):
         keys = case.keys
         known = {name: keys[key] for key, name in OF_KEYS.items() if key in keys}
         if "natural_frequency" in keys:
-            known["omega"] = 2 * math.pi * keys["natural_frequency"]
+            known["omega"] = (2 * math.pi * np.array(keys["natural_frequency"])).tolist()
         right, left = case.osc.restitution
         for name in ("exponent", "knee"):
             each = np.atleast_1d(keys.get(f"law_{name}", [])).tolist()
@@ -516,7 +524,7 @@ def identify(
     impact_sides: str | Sequence[str] | None = None,
     frequency: float | None = None,
     load_phase: float | None = None,
-    known: Mapping[str, float] | None = None,
+    known: Mapping[str, Known] | None = None,
     start: Oscillator | None = None,
     law: str = "constant",
     law_speed: float | None = None,
@@ -560,7 +568,10 @@ def identify(
         Phase of the load at time 0 of the impact times (radians).
     known : mapping, optional
         Known values, in SI units: M, K, C, m, d (the whole travel of the free mass), F0, omega, xi, mu, R1, R2,
-        and for a law exponent and knee (m/s), or exponent1, exponent2, knee1 and knee2.
+        and for a law exponent and knee (m/s), or exponent1, exponent2, knee1 and knee2. A value that is not known
+        exactly has a standard error, as in ``K=(42e3, 420)`` or ``K=("42 kN/m", "1 %")``; its effect, by two
+        further fits with the value one standard error higher and lower, becomes part of all errors. Near a
+        resonance, a stiffness that is 1 % wrong may change xi by many times its statistical error unnoticed.
     start : Oscillator, optional
         Starting values of the fit for what the records do not give; xi = 0.01, mu = 0.05 and R = 0.7 by default.
     law : {"constant", "power", "powers", "knee", "knees", "table", "tables"}
@@ -705,7 +716,7 @@ def one_record(item: Any) -> SensorRecord:
 
 def identified(
     records: Sequence[SensorRecord] = (), *, impact_times: Any = None, impact_sides: Any = None,
-    frequency: float | None = None, load_phase: float | None = None, known: Mapping[str, float] | None = None,
+    frequency: float | None = None, load_phase: float | None = None, known: Mapping[str, Known] | None = None,
     start: Oscillator | None = None, law: str = "constant", law_speed: float | None = None,
     law_knots: int | None = None, friction: float | str | None = None,
     calibration: float = CALIBRATION, case: str = "", progress: Callable[[float, str], None] | None = None,
@@ -713,7 +724,8 @@ def identified(
     """All steps; arguments as in `identify`."""
     if frequency is not None:
         frequency = positive(own_number(frequency, "frequency"), "frequency")
-    scale, shared = known_values(known or {})
+    values, doubted = with_errors(known or {})
+    scale, shared = known_values(values)
     calibration = positive(calibration, "calibration", zero=True)
     if not calibration < 1:
         raise ParameterError(
@@ -773,4 +785,35 @@ def identified(
         share = friction_over(friction, steps[0], scale)
         steps, found, own = with_friction((steps, found, own), scale, shared, guess, share)
         shared["friction"] = share
-    return Identification(tables_of(steps, found, scale, shared, own, case))
+
+    def refitted(name: str, value: float) -> dict[str, float]:
+        """The values of all parameters with another known value."""
+        return identified(
+            records, impact_times=impact_times, impact_sides=impact_sides, frequency=frequency,
+            load_phase=load_phase, known={**values, name: value}, start=start, law=law, law_speed=law_speed,
+            law_knots=law_knots, friction=friction, calibration=calibration, progress=lambda share, task: None,
+        ).values  # fmt: skip
+
+    changes = {item.name: (item, change_over(item, refitted)) for item in doubted}
+    return Identification(tables_of(steps, found, scale, shared, own, case, changes))
+
+
+def change_over(
+    item: Doubted, refitted: Callable[[str, float], dict[str, float]]
+) -> dict[str, float]:
+    """Half the difference of all parameters between fits with a known value one standard error above and below; in
+    proportion to that of closer values where no motion fits."""
+    reason = ""
+    for share in SHARES:
+        try:
+            above, below = (
+                refitted(item.name, item.value + sign * share * item.error) for sign in (1, -1)
+            )
+        except SingularError as error:
+            reason = reason or str(error).partition("; tried:")[0]
+            continue
+        return {name: (above[name] - below[name]) / (2 * share) for name in above}
+    raise SingularError(
+        f"known {item.name} = {item.value:.6g} +- {item.error:.2g}: no motion fits with a value within this "
+        f"error; state a smaller one ({reason})"
+    )

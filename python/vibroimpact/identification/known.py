@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Any, NamedTuple, TypeAlias
 
 from ..base import checks
 from ..base.errors import ParameterError, ParameterTypeError
-from ..systems.units import OTHERS, POWERS, own_number, positive
+from ..systems.units import OTHERS, POWERS, has_unit, own_number, plain_number, positive
 from .laws import KNOWN_OF_LAW
 
 #: The values that may be known, and their units.
@@ -22,6 +23,79 @@ HINT = (
 )
 #: The shared parameters of records that may be known, in this order.
 SHARED = ("omega", "xi", "mu", "R1", "R2", *KNOWN_OF_LAW, "d")
+
+
+#: A known value as the caller gives it: a number or a text with its unit, or this with its standard error.
+Known: TypeAlias = float | str | tuple[float | str, float | str]
+#: Step of the differences of derived known values, in standard errors.
+STEP = 1e-3
+
+
+class Doubted(NamedTuple):
+    """A known value with a standard error.
+
+    Attributes
+    ----------
+    name : str
+    value, error : float
+        In SI units.
+    scale, shared : dict of str to float
+        The derivatives of the values that `known_values` returns with respect to it.
+    """
+
+    name: str
+    value: float
+    error: float
+    scale: dict[str, float]
+    shared: dict[str, float]
+
+
+def with_errors(known: Mapping[str, Any]) -> tuple[Mapping[str, Any], list[Doubted]]:
+    """The known values alone, and those that have a standard error, given as (value, error)."""
+    if not isinstance(known, Mapping) or not any(
+        isinstance(value, (tuple, list)) for value in known.values()
+    ):
+        return known, []
+    values, errors = dict(known), dict[str, float]()
+    for name, value in known.items():
+        if not isinstance(value, (tuple, list)):
+            continue
+        if len(value) != 2:
+            raise ParameterError(
+                f"known {name} = {value!r}: must be a value, or a value and its standard error"
+            )
+        values[name], error = value
+        checks.choice(name, "known: name", tuple(KNOWN))
+        label, share = f"error of known {name}", 1.0
+        if KNOWN[name] and isinstance(error, str) and error.rstrip().endswith("%"):
+            # of a quantity with a dimension only a share can be meant
+            share = own_number(values[name], name, label=f"known {name}")
+            error = plain_number(error, label, (0, 0, 0), "m N s")
+        elif has_unit(error):
+            error = own_number(error, "xi" if not KNOWN[name] else name, label=label)
+        errors[name] = positive(error, label, zero=True) * positive(
+            share, f"known {name}", zero=True
+        )
+    if {"M", "K", "omega"} <= known.keys() and {"M", "K", "omega"} & errors.keys():
+        raise ParameterError("known M, K, omega: must be two of them if one has a standard error")
+    scale, shared = known_values(values)
+    numbers = scale | shared | {
+        name: own_number(value, name) for name, value in values.items() if name in ("m", "C")
+    }  # fmt: skip
+    found = []
+    for name, error in errors.items():
+        if not error > 0:
+            continue
+        step = STEP * error
+        above, below = (
+            known_values(values | {name: float(numbers[name]) + sign * step}) for sign in (1, -1)
+        )
+        slopes = [
+            {key: (up[key] - down[key]) / (2 * step) for key in up}
+            for up, down in zip(above, below, strict=True)
+        ]
+        found.append(Doubted(name, float(numbers[name]), error, *slopes))
+    return values, found
 
 
 def known_values(known: Mapping[str, float]) -> tuple[dict[str, float], dict[str, float]]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,13 +14,14 @@ from ..results.tables import made
 from .fit import DOUBTFUL, TYPICAL_FRICTION, Fit
 from .flights import LEAST_GAIN, Measured, predicted, rung, unexplained
 from .friction import slid
-from .known import KNOWN
+from .known import KNOWN, Doubted
 from .laws import Law
 from .measured import SensorRecord
 from .motions import oscillator_of, verified
 from .signals import centred
 from .stages import FAR, distances
 from .steps import LOAD_TONES, Step
+from .strains import Strain
 from .windows import unfound_ringing
 
 _Array = NDArray[np.float64]
@@ -68,9 +70,13 @@ def tables_of(
     shared: Mapping[str, float],
     law: Law,
     case: str,
+    doubted: Mapping[str, tuple[Doubted, Mapping[str, float]]] | None = None,
 ) -> Any:
-    """All columns of a result."""
+    """All columns of a result; `doubted` are the known values that have a standard error, and the changes of all
+    values over it."""
     parameters = parameters_of(steps, found, scale, shared, law)
+    if doubted:
+        found = widened(parameters, steps, found, scale, doubted)
     names = (
         "status", "quantity", "sides", "cycles", "frequency", "load", "load_phase", "r", "clearance",
         "static", "first", "misfit", "multipliers", "harmonics",
@@ -584,6 +590,54 @@ def parameters_of(
     return table
 
 
+def widened(
+    parameters: dict[str, list[Any]], steps: list[Step], found: Fit | None, scale: Mapping[str, float],
+    doubted: Mapping[str, tuple[Doubted, Mapping[str, float]]],
+) -> Fit | None:  # fmt: skip
+    """Adds the errors of known values to those of all parameters that depend on them: `doubted` has the changes of
+    all values over a standard error of each.
+
+    Returns
+    -------
+    Fit or None
+        The fit without doubts and remarks about differences that these errors explain.
+    """
+    variances = np.square(parameters["error"])
+    of_known: dict[str, float] = {}
+    for known, changes in doubted.values():
+        change = np.array([changes[name] for name in parameters["name"]])
+        # parameters without a value remain undetermined
+        variances += np.where(np.isfinite(change), change, 0.0) ** 2
+        for name, slope in (known.shared | of_loads(steps, scale, known)).items():
+            of_known[name] = math.hypot(of_known.get(name, 0.0), slope * known.error)
+    parameters["error"] = np.sqrt(variances).tolist()
+    half = WIDTH * np.sqrt(variances)
+    parameters["low"] = (np.array(parameters["value"]) - half).tolist()
+    parameters["high"] = (np.array(parameters["value"]) + half).tolist()
+    if found is None:
+        return None
+    strains = dict(found.strains)
+    for name, error in of_known.items():
+        if name not in strains or not error > 0:
+            continue
+        size, change_of = strains.pop(name)
+        size /= math.hypot(1.0, error * size / change_of) if change_of else 1.0
+        if abs(size) > STRAINED:
+            strains[name] = Strain(size, change_of)
+    leans = {name: by for name, by in found.leans.items() if not of_known.get(name, 0.0) > 0}
+    return replace(found, strains=strains, leans=leans)
+
+
+def of_loads(steps: Sequence[Step], scale: Mapping[str, float], known: Doubted) -> dict[str, float]:
+    """The changes of the loads ("F0 0" for the first record) that have the same effect on F0/K as a unit change of
+    a known value."""
+    stiff = "K" if "K" in scale else "M"
+    slope = known.scale.get("F0", 0.0) / scale.get("F0", 1.0)
+    slope -= known.scale.get(stiff, 0.0) / scale.get(stiff, 1.0)
+    loads = [(step.data or step.apart or Measured(step.Omega, 1)).F0 for step in steps]
+    return {f"F0 {i}": slope * load for i, load in enumerate(loads) if load is not None and slope}
+
+
 def said(name: str, value: float, error: float | None, unit: str = "") -> str:
     """A parameter with its error and unit as a text; lengths below a decimetre are in mm.
 
@@ -600,10 +654,11 @@ def said(name: str, value: float, error: float | None, unit: str = "") -> str:
         return f"{name} = {value:.6g}{unit}"
     if not math.isfinite(error):
         return f"{name} undetermined"
+    shown = f"{float(f'{error:.2g}'):g}"  # 210, not 2.1e+02
     digits = max(0, 1 - math.floor(math.log10(error)))
     if digits > 8:
-        return f"{name} = {value:.6g} +- {error:.2g}{unit}"
-    return f"{name} = {value:.{digits}f} +- {error:.2g}{unit}"
+        return f"{name} = {value:.6g} +- {shown}{unit}"
+    return f"{name} = {value:.{digits}f} +- {shown}{unit}"
 
 
 def amount(size: float, name: str) -> str:

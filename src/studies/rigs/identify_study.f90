@@ -28,7 +28,8 @@ module vi_identify_study
       &working directory'), &
       key_type('impact_sides', a_word, only=with_times, may_miss=.true., &
       takes='one letter R or L for each of the impact_times', meaning='walls of the impacts'), &
-      key_type('frequency', low=tiny_value, high=huge_value, may_miss=.true., unit='Hz', &
+      key_type('frequency', low=tiny_value, high=huge_value, may_miss=.true., &
+      unit='Hz', &
       meaning='load frequency; by default that of the load, or of the motion without a load'), &
       key_type('load_phase', only=with_times, may_miss=.true., unit='rad', &
       meaning='phase of the load at time 0, if it is known'), &
@@ -56,20 +57,24 @@ module vi_identify_study
       &known', meaning='root mean square of the noise of a sensor, in the unit of its channel'), &
       key_type('calibration', low=0.0_wp, high=0.5_wp, never=with_times, may_miss=.true., &
       meaning='relative standard error of the calibration of each sensor; by default 0.01'), &
-      key_type('primary_mass', low=tiny_value, high=huge_value, may_miss=.true., unit='kg', &
-      meaning='M, if it is known'), &
-      key_type('spring', low=tiny_value, high=huge_value, may_miss=.true., unit='N/m', &
-      meaning='K, if it is known'), &
-      key_type('dashpot', low=0.0_wp, high=huge_value, may_miss=.true., unit='N s/m', &
-      meaning='C, if it is known'), &
-      key_type('free_mass', low=tiny_value, high=huge_value, may_miss=.true., unit='kg', &
-      meaning='m, if it is known'), &
-      key_type('travel', low=tiny_value, high=huge_value, may_miss=.true., unit='m', &
-      meaning='d, the whole travel of m between the walls, if it is known'), &
-      key_type('natural_frequency', low=tiny_value, high=huge_value, may_miss=.true., unit='Hz', &
-      meaning='omega/(2 pi), if it is known'), &
-      key_type('load_amplitude', low=tiny_value, high=huge_value, may_miss=.true., unit='N', &
-      meaning='F0, if it is known; by default that of the load'), &
+      key_type('primary_mass', most=2, low=tiny_value, high=huge_value, may_miss=.true., &
+      unit='kg', &
+      meaning='M, if it is known, and its standard error'), &
+      key_type('spring', most=2, low=tiny_value, high=huge_value, may_miss=.true., unit='N/m', &
+      meaning='K, if it is known, and its standard error'), &
+      key_type('dashpot', most=2, low=0.0_wp, high=huge_value, may_miss=.true., unit='N s/m', &
+      meaning='C, if it is known, and its standard error'), &
+      key_type('free_mass', most=2, low=tiny_value, high=huge_value, may_miss=.true., unit='kg', &
+      meaning='m, if it is known, and its standard error'), &
+      key_type('travel', most=2, low=tiny_value, high=huge_value, may_miss=.true., unit='m', &
+      meaning='d, the whole travel of m between the walls, if it is known, and its standard &
+      &error'), &
+      key_type('natural_frequency', most=2, low=tiny_value, high=huge_value, may_miss=.true., &
+      unit='Hz', &
+      meaning='omega/(2 pi), if it is known, and its standard error'), &
+      key_type('load_amplitude', most=2, low=tiny_value, high=huge_value, may_miss=.true., &
+      unit='N', &
+      meaning='F0, if it is known, and its standard error; by default that of the load'), &
       key_type('fixed', a_word, most=4, words='xi mu R1 R2', may_miss=.true., &
       takes='some of ''xi'', ''mu'', ''R1'' and ''R2''', &
       meaning='parameters of &system that are known; the others are where the fit starts'), &
@@ -94,7 +99,7 @@ module vi_identify_study
       column_type('parameters', 'name', words, meaning='the parameter'), &
       column_type('parameters', 'value', &
       meaning='its value; if it is undetermined, the starting value of the fit'), &
-      column_type('parameters', 'error', meaning='its standard error; 0 if it is known'), &
+      column_type('parameters', 'error', meaning='its standard error; 0 if it is known exactly'), &
       column_type('parameters', 'low', meaning='lower end of its 95 % interval'), &
       column_type('parameters', 'high', meaning='upper end of its 95 % interval'), &
       column_type('parameters', 'unit', words, meaning='its unit'), &
