@@ -474,7 +474,8 @@ def equispaced_batch(
     osc : Oscillator
         As in `equispaced`: with R1 = R2.
     r, clearance : array_like, scalar or (M,)
-        Frequency ratios Omega/omega, and clearances D = d K/F0.
+        Frequency ratios Omega/omega, and clearances D = d K/F0, of each point; two numbers are two points, not a
+        range.
     cycles : int
         Load cycles k in a period, odd.
     precision : str
