@@ -472,7 +472,9 @@ def by_laws(
     )  # fmt: skip
     # no friction; by all information, part of which is that of noise, since friction may resemble other parameters
     every, by_friction = impacts.rubbed(best)
-    inverse = np.linalg.pinv(best.information * sizes, rcond=1e-12, hermitian=True) * sizes
+    inverse = np.asarray(
+        np.linalg.pinv(best.information * sizes, rcond=1e-12, hermitian=True) * sizes, dtype=np.float64
+    )  # fmt: skip
     of_friction, by = held_strains(
         every, ["friction"], by_friction, best.multiplier, change, best.cov, best.B, inverse, variance, places
     )  # fmt: skip

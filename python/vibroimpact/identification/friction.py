@@ -182,7 +182,8 @@ class Rubbing(System):
         it."""
         omega, xi, _, _, static, phase = p[:6].tolist()
         own = predicted(self.data, places, order, omega, xi, static, phase, angles, jumps).value
-        return own + self.response(p, places, angles, turns, flight, order)[0]
+        found: _Array = own + self.response(p, places, angles, turns, flight, order)[0]
+        return found
 
     def response(
         self, p: _Array, places: _Array, angles: _Array, turns: _Array, flight: _Ints, order: int
@@ -208,8 +209,9 @@ class Rubbing(System):
         self, p: _Array, angles: _Array, turns: _Array, jumps: _Array, flight: _Ints
     ) -> _Array:
         """Positions of the free mass at the impacts."""
-        x: _Array = self.velocity(p, angles, angles, turns, jumps, flight, 0)
-        return x + self.signs * p[3] / 2
+        x = self.velocity(p, angles, angles, turns, jumps, flight, 0)
+        found: _Array = x + self.signs * p[3] / 2
+        return found
 
     def slides(
         self, p: _Array, angles: _Array, turns: _Array, jumps: _Array, flight: _Ints

@@ -47,10 +47,8 @@ def with_friction(
         )
     law = replace(law, friction=True)
     known = {**shared, "friction": friction}
-    step = copy(step)
-    step.data = data = replace(
-        step.data, F0_error=max(step.data.F0_error, EXACT * (step.data.F0 or 0.0))
-    )
+    data = step.data
+    data = replace(data, F0_error=max(data.F0_error, EXACT * (data.F0 or 0.0)))
     M, K = scale.get("M"), scale.get("K")
     assert step.record is not None
     angles = step.Omega * centred(len(step.record), step.record.rate)
@@ -75,7 +73,7 @@ def with_friction(
         change, aside = float(np.std(response - aside)), response
         other = copy(step)
         other.aside, other.known_flights, other.notes = aside, {}, [*step.notes]
-        other.data = replace(step.data, places=np.empty(0))
+        other.data = replace(data, places=np.empty(0))
         flown(other, scale, shared, guess)
         if other.data is None or other.data.sides != data.sides:
             raise SingularError(
