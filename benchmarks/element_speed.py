@@ -4,6 +4,10 @@ event.
 The systems are a driven mass that meets a stop of 100 times its stiffness, and a driven mass with dry friction
 strong enough to stick. Both sides must find the same events. A contact with the stop is two events.
 
+Two further tables compare structures with each other, in turns: the two masses of 1983 with friction in the slot
+beside the same masses with rigid walls alone, joined by a weak spring, so that the general path is taken; and a
+chain of 12 masses with 1 to 12 elements, whose cost must grow linearly.
+
 Run with `python benchmarks/element_speed.py` (the rows of SciPy and heyoka need these).
 """
 
@@ -145,6 +149,69 @@ def agree(times, known, end):
     return len(times) >= len(known) and bool(np.abs(times[: len(known)] - known).max() < 1e-6)
 
 
+def pair(friction):
+    """The two masses of 1983, which a weak spring keeps from the kernel of the oscillator."""
+    spring = 1e-3 * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    gaps = [vi.Gap([-1, 1], 12.5, 0.75), vi.Gap([1, -1], 12.5, 0.75)]
+    slot = [vi.Friction([-1, 1], friction)] if friction else []
+    s = vi.Structure([1, 0.028], [0.0228, 0], np.diag([1.0, 0]) + spring, gaps, slot)
+    return s, vi.Load(1.04, sine=[1.0, 0.0])
+
+
+def chain(elements):
+    """A chain of 12 masses, and elements of three kinds on the first of them."""
+    n = 12
+    stiffness = 2 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
+    kinds = (
+        lambda d: vi.Stop(d, 0.5, 20.0, 0.5),
+        lambda d: vi.Friction(d, 0.02),
+        lambda d: vi.Gap(d, 0.5, 0.7),
+    )
+    parts = [kinds[i % 3](np.eye(n)[i]) for i in range(elements)]
+    friction = [part for part in parts if isinstance(part, vi.Friction)]
+    gaps = [part for part in parts if not isinstance(part, vi.Friction)]
+    s = vi.Structure(np.ones(n), 0.05 * stiffness, stiffness, gaps, friction)
+    return s, vi.Load(0.8, cosine=np.ones(n))
+
+
+def event_costs(systems, cycles):
+    """Microseconds of an event of each system, the least of several turns; those of the regimes are met before."""
+    best = np.full(len(systems), np.inf)
+    for _ in range(ROUNDS):
+        for i, (structure, load) in enumerate(systems):
+            seconds, run = spent(
+                lambda s=structure, w=load: vi.simulate(
+                    s, w, cycles=cycles, discard=20, max_events=10**7
+                ),
+                1,
+            )
+            best[i] = min(best[i], 1e6 * seconds * cycles / (cycles + 20) / len(run.events))
+    return best
+
+
+def growth():
+    """Rows of the pair with friction and of the chain."""
+    plain, slot = event_costs([pair(0.0), pair(0.05)], CYCLES)
+    table = [
+        row("the pair with friction: an event", "us", slot, 1.5 * plain, plain, "without friction")
+    ]
+    many = [1, 2, 3, 4, 5, 6, 12]
+    costs = event_costs([chain(m) for m in many], 300)
+    line = np.polyfit(many, costs, 1)
+    for m, cost in zip(many, costs, strict=True):
+        table.append(
+            row(
+                f"a chain with {m} elements: an event",
+                "us",
+                cost,
+                None,
+                np.polyval(line, m),
+                "a straight line",
+            )
+        )
+    return table
+
+
 def rows():
     try:
         from scipy.integrate import solve_ivp
@@ -174,7 +241,7 @@ def rows():
             )
         if not peers:
             table.append(row(f"{name}: an event", "us", cost, None, None, "", None))
-    return table
+    return table + growth()
 
 
 if __name__ == "__main__":
