@@ -89,6 +89,14 @@ def compare(structure, load, step=2e-3):
     return "compared", float(max(differences))
 
 
+@pytest.mark.parametrize("number", [364, 424, 501])
+def test_structures_in_which_impacts_change_stops(number):
+    """Of the large run: dashpots that pull or push anew at an impact let go or press at that instant."""
+    what, difference = compare(*of_all_kinds(np.random.default_rng([1, number])))
+    assert what == "compared"
+    assert difference < 1e-10
+
+
 @pytest.mark.slow
 def test_multipliers_are_those_of_an_independent_program(request, share):
     """Traces of [P] and its powers are those of the complex step through a period of matrix exponentials."""

@@ -899,6 +899,11 @@ contains
       integer, intent(in) :: number
 
       kind = slip_up_event
+      if (.not. run%structure%rubs(number)) then
+         ! a stop that an impact changes
+         kind = merge(press_event, let_go_event, any(run%regimes(state%regime)%closed == number))
+         return
+      end if
       if (any(run%regimes(state%regime)%closed == number)) kind = halt_event
       if (any(run%regimes(state%regime)%closed == -number)) kind = slip_down_event
    end function kind_of_friction
@@ -1162,8 +1167,8 @@ contains
          if (state%unsettled .and. .not. changed) call judge_contacts(run, state, events(n + 1), &
             changed, status)
          if (status /= stat%ok) return
-         if (run%structure%has_friction .and. .not. (changed .or. goes_on)) call judge_friction( &
-            run, state, events(n + 1), changed, status)
+         if ((run%structure%has_friction .or. allocated(state%pending)) .and. .not. (changed .or. &
+            goes_on)) call judge_friction(run, state, events(n + 1), changed, status)
          if (status /= stat%ok) return
          if (.not. (changed .or. goes_on)) call accumulate(run, state, limit, events(n + 1), &
             changed, status)
@@ -1316,6 +1321,49 @@ contains
       state%elapsed = max(0.0_wp, state%elapsed - real(cycles, wp)*run%period)
    end subroutine move
 
+   !> Lets go of stops that an impact makes pull, and presses those that it makes push: their forces
+   !! jump by their dashpots, and do not pass 0.
+   pure subroutine press_anew(run, gap, phase, state, event, status)
+      !> In and out: the regime is added.
+      type(run_type), intent(inout) :: run
+      !> The gap, and the load phase (rad).
+      integer, intent(in) :: gap
+      real(wp), intent(in) :: phase
+      !> In and out: the state, with q and q' after the impact.
+      type(run_state_type), intent(inout) :: state
+      !> In and out: the impact.
+      type(run_event_type), intent(inout) :: event
+      !> `stat%ok`, or as in `new_regime`.
+      integer, intent(out) :: status
+      integer, allocatable :: changed(:), closed(:), now(:)
+      integer :: i, j
+
+      status = stat%ok
+      allocate (closed, source=run%regimes(state%regime)%closed)
+      allocate (changed(0))
+      do i = 1, size(closed)
+         j = abs(closed(i))
+         if (.not. run%structure%push(j) > 0) cycle
+         associate (direction => run%structure%directions(:, j), &
+            mobility => run%structure%mobility(:, gap))
+            if (.not. abs(dot_product(direction, mobility)) > 64*epsilon(1.0_wp)* &
+               dot_product(abs(direction), abs(mobility))) cycle
+         end associate
+         now = without_force(run, [j], phase, state%q, state%rate)
+         if (now(1) /= closed(i)) changed = [changed, j]
+      end do
+      if (size(changed) == 0) return
+      do i = 1, size(changed)
+         j = merge(-changed(i), changed(i), any(closed == changed(i)))
+         closed = merged(pack(closed, abs(closed) /= changed(i)), j)
+      end do
+      call enter(run, closed, phase, state%q, state%rate, state, status)
+      if (status /= stat%ok) return
+      if (.not. allocated(state%pending)) allocate (state%pending(0))
+      state%pending = [state%pending, changed]
+      call note(state, impact_event, gap, event%speed, event%impulse, state%q, state%rate, event)
+   end subroutine press_anew
+
    !> Advances to an impact and through it.
    !!
    !! With a speed that is nothing but rounding the gap only touches, whatever its coefficient of
@@ -1339,7 +1387,8 @@ contains
 
       status = stat%ok
       bare = state%bare .and. run%regimes(state%regime)%coordinates%by_position .and. &
-         run%structure%simultaneous == refused .and. .not. run%structure%has_friction
+         run%structure%simultaneous == refused .and. .not. (run%structure%has_friction .or. &
+         any(run%structure%push > 0))
       associate (regime => run%regimes(state%regime), structure => run%structure, q => state%q, &
          rate => state%rate)
          gap = gap_of(regime, reached%row, reached%wall)
@@ -1398,7 +1447,8 @@ contains
          if (size(regime%resting) > 0 .or. allocated(state%touching)) state%unsettled = .true.
          call note(state, impact_event, gap, reached%speed, impulse, q, rate, event, bare)
       end associate
-      if (.not. run%structure%has_friction) return
+      call press_anew(run, gap, run%load%frequency*state%elapsed, state, event, status)
+      if (status /= stat%ok .or. .not. run%structure%has_friction) return
       rubbing = rubs_with(run%structure, gap)
       if (size(rubbing) == 0) return
       call rub(run, rubbing, run%load%frequency*state%elapsed, state, status)
