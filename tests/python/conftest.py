@@ -45,7 +45,7 @@ def pytest_collection_modifyitems(items):
 
 @pytest.fixture(scope="session")
 def kept_cases(pytestconfig):
-    """The kept cases with their answers; with --once every fifth, with --share 0.2 every third, with 0.1 every sixth."""
+    """The kept cases with their answers; with --once every fifth, with --share 0.1 every sixth."""
     asked = pytestconfig.getoption("--share")
     step = round(0.6 / asked) if asked < 0.6 else 1
     return load()[:: 5 if pytestconfig.getoption("--once") else step]

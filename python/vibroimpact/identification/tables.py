@@ -402,6 +402,8 @@ def unstated(found: Fit, Omega: float) -> list[str]:
         elif name == "friction" and name not in found.values:
             step = unexcluded(found)
             what = f"there were friction of {step:.2g} F0 in the slot, which the record does not exclude"
+            if step >= TYPICAL_FRICTION:
+                what += " (in proportion for more)"
         elif kind == "omega":
             step, what = 0.005 * found.values[name], "K/M (or omega^2) as known were 1 % larger"
         else:
