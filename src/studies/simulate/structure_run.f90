@@ -1383,12 +1383,14 @@ contains
       integer, allocatable :: rubbing(:)
       real(wp) :: impulse, restitution, slope
       integer :: j, gap
-      logical :: bare
+      logical :: bare, pushes
 
       status = stat%ok
+      ! whether the end of a contact is decided by a force
+      pushes = run%structure%has_stops
+      if (pushes) pushes = any(run%structure%push > 0)
       bare = state%bare .and. run%regimes(state%regime)%coordinates%by_position .and. &
-         run%structure%simultaneous == refused .and. .not. (run%structure%has_friction .or. &
-         any(run%structure%push > 0))
+         run%structure%simultaneous == refused .and. .not. (run%structure%has_friction .or. pushes)
       associate (regime => run%regimes(state%regime), structure => run%structure, q => state%q, &
          rate => state%rate)
          gap = gap_of(regime, reached%row, reached%wall)
@@ -1447,7 +1449,8 @@ contains
          if (size(regime%resting) > 0 .or. allocated(state%touching)) state%unsettled = .true.
          call note(state, impact_event, gap, reached%speed, impulse, q, rate, event, bare)
       end associate
-      call press_anew(run, gap, run%load%frequency*state%elapsed, state, event, status)
+      if (pushes) call press_anew(run, gap, run%load%frequency*state%elapsed, state, &
+         event, status)
       if (status /= stat%ok .or. .not. run%structure%has_friction) return
       rubbing = rubs_with(run%structure, gap)
       if (size(rubbing) == 0) return
