@@ -34,7 +34,7 @@ PLANE = f"""{TABLE}&basins clearance = 37
 
 
 def assert_both(text, batch, command, status=0):
-    """The rows of a case; both programs must give them, and give them again from the result."""
+    """The rows of a case; both programs must write them, and write the same from the result."""
     done = batch.case(text)
     assert done.status == status, done
     assert command("case.nml", "-o", "command") == done

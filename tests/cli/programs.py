@@ -77,7 +77,7 @@ def kinds():
     return {kind: init.template(kind, f"{kind}.nml") for kind in init.kinds()}
 
 
-#: A line that names a file that was written.
+#: A line of output that names a written file.
 WRITTEN = re.compile(
     rb"^[\w.\x80-\xff-]+: (.+\.(?:csv|txt|json|nc|mat|png|svg|pdf|gif|mp4))\n", re.MULTILINE
 )
@@ -99,7 +99,7 @@ class Outcome:
 
 
 class Runner:
-    """Runs one program in one folder; relative paths are relative to that folder."""
+    """Runs one program in a folder; relative paths start from that folder."""
 
     def __init__(self, start, cwd):
         """`start` is the program with its first arguments."""
@@ -176,7 +176,7 @@ def call_here(call, cwd):
 
 
 def bound_by_permissions():
-    """Called in a child before it starts: even root may then only read and write what permissions allow.
+    """Run in a child process before it starts: even root then has only the access that file permissions allow.
 
     Root bypasses permissions by two capabilities, which are removed from the bounding set.
     """
@@ -195,7 +195,7 @@ def write(path, text):
     return path
 
 
-#: Makes a bar appear at once, and be drawn at every update.
+#: Show a progress bar at once, and redraw it at every update.
 EAGER = (
     "import vibroimpact.base.progress as p, vibroimpact.base.interrupt as r\n"
     "p.PATIENCE = p.INTERVAL = 0.0; r.INTERVAL = 0.001\n"
@@ -278,7 +278,7 @@ def find_twin():
 
 
 def contents(folder):
-    """Name and bytes of every file below a folder; of those that are renamed meanwhile perhaps none."""
+    """Name and bytes of every file below a folder; files renamed meanwhile may be missing."""
     found = {}
     for path in Path(folder).rglob("*"):
         if path.is_file():
@@ -354,14 +354,14 @@ def chain(count):
 
 
 def changed(line, text):
-    """The complete case with one line replaced by other text."""
+    """The complete case with one line replaced."""
     lines = COMPLETE.splitlines()
     lines[line - 1] = text
     return "\n".join(lines) + "\n"
 
 
 def assert_refused(text, group, wanted, line, batch):
-    """One line with file, line, group, key, value and what is allowed; status 2; no result."""
+    """Check for one line with file, line, group, key, value and allowed values; status 2; no result."""
     done = batch.case(text)
     assert (done.status, done.out, len(done.faults)) == (2, b"", 1), done
     assert done.faults[0].startswith(f"case.nml:{line}: &{group} ")

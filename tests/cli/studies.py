@@ -23,7 +23,7 @@ PARAMETERS = ("r", "clearance", "xi", "mu", "R1", "R2")
 
 
 def assert_branch(table, branch):
-    """The rows of a branch have the digits of the API's."""
+    """Check that the rows of a branch have the digits of the API."""
     assert [int(row["point"]) for row in table] == list(range(1, len(branch) + 1))
     for name in (*PARAMETERS, "A", "tau", "residual", "x_min", "x_max", "attenuation"):
         assert column(table, name).tolist() == getattr(branch, name).tolist(), name
@@ -32,7 +32,7 @@ def assert_branch(table, branch):
         assert column(table, f"X_{i + 1}").tolist() == branch.X[i].tolist()
     for i in range(4):
         moduli = column(table, f"multiplier_{i + 1}_modulus")
-        # none at a zero of an approach speed
+        # none where an approach speed is zero
         assert moduli == pytest.approx(abs(branch.multipliers[i]), rel=1e-15, nan_ok=True)
     for name in ("admissible", "stable"):
         words = [{1: "true", 0: "false", -1: "unknown"}[int(x)] for x in getattr(branch, name)]
@@ -46,7 +46,7 @@ def assert_branch(table, branch):
 
 
 def assert_zone(table, zone):
-    """The rows of a zone have the digits of the API's, piece by piece."""
+    """Check that the rows of a zone have the digits of the API, piece by piece."""
     assert {row["piece"] for row in table} == {str(i + 1) for i in range(len(zone.boundary))}
     for i, piece in enumerate(zone.boundary, start=1):
         part = [row for row in table if row["piece"] == str(i)]
@@ -58,9 +58,9 @@ def assert_zone(table, zone):
 
 
 def assert_atlas(path, atlas):
-    """The zones of the table are those of the API's, in this order; lost attractors are in its header."""
+    """Check that a table has the zones of the API in the same order, with lost attractors in its header."""
     table = rows(path)
-    words = {True: "true", False: "false", None: "false"}  # with rest: no symmetric family
+    words = {True: "true", False: "false", None: "false"}  # with rest, there is no symmetric family
     wanted = {
         (zone.pattern.sides, str(zone.pattern.cycles), words[zone.symmetric]): zone
         for zone in atlas.zones if zone.boundary

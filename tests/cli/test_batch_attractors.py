@@ -27,7 +27,7 @@ from vibroimpact.cases.case import read_namelist
 
 
 def assert_diagram(table, result):
-    """Every digit of the table is that of the API's diagram."""
+    """Every digit of the table equals that of the diagram of the API."""
     points = result.points
     assert [row["run"] for row in table] == [result.runs[i] for i in points["run"]]
     assert column(table, result.parameter).tolist() == result.values[points["index"]].tolist()
@@ -77,7 +77,7 @@ def test_sweeps_agree_outside_the_hysteresis(batch):
     both_ways = [pair == ("2/1", "2/1") for pair in labels]
     only_up = [pair[0] == "2/1" != pair[1] for pair in labels]
     neither = ["2/1" not in pair for pair in labels]
-    # the two-impact motion: first in both sweeps, then only in the sweep up, then in neither, without gaps
+    # the two-impact motion is found in both sweeps, then only in the sweep up, then in neither, without gaps
     assert [*both_ways] == sorted(both_ways, reverse=True)
     assert [*neither] == sorted(neither)
     assert sum(both_ways) > 3 < sum(only_up)
@@ -250,7 +250,7 @@ def test_what_never_settles_is_not_decided(batch, command):
     done = batch.case(PLANE.replace("probes", "load = 0, cycles = 50, probes"))
     assert (done.status, done.faults) == (1, ["case: 66 of 72 states not decided"])
     assert done.out.startswith(b"case: 72 states, no impacts 8.33%")
-    # the free mass stays where it is if the decaying motion of the primary mass never takes a wall there
+    # the free mass stays at rest if the decaying motion of the primary mass never brings a wall to it
     for row in rows(batch.cwd / "results/case.csv"):
         x, x_dot = float(row["x"]), float(row["x_dot"])
         assert (row["attractor"] != "") == (abs(x) + math.hypot(x, x_dot) < 37 / 2)
@@ -305,7 +305,7 @@ def test_resonance_without_damping(batch):
 
 
 def test_defaults_are_those_of_the_api(tmp_path):
-    """Keys left out of a namelist have the defaults of the API."""
+    """Keys omitted in a namelist have the defaults of the API."""
     line = "parameter = 'clearance', low = 9, high = 10, values = 2"
     text = (
         f"{EQUAL}&lyapunov clearance = 9 /\n&bifurcation {line} /\n&bifurcation {line}, sweep = 'states' /\n"
@@ -335,7 +335,7 @@ def test_defaults_are_those_of_the_api(tmp_path):
 
 @pytest.mark.parametrize("program", ["batch", "command"])
 def test_interrupt_leaves_whole_items(program, request):
-    """After an interrupt finished results are whole, and a kept part of the stopped one is marked as cut short."""
+    """After an interrupt, finished results are complete, and a kept partial result is marked as cut short."""
     run = request.getfixturevalue(program)
     longest = "&bifurcation parameter = 'clearance', low = 9, high = 10, values = 100, settling = 1000000 /\n"
     done = f"&lyapunov clearance = 9, cycles = 50, {MOVING} /\n"

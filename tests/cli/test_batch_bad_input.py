@@ -146,11 +146,11 @@ FORMS = [
 
 
 def value_cases():
-    """The tables VALUES and KEYS in the shape of FORMS."""
+    """Convert the tables VALUES and KEYS to the form of FORMS."""
     group = {2: "system", 3: "system", 4: "system", 5: "system", 13: "output", 14: "output"}
     for line, text, allowed in VALUES:
         start = f"&{group.get(line, 'motion')} {text}: must be "
-        # the middle of a value of a thousand letters is left out
+        # messages omit the middle of a value of a thousand letters
         yield text[:40], changed(line, "  " + text), line, start[:250], allowed
     for text, allowed in KEYS:
         yield text, changed(9, "  " + text), 9, f"&motion {text}: must be ", allowed
@@ -161,7 +161,7 @@ CASES = [*value_cases(), *FORMS]
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """A folder with every bad file of this module in it."""
+    """A folder with every bad file of this module."""
     made = tmp_path_factory.mktemp("bad")
     for i, (_, text, *_) in enumerate(CASES):
         write(made / f"bad{i}.nml", text)
@@ -222,7 +222,7 @@ def test_unreadable_files(batch, command):
 
 
 def test_reason_of_a_long_path(batch):
-    """The reason does not get lost behind a path longer than a message buffer."""
+    """The reason is not lost behind a path longer than a message buffer."""
     name = "/".join(["d" * 60] * 5) + "/x.nml"
     assert batch(name).faults == [f"{name}: cannot be read: No such file or directory"]
 
@@ -236,7 +236,7 @@ def test_file_without_permission(batch):
 
 
 def test_other_files_still_run(batch, command):
-    """A bad file, wherever it stands, does not keep other files from running; the status is the worst."""
+    """A bad file in any position does not keep other files from running; the status is the worst one."""
     write(batch.cwd / "first.nml", PAIR)
     write(batch.cwd / "bad.nml", changed(2, "xi = 2"))
     write(batch.cwd / "last.nml", PAIR)
@@ -250,7 +250,7 @@ def test_other_files_still_run(batch, command):
 
 
 def test_nothing_of_a_bad_file_runs(batch):
-    """A fault in the last case of a file keeps the whole file from running."""
+    """An error in the last case of a file keeps the whole file from running."""
     done = batch.case(PAIR + PAIR + "&output name = 'a b' /")
     assert (done.status, len(done.faults)) == (2, 1)
     assert not (batch.cwd / "results").exists()
@@ -277,7 +277,7 @@ def test_one_name_in_two_files(batch):
 
 
 def test_fault_with_control_characters_is_one_line(batch):
-    """Carriage returns, form feeds and escapes of a bad value are not in the message."""
+    """Carriage returns, form feeds and escapes of a bad value do not appear in the message."""
     done = batch.case(COMPLETE.replace("'case'", "'a\rb\x0bc\x0cd\x1b[31me'"))
     assert done.status == 2
     assert len(done.faults) == 1, done.faults
@@ -303,7 +303,7 @@ def test_earlier_result_survives_bad_input(batch):
 
 @pytest.mark.parametrize("text", ["1e-5000", "-2.5d-400"])
 def test_a_number_that_would_be_rounded_to_zero(text, batch):
-    """A number in its range that would be rounded to zero is refused with that reason."""
+    """A number within its range that would be rounded to zero is refused for that reason."""
     done = batch.case(changed(2, f"  xi = {text}"))
     assert done.status == 2
     assert done.faults[0].endswith("; a number this close to 0 cannot be represented; write 0")

@@ -124,7 +124,7 @@ def test_symmetry_that_cannot_be(batch):
 
 
 def test_r_of_the_system(batch):
-    """Before a chart alone &system must not give r; if a motion follows too, it must."""
+    """A chart alone must not have r in &system; a chart followed by a motion must."""
     given = SYSTEM.replace(" /", ", r = 0.9 /")
     outcome = batch.case(given + CHART)
     assert outcome.status == 2

@@ -68,7 +68,7 @@ def test_unknown_option(option, good):
     ["a.nml", "b.nml", "-o", "out"]])  # fmt: skip
 @pytest.mark.parametrize("program", ["program", "command"])
 def test_order_of_arguments(order, program, batch, command):
-    """-o may stand before, between or after the files, in both programs."""
+    """-o may come before, between or after the files, in both programs."""
     run = batch if program == "program" else command
     for name in ("a.nml", "b.nml"):
         write(run.cwd / name, PAIR)
@@ -94,7 +94,7 @@ def test_example_of_the_program(batch):
     assert "table1_unequispaced.csv" in contents(batch.cwd / "results")
 
 
-# examples that write: test_help.py; explore, which does not end by itself: test_explorer.py
+# test_help.py tests examples that write files; test_explorer.py tests explore, which runs until it is stopped
 @pytest.mark.parametrize("sub", [[], ["doctor"], ["completion"]])
 def test_example_of_the_command(sub, tmp_path):
     """The example in the help of each command works as written."""
@@ -148,7 +148,7 @@ def test_interrupt_leaves_no_traceback(which, launcher, tmp_path):
 
 
 def test_no_python_needed(good):
-    """With an empty environment, where no Python can be found, the digits are the same."""
+    """In an empty environment, where no Python can be found, the digits are the same."""
     assert good("case.nml", "-o", "out").status == 0
     empty = {"PATH": "", "PYTHONPATH": "", "PYTHONHOME": "/nonexistent", **SANITIZER}
     done = good("case.nml", "-o", "again", env=empty)

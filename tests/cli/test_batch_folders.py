@@ -1,4 +1,4 @@
-"""Files and folders: whatever fails, a result is written whole or not at all."""
+"""Files and folders: whatever fails, a result is written completely or not at all."""
 
 import os
 import resource
@@ -75,7 +75,7 @@ def test_runs_give_their_memory_back(complete_run, tmp_path):
 
 
 def test_ten_thousand_lines(batch):
-    """A file of 10,000 lines, comments and blank lines between 500 cases, runs whole."""
+    """A file of 500 cases in 10,000 lines, with comments and blank lines, runs completely."""
     lines = many_cases(500).splitlines()
     filler = ["! a comment with = and / and ' in it", ""]
     text = "".join("\n".join([line, *filler * 5]) + "\n" for line in lines)
@@ -96,7 +96,7 @@ def test_ten_thousand_lines_in_one_group(batch):
 
 @pytest.mark.parametrize("program", ["program", "command"])
 def test_kill_leaves_whole_results(program, complete_run, binary, tmp_path):
-    """After kill -9 during a run every result is whole, either the new one or the old one."""
+    """After kill -9 during a run every result is complete, either the new one or the old one."""
     call = [binary] if program == "program" else find_twin()
     expected = contents(complete_run / "results")
     old = dict.fromkeys(list(expected)[::2], b"old\n")
@@ -115,7 +115,7 @@ def test_kill_leaves_whole_results(program, complete_run, binary, tmp_path):
 
 
 def limit_file_size():
-    """Limit files of the child to 1000 bytes; a write then fails as on a full disk."""
+    """Limit files of the child process to 1000 bytes; a write then fails as on a full disk."""
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
 
@@ -145,7 +145,7 @@ def test_program_at_its_file_size_limit(binary, tmp_path):
 
 @pytest.fixture
 def small_disk(tmp_path):
-    """A folder on a file system of 16 KiB, where the system lets us mount one."""
+    """A folder on a file system of 16 KiB, if the system permits mounting one."""
     disk = tmp_path / "disk"
     disk.mkdir()
     mount = shutil.which("mount")
@@ -158,7 +158,7 @@ def small_disk(tmp_path):
 
 @pytest.mark.parametrize("program", ["program", "command"])
 def test_full_disk(program, small_disk, complete_run, binary):
-    """On a disk that fills up earlier results are whole, the status is 2, and no file is empty or partial."""
+    """On a disk that fills up, earlier results are complete, the status is 2, and no file is empty or partial."""
     call = [binary] if program == "program" else find_twin()
     # in a separate process: a file that could not be closed would keep the disk busy
     done = Runner(call, complete_run)("many.nml", "-o", str(small_disk), timeout=300)
@@ -185,7 +185,7 @@ def test_concurrent_runs_into_one_folder(complete_run, binary, tmp_path):
     "file", "file/below", pytest.param("/proc/nowhere", marks=pytest.mark.skipif(
         not LINUX, reason="no /proc"))])  # fmt: skip
 def test_folder_that_cannot_be_made(folder, batch, command):
-    """A folder that cannot be created, as below a file, gives one line and status 2 in both programs."""
+    """A folder that cannot be created, such as one below a file, gives one line and status 2 in both programs."""
     write(batch.cwd / "file", "mine")
     done = batch.case(PAIR, "-o", folder)
     assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
@@ -223,7 +223,7 @@ def test_read_only_folder(batch):
 
 
 def test_result_that_cannot_be_replaced(batch, command):
-    """A folder with the name of the result stays and is named in the message; no temporary file is left."""
+    """A folder with the name of the result is kept and named in the message; no temporary file is left."""
     keep = batch.cwd / "results/case.csv/keep"
     keep.parent.mkdir(parents=True)
     write(keep, "kept")
@@ -244,7 +244,7 @@ def test_read_only_result_is_replaced_whole(batch):
 
 @pytest.mark.parametrize("link", ["case.csv", "case.csv.part", "case.txt", "case.txt.part"])
 def test_links_are_not_written_through(link, batch):
-    """A result replaces a link of its name; it is not written to the link's target."""
+    """A result replaces a link with its name; it is not written to the target of the link."""
     victim = write(batch.cwd / "victim", "mine")
     (batch.cwd / "results").mkdir()
     (batch.cwd / "results" / link).symlink_to(victim)
@@ -261,7 +261,7 @@ def test_left_over_temporary_file_is_no_obstacle(batch):
 
 
 def test_table_does_not_replace_its_input(batch):
-    """A printout with the path of its own namelist file does not replace it."""
+    """A printout does not replace its own namelist file, even if it has the same path."""
     text = COMPLETE.replace("'csv'", "'table'")
     batch.case(text, "-o", ".", name="case.txt")
     assert (batch.cwd / "case.txt").read_text() == text
@@ -281,7 +281,7 @@ def test_default_folder(batch, command):
     "out", "./out", "out/", "a/b/c", "../{name}/out", "{absolute}/deep/er", "mit Leer zeichen",
     "Ergebniß/Ünï", "./-", "dot.dot/", "trailing ", "o'quote\"s"])  # fmt: skip
 def test_folders(folder, batch, command):
-    """The folder named is made, be it relative, absolute, nested, with blanks or in UTF-8."""
+    """The named folder is created, be it relative, absolute, nested, with blanks or in UTF-8."""
     folder = folder.format(name=batch.cwd.name, absolute=batch.cwd)
     assert batch.case(PAIR, "-o", folder).status == 0
     assert list(contents(batch.cwd / folder)) == ["case.csv"]
@@ -315,13 +315,13 @@ def test_blank_at_the_end_of_a_name_counts(batch):
 
 
 def test_input_from_a_pipe(batch):
-    """A pipe is read, or refused because it cannot be read; it is not called empty."""
+    """A pipe is read, or refused because it cannot be read; the message does not call it empty."""
     done = batch("/dev/stdin", "-o", "out", input=PAIR.encode())
     assert done.status == 0 or "cannot be read" in done.faults[0], done
 
 
 def test_result_over_itself(batch):
-    """A result run into its own folder is replaced by the same bytes."""
+    """Running a result into its own folder replaces it by the same bytes."""
     batch.case(PAIR)
     before = contents(batch.cwd / "results")
     assert batch("results/case.csv").status == 0

@@ -73,7 +73,7 @@ def test_nothing_outside_the_folder(ran):
 
 
 def test_survivors_are_inputs(ran, binary, tmp_path):
-    """Each result of a mutated file gives itself again."""
+    """Running each result of a mutated file reproduces it."""
     folder, _ = ran
     run = Runner([binary], folder / "out")
     for path in sorted((folder / "out").rglob("*.csv")):

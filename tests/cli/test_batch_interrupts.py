@@ -27,7 +27,7 @@ DAMPER = """&structure mass = 1, 1, 0.1, damping = 0.1, -0.05, 0,  -0.05, 0.05, 
 
 @contextlib.contextmanager
 def started(binary, folder, interrupt=signal.SIG_DFL):
-    """The running program, ended with the block. Background processes of shells inherit that SIGINT is ignored."""
+    """The running program, ended on exit. Background processes of shells inherit that SIGINT is ignored."""
     with subprocess.Popen(
         [binary, "case.nml", "-o", "out"],
         cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
@@ -41,7 +41,7 @@ def started(binary, folder, interrupt=signal.SIG_DFL):
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupted_case_is_written_and_marked(number, binary, tmp_path):
-    """The case before it is whole, the one after it is not run, and no partial file is left."""
+    """The case before the interrupted one is complete, the next one is not run, and no partial file is left."""
     write(tmp_path / "case.nml", SYSTEM + SHORT + LONG + SHORT)
     with started(binary, tmp_path) as process:
         wait_for(lambda: (tmp_path / "out/case_1.csv").exists())
@@ -70,7 +70,7 @@ def test_an_interrupted_case_is_written_and_marked(number, binary, tmp_path):
     ],
 )  # fmt: skip
 def test_studies_of_structures_are_interrupted(study, fault, kept, binary, tmp_path):
-    """Of a branch the points so far are kept; a part of a zone is none."""
+    """A branch keeps its points so far; a partial zone is not kept."""
     write(tmp_path / "case.nml", f"{DAMPER}&{study} /\n")
     with started(binary, tmp_path) as process:
         wait_for(lambda: (tmp_path / "out/case_1.csv").exists())
@@ -100,7 +100,7 @@ def test_a_second_interrupt_ends_the_program_at_once(binary, tmp_path):
     "numbers", [(signal.SIGINT,), (signal.SIGTERM,), (signal.SIGTERM, signal.SIGINT) * 3]
 )
 def test_an_interrupt_removes_the_file_that_is_written(numbers, binary, tmp_path):
-    """One or several signals while a table is written end this at once; the temporary file is removed."""
+    """Signals while a table is written end the program at once; the temporary file is removed."""
     write(tmp_path / "case.nml", SYSTEM + LONG.replace("2000000,", "300000,") + SHORT)
     names = []
     for _ in range(2):
@@ -125,7 +125,7 @@ def test_an_interrupt_removes_the_file_that_is_written(numbers, binary, tmp_path
 
 
 def test_a_second_interrupt_gives_up_the_finished_part(binary, tmp_path):
-    """The first signal stops the simulation and writes its events so far; the second one stops the writing."""
+    """The first signal stops the simulation and writes the events so far; the second one stops the writing."""
     write(tmp_path / "case.nml", SYSTEM + SHORT + LONG.replace("2000000,", "10000000,"))
     with started(binary, tmp_path) as process:
         wait_for(lambda: (tmp_path / "out/case_1.csv").exists())
@@ -140,9 +140,9 @@ def test_a_second_interrupt_gives_up_the_finished_part(binary, tmp_path):
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupt_ends_the_reading_of_a_pipe(number, binary, tmp_path):
-    """While a pipe is read nothing has been computed, and the signal ends the program at once by default."""
+    """While a pipe is read nothing has been computed yet, and the signal ends the program at once by default."""
     os.mkfifo(tmp_path / "case.nml")
-    # the pipe is open as soon as the program opens it, too
+    # the open succeeds as soon as the program opens the pipe too
     with started(binary, tmp_path) as process, open(tmp_path / "case.nml", "wb") as pipe:
         pipe.write(b"&system")
         pipe.flush()
@@ -152,7 +152,7 @@ def test_an_interrupt_ends_the_reading_of_a_pipe(number, binary, tmp_path):
 
 
 def test_a_signal_that_the_caller_ignores_stays_ignored(binary, tmp_path):
-    """A signal ignored by the caller, as with nohup or in the background of a script, stays ignored."""
+    """A signal that the caller ignores, as with nohup or in the background of a script, stays ignored."""
     write(tmp_path / "case.nml", SYSTEM + SHORT + LONG.replace("2000000,", "30000,"))
     with started(binary, tmp_path, signal.SIG_IGN) as process:
         wait_for(lambda: (tmp_path / "out/case_1.csv").exists())

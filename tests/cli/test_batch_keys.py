@@ -31,7 +31,7 @@ TABLES = {
     group: [key for key in keys if key["model"] != "structure"]
     for group, keys in LANGUAGE["groups"].items()
 }
-#: The studies whose smallest case is the example of their command, as far as their keys have no default.
+#: Studies whose smallest case is the example of their command, reduced to keys without a default.
 OTHERS = [
     name for name in COMMANDS
     if name not in ("simulate", "find", "chart", "branch", "zone", "atlas", "lyapunov", "bifurcation",
@@ -40,7 +40,7 @@ OTHERS = [
 
 
 def needed(name):
-    """The frequency ratio and the keys of the example of a command, as in a namelist."""
+    """The frequency ratio and the keys of a command's example, as in a namelist."""
     groups = example(name)[1]
     given = {
         key["name"]: groups[name].get(key["name"]) for key in TABLES[name] if not key["default"]
@@ -50,14 +50,14 @@ def needed(name):
 
 
 def smallest(name):
-    """The groups before that of a study, and its keys."""
+    """The groups that precede a study, and the keys of the study."""
     keys = needed(name)
     before = WALLS if keys.pop("r", None) is None else SYSTEM
     return before, ", ".join(f"{key} = {value}" for key, value in keys.items())
 
 
 def call(name, osc, **keys):
-    """The function of a study with these keys, and with others."""
+    """A function that calls a study with these keys, and with others."""
     instead = {key["name"] for key in TABLES[name] if key["or"] in keys}
     ours = {
         key: literal_eval(f"[{value}]") for key, value in needed(name).items() if key not in instead
@@ -67,7 +67,7 @@ def call(name, osc, **keys):
     )
 
 
-#: The smallest case of each group: the groups before it, and its keys.
+#: The smallest case of each group: the groups that precede it, and its keys.
 SMALLEST = {
     "motion": (SYSTEM, "sides = 'RL', phases = 0, 4.3"),
     "simulate": (SYSTEM, "clearance = 37, cycles = 1"),
@@ -84,7 +84,7 @@ SMALLEST = {
     ),
     **{name: smallest(name) for name in OTHERS},
 }
-#: Calls from Python with the arguments that have no default, and further keys by name.
+#: Calls from Python with the arguments that have no default; further keys are passed by name.
 CALLS = {
     "simulate": lambda osc, **keys: vi.simulate(osc, 0.94, **{"clearance": 37, "cycles": 1} | keys),
     "zone": lambda osc, **keys: vi.zone(osc, vi.Pattern("RL"), (0.8, 1.2), (2, 200), **keys),
@@ -102,12 +102,12 @@ CALLS = {
         osc, **{"r": (1, 1.02), "free": {"clearance": (20, 40)}} | keys),
 }  # fmt: skip
 
-#: The arguments of calls that have another name than their keys.
+#: Arguments of calls whose names differ from those of their keys.
 ARGUMENTS = {"bifurcation": {"points": "impacts"}}
 
 
 def argument_of(group, key):
-    """The argument of a call for a key."""
+    """The argument of a call that corresponds to a key."""
     return ({"seed": "rng"} | ARGUMENTS.get(group, {})).get(key, key)
 
 
@@ -136,12 +136,12 @@ KEYS = [(group, key["name"]) for group in STUDIES for key in TABLES[group]]
 
 
 def key_of(group, name):
-    """The row of a table."""
+    """The row of a table for a key."""
     return next(key for key in TABLES[group] if key["name"] == name)
 
 
 def case(group, extra="", without=()):
-    """The smallest case of a group with more keys, and without some."""
+    """The smallest case of a group, with keys added and removed."""
     before, keys = SMALLEST[group]
     for name in without:
         keys = re.sub(rf"(^|, ){name} = (?:(?!, \w+ =).)*", "", keys).removeprefix(", ")
@@ -149,7 +149,7 @@ def case(group, extra="", without=()):
 
 
 def echo(folder, text):
-    """The case as read, with all defaults; or the fault, without its place."""
+    """The case as read, with all defaults; or the error, without its place."""
     path = folder / "case.nml"
     path.write_text(text, encoding="utf-8")
     try:
@@ -167,7 +167,7 @@ def test_smallest_case_is_complete(group, tmp_path):
         if key["default"] or key["may_miss"] or f"{key['name']} =" not in SMALLEST[group][1]:
             continue
         output = echo(tmp_path, case(group, without=[key["name"]]))
-        # without a parameter it is the clearance that is missing
+        # without a parameter, the clearance is missing
         name = "clearance" if (group, key["name"]) == ("bifurcation", "parameter") else key["name"]
         takes = key_of(group, name)["takes"]
         assert output.startswith(f"&{group} {name}: is missing; must be {takes}"), output
@@ -175,7 +175,7 @@ def test_smallest_case_is_complete(group, tmp_path):
 
 @pytest.mark.parametrize(("group", "name"), KEYS)
 def test_default_is_what_is_taken(group, name, tmp_path):
-    """A case with a key at its default is the case without the key."""
+    """A case with a key set to its default equals the case without the key."""
     key = key_of(group, name)
     if not key["default"] or key["only"]:
         assert key["may_miss"] or key["only"] or key["is"] or not key["default"]
@@ -203,7 +203,7 @@ def outside(key):
 
 @pytest.mark.parametrize(("group", "name"), KEYS)
 def test_range_of_a_number(group, name, tmp_path):
-    """A number beyond an end of a range is refused with the words of the table; the end itself is accepted."""
+    """A number beyond the end of a range is refused in the words of the table; the end itself is accepted."""
     key = key_of(group, name)
     if key["kind"] == "word" or key["most"] > 1 or key["low"] is key["high"] is None:
         assert key["kind"] == "word" or key["most"] > 1 or "range" in key["takes"] \
@@ -225,21 +225,21 @@ def test_range_of_a_number(group, name, tmp_path):
     "group", [group for group in STUDIES if group not in ("motion", "bifurcation", *IN_PYTHON)]
 )
 def test_python_has_the_same_defaults(group):
-    """A key left out has the same default in a call from Python as in a namelist."""
+    """An omitted key has the same default in a call from Python as in a namelist."""
     compared = 0
     for name, parameter in inspect.signature(getattr(vi, group)).parameters.items():
         rows = [key for key in TABLES[group] if argument_of(group, key["name"]) == name]
         if not rows or parameter.default in (inspect.Parameter.empty, None):
             continue
         default = rows[0]["default"]
-        if not default:  # a namelist names the parameter of a branch
+        if not default:  # in a namelist, the parameter of a branch is a name
             continue
         compared += 1
         assert default.strip("'") == str(parameter.default) or float(default) == parameter.default
     assert compared >= 2, group
 
 
-#: The group and key that declare each range that calls on arrays check directly.
+#: The group and key that declare each range that calls with arrays check directly.
 RANGES = {
     "acceptance": ("motion", "acceptance"), "load": ("simulate", "load"), "clearance": ("simulate", "clearance"),
     "cycles_simulated": ("simulate", "cycles"), "longest_step": ("branch", "longest_step"),
@@ -247,7 +247,7 @@ RANGES = {
 
 
 def test_calls_on_arrays_have_the_same_ranges():
-    """The ranges that calls on arrays check directly, for speed, are those of the tables."""
+    """The ranges that calls with arrays check directly, for speed, are those of the tables."""
     for name, (low, high, closed) in checks.RANGES.items():
         key = key_of(*RANGES.get(name, ("system", name)))
         assert (low, high, closed) == (key["low"], key["high"], not key["below"])
@@ -295,7 +295,7 @@ def drawn(draw, key):
 
 @pytest.mark.parametrize("group", STUDIES)
 def test_random_cases(group, tmp_path):
-    """An accepted case is read from its own echo to the same case; a refusal names a key."""
+    """Reading the echo of an accepted case gives the same case; a refusal names a key."""
     draw, accepted = random.Random(group), 0
     for _ in range(150):
         keys = draw.sample(TABLES[group], draw.randint(0, min(4, len(TABLES[group]))))
@@ -312,7 +312,7 @@ def test_random_cases(group, tmp_path):
 
 
 def as_options(values, table):
-    """Values of keys as options of a command; None if not all keys that share an option are given."""
+    """Values of keys as options of a command; None if only some keys of a shared option are given."""
     words = []
     options = {key["name"]: key["option"] or key["name"].replace("_", "-") for key in table}
     for option in dict.fromkeys(options[name] for name in values):
@@ -325,7 +325,7 @@ def as_options(values, table):
 
 
 def made(group, words):
-    """The case made by options, as read by `echo`; or the fault."""
+    """The case made by options, as `echo` reads it; or the error."""
     found = []
     module = module_of(group)
     system = "--xi 0.005 --mu 0.042 --restitution 0.75"
@@ -363,7 +363,7 @@ def test_random_options(group, tmp_path):
         values = {name: value for name, value in values.items() if value is not None}
         words = as_options(values, TABLES[group])
         if words is None or (group == "lyapunov" and ", " in values.get("clearance", "")):
-            continue  # there three numbers are a line of points
+            continue  # there, three numbers define a line of points
         extra = ", ".join(f"{name} = {value}" for name, value in values.items())
         wanted, found = echo(tmp_path, case(group, extra, values)), made(group, words)
         refused = isinstance(wanted, str)
@@ -409,7 +409,7 @@ def test_keys_of_a_group_for_people(batch):
 
 @pytest.mark.parametrize("study", LANGUAGE["results"])
 def test_a_study_has_all_its_parts(study):
-    """Each study has a meaning, and for each of its models rows for the CSV, a case in inputs/, and an entry in
+    """Each study has a meaning, and for each of its models rows in the CSV, a case in inputs/, and an entry in
     inputs/README.md."""
     message = LANGUAGE["results"][study]
     assert message["in_python"] == (study in IN_PYTHON)

@@ -14,7 +14,7 @@ linux = pytest.mark.skipif(sys.platform != "linux", reason="the limits are those
 
 
 def run(binary, tmp_path, text, limits=(), environment=None):
-    """Runs the program on a file within limits of the system."""
+    """Run the program on a file within limits of the system."""
     (tmp_path / "case.nml").write_text(text)
 
     def limit():
@@ -36,7 +36,7 @@ def test_event_limit(binary, tmp_path):
 
 @linux
 def test_memory(binary, tmp_path):
-    """A case that needs more memory than there is gives a message, and the next case runs."""
+    """A case that needs more memory than is available gives a message, and the next case runs."""
     text = (
         f"{SYSTEM}&response r_min = .8, r_max = 1.2, r_points = 900000, clearance = 25, states = 1, settling = 0, "
         "keep = 3 /\n&response r_min = .8, r_max = 1.2, r_points = 3, clearance = 25, states = 1, settling = 9, "
@@ -51,7 +51,7 @@ def test_memory(binary, tmp_path):
 @linux
 @pytest.mark.parametrize("length", [2_700_000, 3 * 10**7])
 def test_memory_of_a_long_list(length, binary, tmp_path):
-    """If reading, or the header of the result, exceeds the memory, there is a message and no file."""
+    """If reading, or the header of the result, exceeds the memory, the program gives a message and no file."""
     numbers = ", ".join(["1"] * (length // 3))
     text = f"{SYSTEM}&lyapunov r = {numbers}, clearance = 20, cycles = 4, batches = 2 /\n"
     done = run(binary, tmp_path, text, [(resource.RLIMIT_AS, 120 * 2**20)])
@@ -65,7 +65,7 @@ def test_memory_of_a_long_list(length, binary, tmp_path):
 @pytest.mark.parametrize("given", [" = 12500000*0", "(12500000) = 0"])
 @pytest.mark.parametrize("room", [100, 300, 330, 350, 380, 420, 460])
 def test_memory_of_a_list_of_few_bytes(room, given, binary, tmp_path):
-    """A few bytes that make a list of millions of numbers are refused before it is made or used."""
+    """A few bytes that specify a list of millions of numbers are refused before the list is made or used."""
     text = (
         f"{SYSTEM.replace('/', ', r = 1.04 /')}&basins clearance = 37, probes = 1, list{given} /\n"
     )
@@ -81,7 +81,7 @@ def test_memory_of_a_list_of_few_bytes(room, given, binary, tmp_path):
 @pytest.mark.parametrize("given", [" = 745000*0", "(745000) = 0", " = 400000*0"])
 @pytest.mark.parametrize("room", [16, 20, 24, 28, 32, 36, 40])
 def test_a_list_in_little_memory(room, given, binary, tmp_path):
-    """Where not even a few megabytes are left there is a message, too."""
+    """With less than a few megabytes of memory left, the program still gives a message."""
     if (
         "no namelist group"
         not in run(binary, tmp_path, "", [(resource.RLIMIT_AS, room * 2**20)]).stderr
@@ -98,7 +98,7 @@ def test_a_list_in_little_memory(room, given, binary, tmp_path):
 
 @linux
 def test_what_makes_no_list_long(binary, tmp_path):
-    """Values given one by one, and stars within words and comments, are not taken for long lists."""
+    """Values listed one by one, and stars within words and comments, are not mistaken for long lists."""
     single = "\n".join(f"list({i}) = 0" for i in range(1, 8001))
     head = SYSTEM.replace("/", ", r = 1.04 /")
     text = (

@@ -72,7 +72,7 @@ def test_rest_extinguishes_two_directions(batch):
 
 
 def test_points_without_impacts(batch, command):
-    """Points without impacts have rows of nan and status 1; if all points are, there is a message and no file."""
+    """Points without impacts have rows of nan and status 1; without any impact there is a message and no file."""
     far = LYAPUNOV.replace("high = 40", "high = 4000")
     table = assert_both(far, batch, command, status=1)
     assert table[-1]["exponent_1"] == "nan"
@@ -117,7 +117,7 @@ def test_clearance_is_missing(batch):
 
 
 def test_r_is_where_it_belongs(batch):
-    """r belongs to &system unless it is the parameter; elsewhere, missing or given twice, it is refused."""
+    """r belongs to &system unless it is the parameter; r elsewhere, missing or given twice is refused."""
     along_r = "&lyapunov parameter = 'r', low = .9, high = 1, values = 3, clearance = 9 /\n"
     assert_refused(EQUAL + along_r, "system", "r = 1.04: must be left out", 1, batch)
     assert_refused(

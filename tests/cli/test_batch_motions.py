@@ -22,7 +22,7 @@ OSC = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
 
 
 def test_header_echoes_the_complete_case(batch):
-    """The header holds every key, including defaults, as a namelist after #."""
+    """The header holds every key, including defaults, as a namelist in comment lines."""
     batch.case(COMPLETE)
     text = (batch.cwd / "results/case.csv").read_text()
     header = [line for line in text.splitlines() if line.startswith("#")]
@@ -77,7 +77,7 @@ def test_no_equispaced_motion(batch, command):
 
 
 def largest_clearance(r):
-    """The largest clearance with an equispaced motion, by bisection down to adjacent numbers."""
+    """The largest clearance with an equispaced motion, bisected down to adjacent numbers."""
     low, high = 1.0, 1e4
     while low < (middle := 0.5 * (low + high)) < high:
         if vi.equispaced(OSC, r, middle):
@@ -128,7 +128,7 @@ def test_legacy_printout(batch):
     table = {line[:16].strip(): line[16:].split() for line in text.splitlines()}
     assert table["alpha_i/pi"] == ["0.0000", "1.3700"]
     assert table["tau/pi"] == ["0.4999"]
-    # the phase of the load at the first impact, by the column that was recomputed from first principles
+    # the phase of the load at the first impact, from the column that was recomputed from first principles
     given = (ROOT / "tests/data/table1.csv").read_text().splitlines()
     (phase,) = (line.split(",") for line in given if line.startswith("load_phase/pi,unequispaced"))
     assert table["Omega t_1/pi"] == [f"{float(phase[3]):.4f}"]
@@ -139,13 +139,13 @@ def test_legacy_printout(batch):
 @pytest.mark.parametrize(("word", "ends"), [("csv", {"csv"}), ("table", {"txt"}),
                                             ("both", {"csv", "txt"})])  # fmt: skip
 def test_format_chooses_the_files(word, ends, batch):
-    """'csv', 'table' and 'both' write these files and no other."""
+    """'csv', 'table' and 'both' write these files and no others."""
     assert batch.case(COMPLETE.replace("'csv'", f"'{word}'")).status == 0
     assert contents(batch.cwd / "results").keys() == {f"case.{end}" for end in ends}
 
 
 def test_a_thousand_impacts(batch, command):
-    """N = 1000 impacts, the most allowed, run, and the result is an input."""
+    """The largest number of impacts, N = 1000, runs, and the result is a valid input."""
     done = batch.case(chain(1000))
     assert done.status == 0
     (motion,) = motions(batch.cwd / "results/case.csv")
@@ -156,7 +156,7 @@ def test_a_thousand_impacts(batch, command):
 
 
 def test_no_mass_no_force(batch):
-    """With mu = 0 the primary mass does not feel the impacts: its velocity does not jump."""
+    """With mu = 0 impacts do not affect the primary mass: its velocity does not jump."""
     batch.case(PAIR.replace("mu = 0.042", "mu = 0"))
     (motion,) = motions(batch.cwd / "results/case.csv")
     assert floats(motion, "X_dot_before") == pytest.approx(floats(motion, "X_dot_after"), rel=1e-12)

@@ -1,4 +1,4 @@
-"""Numbers in results: their laws, the header that reproduces them, and the bits of the Python API."""
+"""Numbers in results: their laws, the header that reproduces them, and bitwise agreement with the Python API."""
 
 import cmath
 import math
@@ -78,7 +78,7 @@ def results(cases, binary, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def doubles(cases, results):
-    """Every random case in double precision with its motion."""
+    """Every random case in double precision, with its motion."""
     return [
         (case, motions(results / f"{name}.csv")[0])
         for name, (case, word) in cases.items()
@@ -87,12 +87,12 @@ def doubles(cases, results):
 
 
 def close(left, right, scale=1.0):
-    """Equal to rounding."""
+    """Check equality to rounding."""
     return math.isclose(left, right, rel_tol=1e-9, abs_tol=1e-9 * scale)
 
 
 def test_momentum_is_conserved(doubles):
-    """At an impact x' + mu z' stays the same."""
+    """At an impact x' + mu z' is conserved."""
     for case, motion in doubles:
         columns = [floats(motion, key) for key in IMPACT[2:]]
         for xb, xa, zb, za in zip(*columns, strict=True):
@@ -101,7 +101,7 @@ def test_momentum_is_conserved(doubles):
 
 
 def test_restitution_at_every_impact(doubles):
-    """The relative velocity is reversed and R times as large, with the R of that impact."""
+    """The relative velocity is reversed and multiplied by the R of that impact."""
     for case, motion in doubles:
         walls = dict(zip("RL", case["restitution"], strict=True))
         expected = case["impact_restitution"] or [walls[side] for side in case["sides"]]
@@ -122,7 +122,7 @@ def test_free_mass_touches_the_walls(doubles):
 
 
 def test_free_mass_flies_straight(doubles):
-    """Between impacts z' is constant and z grows by z' times the time (phase / r)."""
+    """Between impacts z' is constant, and z grows by z' times the time (phase / r)."""
     for case, motion in doubles:
         columns = [floats(motion, key) for key in ("phase", "Z", "Z_dot_before", "Z_dot_after")]
         points = list(zip(*columns, strict=True))
@@ -190,7 +190,7 @@ def test_extremes_enclose_the_impacts(doubles):
 
 
 def test_same_bits_as_the_python_api(cases, results, same_build):
-    """The 17 digits of every number parse to the very number that `vi.periodic` returns."""
+    """Each 17-digit number parses to exactly the number that `vi.periodic` returns."""
     for name, (case, precision) in cases.items():
         (motion,) = motions(results / f"{name}.csv")
         assert_same(motion, by_api(case, precision))
@@ -198,7 +198,7 @@ def test_same_bits_as_the_python_api(cases, results, same_build):
 
 @pytest.mark.parametrize("word", ["double", "single"])
 def test_given_numbers_stand_in_the_rows(word, cases, results):
-    """r, phases and restitution of the rows are those of the header and of the Python API."""
+    """r, phases and restitution in the rows equal those of the header and of the Python API."""
     for name, (case, precision) in cases.items():
         if precision != word:
             continue
@@ -209,7 +209,7 @@ def test_given_numbers_stand_in_the_rows(word, cases, results):
 
 
 def test_single_precision_differs(cases, results):
-    """Single precision gives for N = 2 the same numbers to 1e-2, but never the same bits."""
+    """For N = 2, single precision gives the same numbers to 1e-2, but never the same bits."""
     for i in range(15):
         double, single = (motions(results / f"{w}_{i}.csv")[0] for w in ("double", "single"))
         x, y = floats(double, "X")[0], floats(single, "X")[0]
@@ -218,7 +218,7 @@ def test_single_precision_differs(cases, results):
 
 
 def test_results_are_inputs(cases, results, binary, tmp_path):
-    """Every result, given as an input, gives itself byte by byte."""
+    """Every result, run as an input, reproduces itself byte for byte."""
     names = [f"{name}.csv" for name in cases]
     done = Runner([binary], results)(*names, "-o", str(tmp_path / "again"))
     assert (done.status, done.err) == (0, b"")

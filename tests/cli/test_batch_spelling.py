@@ -1,4 +1,4 @@
-"""Different spellings of one case give the result of the plain spelling, byte by byte."""
+"""Different spellings of one case give the result of the plain spelling, byte for byte."""
 
 import pytest
 from programs import COMPLETE, PAIR, SYSTEM, Runner, contents, motions, write
@@ -91,7 +91,7 @@ def test_phases_in_both_units(key, factor, batch):
 
 
 def test_system_serves_all_motions_after_it(batch):
-    """A &system holds until the next one; every motion starts from the defaults."""
+    """A &system applies until the next one; every motion starts from the defaults."""
     other = SYSTEM.replace("0.94", "0.9").replace("0.75", "0.8, 0.6")
     batch.case(
         f"{SYSTEM}&motion sides = 'LR', phases = 0, 4 /\n&motion sides = 'RL', phases = 0, 4 /\n"
@@ -106,7 +106,7 @@ def test_system_serves_all_motions_after_it(batch):
 
 @pytest.mark.parametrize("name", ["plain", "two.dots", "UPPER", "a-b_c", "7", "x" * 100])
 def test_name_of_the_file_is_the_name_of_the_case(name, batch):
-    """Without a name the case has that of its file, without the ending."""
+    """A case without a name takes the name of its file, without the suffix."""
     batch.case(PAIR, name=f"{name}.nml")
     assert list(contents(batch.cwd / "results")) == [f"{name}.csv"]
 
@@ -114,7 +114,7 @@ def test_name_of_the_file_is_the_name_of_the_case(name, batch):
 @pytest.mark.parametrize("name", ["a b.nml", "Ünï.nml", ".nml", ".hidden.nml", "n" * 120 + ".nml",
                                   "no_ending", "x.y.z", "-dash.nml"])  # fmt: skip
 def test_any_file_name_gives_an_input_again(name, batch):
-    """The name of a case made from any file name is allowed in the result as an input."""
+    """A case name made from any file name is valid when the result is used as an input."""
     write(batch.cwd / name, PAIR)
     assert batch(f"./{name}").status == 0
     (result,) = (batch.cwd / "results").iterdir()

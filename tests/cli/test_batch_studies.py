@@ -15,14 +15,14 @@ STUDIES = sorted(
     path for path in (ROOT / "inputs").glob("*.nml")
     if any(group in path.read_text() for group in ("&branch", "&zone", "&atlas"))
 )  # fmt: skip
-#: Inputs whose results are cases again; the others take longer, or other tests run them.
+#: Inputs whose results are cases again; the others take longer or are run by other tests.
 AGAIN = [name for name in commands.STUDIES
          if name not in ("simulate", "find", "chart", "zone", "atlas", *IN_PYTHON)]  # fmt: skip
 
 
 @pytest.fixture(scope="module")
 def results(binary, tmp_path_factory):
-    """A folder with what the program writes of all namelists that come with the project, and what it tells."""
+    """A folder with the program's results for all namelists that come with the project, and its output."""
     folder = tmp_path_factory.mktemp("inputs")
     return folder / "results", Runner([binary], folder)(*map(str, INPUTS))
 
@@ -74,7 +74,7 @@ def test_results_are_cases(name, results, batch):
     ATLAS.replace("0.75", "0.75, 0.61").replace("1.0,", "0.84,").replace("1.1", "0.94").replace("60", "8")
     .replace("20", "4")])  # fmt: skip
 def test_other_cases_are_those_of_the_api(text, batch, same_build):
-    """The API's digits also for every parameter, a clearance by phases, both families, and unequal walls."""
+    """The API's digits also for every parameter, a clearance from phases, both families, and unequal walls."""
     done = batch.case(text)
     assert (done.status, done.err) == (0, b"")
     (case,) = read_namelist(batch.cwd / "case.nml")
@@ -82,7 +82,7 @@ def test_other_cases_are_those_of_the_api(text, batch, same_build):
 
 
 def test_defaults_are_those_of_the_api(tmp_path):
-    """Keys left out of a namelist have the defaults of the API."""
+    """Keys omitted in a namelist have the defaults of the API."""
     (branch,) = read_namelist(write(tmp_path / "branch.nml", BRANCH))
     (zone,) = read_namelist(write(tmp_path / "zone.nml", ZONE.replace("symmetric = 'no'", "")))
     given = {name: item.default for name, item in inspect.signature(vi.branch).parameters.items()}
@@ -138,7 +138,7 @@ def test_equispaced_boundary_by_the_closed_form(batch):
 
 
 def test_start_of_a_branch_is_no_case(batch):
-    """A &motion right before &branch writes nothing itself; with &output between, it does."""
+    """A &motion right before &branch writes no result of its own; with &output between, it does."""
     assert batch.case(BRANCH).status == 0
     assert list(contents(batch.cwd / "results")) == ["case.csv"]
     between = "&output name = 'motion' /\n"
@@ -173,7 +173,7 @@ def test_budget_of_a_zone(batch):
 
 @pytest.mark.slow
 def test_lost_attractor(batch, tool, same_build):
-    """If too few vertices leave a zone out, every program names its attractors, with status 1."""
+    """If a zone is missing for want of vertices, every program names its attractors, with status 1."""
     done = batch.case(ATLAS.replace("survey = 12", "survey = 12, max_points = 100"))
     assert done.status == 1
     assert b"attractors surveyed" in done.out

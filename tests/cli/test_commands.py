@@ -35,7 +35,7 @@ def no_matplotlib(tmp_path_factory):
     return {"PYTHONPATH": str(folder), "PATH": ""}
 
 
-#: Those of other studies are compared in test_batch_chart.py, test_batch_studies.py and test_batch_attractors.py.
+#: test_batch_chart.py, test_batch_studies.py and test_batch_attractors.py compare those of other studies.
 COMPARED = ("simulate", "periodic", "equispaced", "exact")
 
 
@@ -45,7 +45,7 @@ COMPARED = ("simulate", "periodic", "equispaced", "exact")
     ids=lambda path: path.stem,
 )
 def test_cases_are_those_that_run(path, tmp_path):
-    """Cases that Python reads from a file have the digits of the results that running the file writes."""
+    """Cases that Python reads from a file have the digits that running the file writes."""
     results = {item.stem: item for item in vi.run_namelists([path], tmp_path).results}
     cases = read_namelist(path)
     assert [case.name for case in cases if not case.in_python] == list(results)
@@ -74,14 +74,14 @@ def test_cases_are_those_that_run(path, tmp_path):
 
 
 def test_cases_of_a_result_are_the_same(tmp_path):
-    """A result read as an input gives the case that made it."""
+    """A result read as an input gives the case that produced it."""
     write(tmp_path / "case.nml", SIMULATION)
     (result,) = vi.run_namelists([tmp_path / "case.nml"], tmp_path).results
     assert read_namelist(result) == read_namelist(tmp_path / "case.nml")
 
 
 def test_long_lists_are_read_whole(tmp_path):
-    """A list written with repeats, which is far longer than the file, is read whole."""
+    """A list written with repeats, which is far longer than the file, is read completely."""
     n = 1000
     text = (
         f"{SYSTEM}&motion sides = '{'RL' * (n // 2)}', cycles = 500, impact_restitution = {n}*0.5\n"
@@ -93,7 +93,7 @@ def test_long_lists_are_read_whole(tmp_path):
 
 
 def test_simulate_writes_what_run_writes(tool):
-    """`simulate` writes the bytes of `run`, and only the simulations of a file with other cases."""
+    """`simulate` writes the bytes of `run`, and runs only the simulations of a file with other cases."""
     write(tool.cwd / "mixed.nml", PAIR + SIMULATION)
     assert tool("run", "mixed.nml", "-o", "run").status == 0
     done = tool("simulate", "mixed.nml", "-o", "simulate")
@@ -104,7 +104,7 @@ def test_simulate_writes_what_run_writes(tool):
 
 
 def test_options_of_a_simulation_are_a_namelist(tool):
-    """Options give the bytes of the same case in a file; errors are in words of the options."""
+    """Options give the bytes of the same case in a file; errors use the words of the options."""
     options = [*POINT, "--cycles", "20", "--state", "3.5", "0", "0", "-2"]
     assert tool("simulate", *options).status == 0
     write(tool.cwd / "simulate.nml", SIMULATION)
@@ -148,13 +148,13 @@ def test_bar_of_a_simulation(tool):
 
 
 def test_simulation_of_no_time_is_drawn(tool):
-    """A trajectory of one instant is drawn without an error."""
+    """A trajectory with a single instant is drawn without an error."""
     write(tool.cwd / "case.nml", SIMULATION.replace("cycles = 20", "cycles = 0"))
     assert tool("simulate", "case.nml", "--plot").status == 0
 
 
 def test_simulate_says_what_is_missing(tool):
-    """A file without &simulate is named in a message, and the others run."""
+    """A file without &simulate is named in a message, and the other files run."""
     write(tool.cwd / "pair.nml", PAIR)
     write(tool.cwd / "case.nml", SIMULATION)
     done = tool("simulate", "pair.nml", "case.nml")
@@ -164,7 +164,7 @@ def test_simulate_says_what_is_missing(tool):
 
 
 def test_simulation_cut_short_is_drawn_too(tool):
-    """A simulation cut short has status 1, with the table and the picture of its events so far."""
+    """A simulation cut short has status 1, with a table and a picture of its events so far."""
     write(tool.cwd / "case.nml", SIMULATION.replace("cycles", "max_events = 9, cycles"))
     assert tool("simulate", "case.nml", "--plot").status == 1
     assert sorted(contents(tool.cwd / "results")) == ["case.csv", "case.png"]
@@ -206,7 +206,7 @@ def test_plot_draws_every_case(tool):
 
 
 def test_faults_of_plot_are_in_the_document(tool):
-    """The JSON document has the faults of `plot`; a result folder that stays empty is removed."""
+    """The JSON document has the errors of `plot`; a result folder that stays empty is removed."""
     write(tool.cwd / "case.nml", SYSTEM + "&motion kind = 'equispaced', clearance = 200 /\n")
     document = json.loads(tool("plot", "case.nml", "--json").out)
     assert document["faults"] == ["case: there is no such motion for these parameters"]
@@ -216,7 +216,7 @@ def test_faults_of_plot_are_in_the_document(tool):
 
 @pytest.mark.parametrize("form", ["csv", "json"])
 def test_simulation_cut_short_in_what_is_discarded(form, tool):
-    """A simulation cut short among the discarded cycles has status 1 in every form; the limit is an option."""
+    """A simulation cut short during the discarded cycles has status 1 in every form; the limit is an option."""
     write(
         tool.cwd / "case.nml", SIMULATION.replace("cycles", "max_events = 9, discard = 90, cycles")
     )
@@ -251,7 +251,7 @@ def test_plot_of_what_is_not_there(tool):
 
 @pytest.mark.slow
 def test_pictures_are_drawn_from_the_motion(tmp_path):
-    """One case gives the same bytes every time, and another case another picture."""
+    """One case gives the same bytes every time, and a different case another picture."""
     pictures = []
     for clearance in (37, 36):
         run = Runner([find_command()], tmp_path)
@@ -265,7 +265,7 @@ def test_pictures_are_drawn_from_the_motion(tmp_path):
 
 
 def test_simulate_animates(tool):
-    """--animate writes a film beside the table, and no picture without --plot."""
+    """--animate writes an animation and the table, and no picture without --plot."""
     write(tool.cwd / "case.nml", SIMULATION.replace("cycles = 20", "cycles = 0.1"))
     done = tool("simulate", "case.nml", "--animate", "gif")
     assert (done.status, done.err) == (0, b"")

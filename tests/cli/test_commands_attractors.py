@@ -83,7 +83,7 @@ def test_options_are_a_namelist(name, options, keys, tool):
 
 
 def test_windows_are_printed_and_a_quantity_is_drawn(tool):
-    """The windows printed are those of the function; --quantity changes the picture, not the table."""
+    """The printed windows are those of the function; --quantity changes the picture, not the table."""
     write(tool.cwd / "case.nml", kinds()["bifurcation"])
     done = tool("bifurcation", "case.nml", "--plot", "svg", "-o", "x")
     assert (done.status, done.err) == (0, b"")
@@ -116,7 +116,7 @@ def test_shares_are_printed(tool):
 
 
 def test_planes_of_uneven_values(tool):
-    """Values of the axes that are listed are those of the function with arrays; --plane is then refused."""
+    """Listed values of the axes are those of the function with arrays; --plane is then refused."""
     point = [*SYSTEM, "--r", "1.04", "--clearance", "14"]
     values = ["--first-values", "-9", "0", "4", "--second-values", "-3", "8"]
     assert tool("basins", *point, "--axes", "x", "x_dot", *values).status == 0
@@ -167,7 +167,7 @@ def test_random_states(tool):
     (["response", "case.nml", "--states", "3"], "--states: must be left out if a namelist file is given"),
 ])  # fmt: skip
 def test_bad_input_is_named(tool, words, fault):
-    """Invalid input is named as it was typed; nothing is written."""
+    """Invalid input is repeated as typed; nothing is written."""
     done = tool(*words)
     assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
     assert f"vibroimpact {words[0]}: " in done.faults[0]
@@ -177,7 +177,7 @@ def test_bad_input_is_named(tool, words, fault):
 
 @pytest.mark.parametrize("name", CASES)
 def test_a_wrong_file_does_not_stop_the_others(name, tool):
-    """A wrong file is named, with status 2, and the others run."""
+    """A file with an error is named, with status 2, and the others run."""
     write(tool.cwd / "case.nml", kinds()[name])
     write(tool.cwd / "other.nml", kinds()["equispaced"])
     write(tool.cwd / "bad.nml", kinds()[name].replace("xi = ", "xi = -"))
@@ -192,7 +192,7 @@ def test_a_wrong_file_does_not_stop_the_others(name, tool):
 
 @pytest.mark.parametrize("name", CASES)
 def test_an_input_is_not_overwritten(name, tool):
-    """A namelist with the name of its table is not replaced; a table may be run onto itself."""
+    """A table does not replace a namelist of the same name; a table may be run onto itself."""
     text = kinds()[name]
     write(tool.cwd / "case.csv", text)
     done = tool(name, "case.csv", "-o", ".")
@@ -205,7 +205,7 @@ def test_an_input_is_not_overwritten(name, tool):
 
 @pytest.mark.parametrize("line", ["--clearance 72", "--clearance 72 80 2"])
 def test_lyapunov_without_impacts_says_so(line, tool):
-    """Without impacts there is a message, and a second line with the option that helps, as is checked."""
+    """Without impacts there is a message, and a second line with an option that helps; the test tries it."""
     point = ["--r", "1.04", *line.split(), "--cycles", "400", "--discard", "50"]
     done = tool("lyapunov", *SYSTEM, *point)
     n = 1 if line.endswith("72") else 2
@@ -240,8 +240,8 @@ LONG = {
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a terminal of POSIX")
 @pytest.mark.parametrize("name", LONG)
 def test_bar_and_interrupt_on_a_terminal(name, tool):
-    """The bar never decreases; Ctrl-C leaves a table of what is finished, which is an input, with status 1."""
-    # half way something is finished, whatever the order of the work
+    """The bar never decreases; Ctrl-C leaves a table of the finished part, which is an input, with status 1."""
+    # half way, something is finished in any order of the work
     status, output = on_terminal(tool.cwd, name, *SYSTEM, *LONG[name], stop=r"\[#{15}")
     assert status == 1
     assert len(bars(output)) > 5
@@ -296,7 +296,7 @@ def test_what_was_cut_short_says_so(name, tool):
             assert (beside == 0).all()
 
 
-#: Makes a disk so slow that a partial file exists until an interrupt.
+#: Slow the disk so that a partial file exists until an interrupt.
 SLOW_DISK = """
 import pathlib, time
 def write_bytes(path, content):
@@ -323,7 +323,7 @@ def test_a_second_interrupt_stops_writing(tool):
     assert not (tool.cwd / "results").exists()
 
 
-#: Each would compute for hours.
+#: Each would take hours to compute.
 ENDLESS = {
     "lyapunov": ["--r", "1.04", "--clearance", "20", "--cycles", "1000000000"],
     "basins": ["--r", "0.94", "--clearance", "37", "--states", "9000000"],
@@ -334,7 +334,7 @@ ENDLESS = {
 
 @pytest.mark.parametrize("name", ENDLESS)
 def test_the_place_is_tested_first(name, tool):
-    """A folder that cannot be written is refused first: one line, status 2, nothing computed or left."""
+    """A folder without write permission is refused first: one line, status 2, nothing computed or left."""
     (tool.cwd / "taken").write_text("mine")
     done = tool(name, *SYSTEM, *ENDLESS[name], "-o", "taken")
     output = f"vibroimpact {name}: -o taken: taken is a file; must be a folder"

@@ -43,7 +43,7 @@ def test_find_prints_what_find_finds(tool, found):
 
 
 def test_find_at_the_clearance_of_given_phases(tool):
-    """A case with phases is searched at the clearance of its motion, and finds that motion."""
+    """A case with phases is searched at the clearance of its motion, and the search finds that motion."""
     write(tool.cwd / "pair.nml", PAIR)
     text = tool("find", "pair.nml", *LIMITS).out.decode()
     motion = vi.periodic(OSC, 0.94, [0, 1.37 * math.pi], vi.Pattern("RL"))
@@ -52,7 +52,7 @@ def test_find_at_the_clearance_of_given_phases(tool):
 
 
 def test_groups_of_their_own(tool, found):
-    """A case &find has its own limits, which options replace; `run` writes the same table."""
+    """A &find case has its own limits, which options override; `run` writes the same table."""
     text = SYSTEM + "&find clearance = 37, max_impacts = {}, max_cycles = 1 /\n"
     write(tool.cwd / "find.nml", text.format(2))
     done = tool("find", "find.nml")
@@ -202,7 +202,7 @@ def test_the_document_of_a_search(tool, found):
      [], "case.nml: case: must be at one point of r and clearance; this &response is not"),
 ])  # fmt: skip
 def test_bad_searches(text, words, output, tool):
-    """A wrong search gives one line and status 2, and writes nothing."""
+    """An invalid search gives one line and status 2, and writes nothing."""
     write(tool.cwd / "case.nml", text)
     done = tool("find", "case.nml", *words)
     assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
@@ -236,7 +236,7 @@ def test_names_of_several_points(tool):
     (["--r", "1_0"], "--r 1_0: must be a number"),
     (["--r", "0.9", "--guesses", "1_0"], "--guesses 1_0: must be a whole number")])  # fmt: skip
 def test_numbers_are_repeated_as_typed(words, output, tool):
-    """Wrong numbers are repeated as typed, not as infinity or zero; grouped digits are refused."""
+    """Invalid numbers are repeated as typed, not as infinity or zero; numbers with separators are refused."""
     system = ["--xi", "0.01", "--mu", "0.05", "--restitution", "0.75", "--clearance", "20"]
     done = tool("find", *system, *words)
     assert done.status == 2

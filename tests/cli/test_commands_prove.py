@@ -20,13 +20,13 @@ pytest.importorskip("flint")
 
 
 def accepted(path):
-    """What the independent program says of a certificate."""
+    """The output of the independent program for a certificate."""
     done = subprocess.run([sys.executable, CHECKER, path], capture_output=True, text=True)
     return done.returncode, done.stdout
 
 
 def test_motions_are_proven(tool):
-    """Each motion of a case has a certificate, which is that of `Motion.prove`, and is accepted."""
+    """Each motion of a case has a certificate, equal to that of `Motion.prove`, which the checker accepts."""
     write(tool.cwd / "pair.nml", SYSTEM + "&motion kind = 'equispaced', clearance = 37 /\n")
     done = tool("prove", "pair.nml", "-o", "out")
     assert (done.status, done.err) == (0, b"")
@@ -66,7 +66,7 @@ def test_branch_is_proven(tool):
 
 
 def test_zone_is_proven_and_drawn(tool):
-    """A certificate of a zone decides on points; `--plot` draws it."""
+    """A certificate of a zone decides on single points; `--plot` draws it."""
     pytest.importorskip("matplotlib")
     write(
         tool.cwd / "zone.nml",
@@ -91,7 +91,7 @@ STRUCTURE = """&structure mass = 1, damping = 0.1, stiffness = 1 /
 &motion gaps = 0, phases = 0.1 /
 """
 WINDOW = "clearance_min = 20, clearance_max = 30, r_min = 1.0, r_max = 1.01"
-#: Options, a case, and what is said of them.
+#: Options, a case, and the expected message.
 REFUSED = {
     "simulation": ("", SYSTEM + "&simulate clearance = 37, cycles = 5 /\n",
                    "case: &simulate: must be one of &motion, &branch, &zone for a proof"),
@@ -124,7 +124,7 @@ def test_motion_of_a_structure_is_proven(tool):
 
 @pytest.mark.parametrize("case", REFUSED)
 def test_what_has_no_proof_is_refused(tool, case):
-    """Each with one clear line, status 2 and no file."""
+    """Each refusal has one clear line, status 2 and no file."""
     words, text, message = REFUSED[case]
     write(tool.cwd / "case.nml", text)
     done = tool("prove", "case.nml", *words.split())
@@ -135,7 +135,7 @@ def test_what_has_no_proof_is_refused(tool, case):
 
 
 def test_nothing_is_there_or_decided(tool):
-    """A case without motions has status 1 and no certificate; one of what is not decided says why."""
+    """A case without motions has status 1 and no certificate; an undecided certificate gives the reason."""
     write(tool.cwd / "none.nml", DAMPER + MOTION.replace("25", "500"))
     write(tool.cwd / "flat.nml", DAMPER.replace("0.75", "0") + MOTION)
     done = tool("prove", "none.nml")
@@ -150,7 +150,7 @@ def test_nothing_is_there_or_decided(tool):
 
 
 def test_without_the_extra(tmp_path, capsys, monkeypatch):
-    """Nothing is computed, and the message says how to install it."""
+    """Without the library nothing is computed, and the message says how to install it."""
     monkeypatch.setitem(sys.modules, "flint", None)
     monkeypatch.chdir(tmp_path)
     write(tmp_path / "pair.nml", DAMPER + MOTION)

@@ -43,7 +43,7 @@ def test_options_are_a_namelist(name, text, options, tool):
 
 
 def test_zone_as_json(tool):
-    """The JSON holds the API's zone."""
+    """The JSON holds the zone of the API."""
     done = tool("zone", *WINDOW, "--format", "json")
     assert (done.status, done.err) == (0, b"")
     assert list(contents(tool.cwd / "results")) == ["zone.json"]
@@ -54,7 +54,7 @@ def test_zone_as_json(tool):
 
 
 def test_atlas_as_json(tool):
-    """The JSON is that of Atlas.save, and its zones are those of the table."""
+    """The JSON equals that of Atlas.save, and its zones are those of the table."""
     done = tool("atlas", *ATLAS_OPTIONS, "--format", "json")
     assert (done.status, done.err) == (0, b"")
     assert list(contents(tool.cwd / "results")) == ["atlas.json"]
@@ -147,14 +147,14 @@ def test_bar_of_a_branch(form, stop, tool):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a terminal of POSIX")
 def test_bar_of_several_cases(tool):
-    """The bar of several cases runs once from end to end, with the number of results so far."""
+    """The bar of several cases fills once, with the number of results so far."""
     case = ZONE.removeprefix(WALLS)
     write(tool.cwd / "case.nml", WALLS + 4 * case)
     status, output = on_terminal(tool.cwd, "run", "case.nml")
     assert (status, len(contents(tool.cwd / "results"))) == (0, 4)
     lengths = bars(output)
     assert lengths == sorted(lengths)
-    # one of four cases: without the count of results the bar would be at its end
+    # one of four cases: without the count of results the bar would be full
     assert 0 < sum(length < 24 for length in lengths) < len(lengths)
     assert lengths[-1] > 20
 
@@ -188,7 +188,7 @@ def test_equispaced_pair_by_options(tool):
      "vibroimpact branch: --sides 'R''L': must be letters R and L"),
 ])  # fmt: skip
 def test_bad_options(words, output, tool):
-    """Wrong options give one line that names them and status 2, and nothing is written."""
+    """Invalid options give one line that names them and status 2, and nothing is written."""
     write(tool.cwd / "case.nml", PAIR)
     done = tool(*words)
     assert (done.status, done.out, len(done.faults)) == (2, b"", 1)

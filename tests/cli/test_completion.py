@@ -13,7 +13,7 @@ from vibroimpact.commands.command import main
 
 @pytest.fixture
 def script(tmp_path):
-    """The script for a shell, in a file; skips where the shell is not there."""
+    """The completion script for a shell, in a file; skips if the shell is not installed."""
 
     def write(shell):
         if shutil.which(shell) is None:
@@ -27,7 +27,7 @@ def script(tmp_path):
 
 
 def answer(words, cwd):
-    """What a shell prints, as a set of words."""
+    """The output of a shell, as a set of words."""
     done = subprocess.run(words, capture_output=True, text=True, cwd=cwd, timeout=60, check=False)
     assert (done.returncode, done.stderr) == (0, "")
     return set(done.stdout.split())
@@ -114,7 +114,7 @@ def test_every_command_and_option_is_there(script):
 
 
 def test_missing_library(monkeypatch, capsys):
-    """One line says what to install; status 1, and nothing is printed."""
+    """Without the library, one line says what to install; status 1, and nothing else is printed."""
     monkeypatch.setitem(sys.modules, "shtab", None)
     assert main(["completion", "bash"]) == 1
     output = "completion in a shell needs shtab: pip install 'vibroimpact[completion]'"

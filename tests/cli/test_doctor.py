@@ -32,7 +32,7 @@ def test_doctor_tells_of_this_installation(tool):
 
 
 def test_doctor_says_how_to_get_what_is_missing(tool):
-    """A missing library is named with its purpose, and is no error."""
+    """A missing library is named with its purpose, and is not an error."""
     write(tool.cwd / "sitecustomize.py", """import importlib.metadata as m
 known = m.version
 def version(name):
@@ -48,14 +48,14 @@ m.version = version
 
 
 def test_doctor_sees_threads(tool):
-    """The number of threads is that of the environment, as OpenMP uses it."""
+    """The number of threads is that of the environment, as OpenMP applies it."""
     done = tool("doctor", env={"OMP_NUM_THREADS": "3", "PATH": ""})
     output = re.search(r"threads: +(.*)", done.out.decode())[1]
     assert output.startswith("3 of ") or "without OpenMP" in output
 
 
 def test_quiet(tool):
-    """With --quiet standard output is empty, but faults are reported."""
+    """With --quiet standard output is empty, but errors are reported."""
     done = tool("doctor", "--quiet")
     assert (done.status, done.out) == (0, b"")
     done = tool("run", "missing.nml", "--quiet")
@@ -63,7 +63,7 @@ def test_quiet(tool):
 
 
 def test_json_of_a_wrong_input(tool):
-    """With --json wrong input gives the document, too, with the status and the fault of standard error."""
+    """With --json invalid input also gives the document, with the status and the error of standard error."""
     done = tool("find", "--xi", "2", "--mu", "0.1", "--restitution", "0.7", "--r", "1", "--clearance", "9",
                 "--json")  # fmt: skip
     document = json.loads(done.out)
@@ -73,7 +73,7 @@ def test_json_of_a_wrong_input(tool):
 
 
 def test_the_doctor_says_what_is_missing(monkeypatch, capsys):
-    """Missing libraries, a missing program and a slow build: each with what to do; the status is 1."""
+    """Missing libraries, a missing program and a slow build are reported, each with a remedy; the status is 1."""
     added = {}
     options = SimpleNamespace(record=SimpleNamespace(add=added.__setitem__))
     built = {**doctor.built(), "openmp": "", "buildtype": "debug", "lapack": "openblas 0.3"}
@@ -98,7 +98,7 @@ def test_the_doctor_says_what_is_missing(monkeypatch, capsys):
 
 
 def test_the_doctor_sees_a_wrong_motion(monkeypatch):
-    """Errors and wrong multipliers of the core are said."""
+    """Errors and wrong multipliers of the core are reported."""
     assert doctor.computes() == "yes"
     right = doctor.exact
 

@@ -60,7 +60,7 @@ def test_interrupt_at_the_start(name, tool):
     ("lyapunov --cycles 80 -1e", 2, "unrecognized arguments: -1e; see `vibroimpact lyapunov --help`"),
 ])  # fmt: skip
 def test_numbers(words, status, output, tool):
-    """Negative numbers in any notation are values of options; a fault names option, value, and what is allowed."""
+    """Negative numbers in any notation are values of options; an error names option, value and allowed values."""
     name, *others = words.split()
     done = tool(name, *POINT, *others)
     assert done.status == status
@@ -74,7 +74,7 @@ def test_numbers(words, status, output, tool):
     ("nothing", "", "argument COMMAND: invalid choice: 'nothing'"),
 ])  # fmt: skip
 def test_faults_of_words_in_json(words, name, output, tool):
-    """With --json a wrong argument gives one document, and one line on standard error."""
+    """With --json an invalid argument gives one document, and one line on standard error."""
     done = tool(*words.split(), "--json")
     document = json.loads(done.out)
     assert (done.status, document["status"], document["command"]) == (2, 2, name)
@@ -113,7 +113,7 @@ def test_program_on_a_full_disk(words, batch):
 @pytest.mark.parametrize("buffered", ["", "1"])
 @pytest.mark.parametrize("words", ["--help", "--version", "zone --help"])
 def test_help_on_a_full_disk(words, buffered, tool):
-    """The help of `vibroimpact` on a full disk gives one line and status 1, buffered or not."""
+    """The help of `vibroimpact` on a full disk gives one line and status 1, with or without buffering."""
     with open("/dev/full", "w", encoding="utf-8") as full:
         done = subprocess.run(
             [find_command(), *words.split()], stdout=full, stderr=subprocess.PIPE, text=True,
@@ -125,7 +125,7 @@ def test_help_on_a_full_disk(words, buffered, tool):
 
 
 def test_misspelt_group(batch):
-    """A misspelt group is reported, and not an error in other groups that follows from it."""
+    """A misspelt group is reported, and not the error that it causes in other groups."""
     text = SYSTEM + "&motin kind = 'equispaced', clearance = 3 /\n"
     (fault,) = batch.case(text).faults
     assert fault.startswith("case.nml:2: &motin: is not a group; must be &system, &output, &motion")
@@ -142,7 +142,7 @@ def test_a_parameter_that_is_swept_has_no_value(name, value, tool):
 
 @pytest.mark.parametrize("folder", ["q.txt", "a/b.JSONL", "-"])
 def test_what_is_no_folder_is_refused_by_both(folder, batch, tool):
-    """A path like a file's, or the dash that elsewhere means standard output, is refused as a folder."""
+    """A folder is refused if its name looks like a file, or is the dash that elsewhere means standard output."""
     for run, words in ((batch, []), (tool, ["run"])):
         done = run.case(PAIR, "-o", folder) if not words else run(*words, "case.nml", "-o", folder)
         assert (done.status, len(done.faults)) == (2, 1)
@@ -165,7 +165,7 @@ def test_a_file_in_place_of_the_folder(folder, batch, tool):
 
 
 def test_control_characters_are_not_echoed(batch):
-    """Messages have no control characters of a file: neither of ASCII nor of Latin-1, as bytes or in UTF-8."""
+    """Messages contain no control characters from a file, neither ASCII nor Latin-1, as bytes or in UTF-8."""
     held = (
         "é\u0085µ\u009b€".encode()
         + bytes(range(1, 10))
@@ -188,13 +188,13 @@ def test_control_characters_are_not_echoed(batch):
      "lyapunov: --cycles 39: must be a whole number, 2 batches <= cycles <= 1e9; batches is 20"),
 ])  # fmt: skip
 def test_what_is_allowed(words, output, tool):
-    """Errors give the allowed values in the words of the options, and in numbers."""
+    """Errors give the allowed values in the words and numbers of the options."""
     assert tool(*words).faults == [f"vibroimpact {output}"]
     assert list(contents(tool.cwd)) == []
 
 
 def test_ctrl_c_while_the_arguments_are_read(monkeypatch):
-    """argparse that is interrupted ends with an error of its own; it is an interrupt nevertheless."""
+    """When argparse is interrupted it raises an error of its own; this still counts as an interrupt."""
 
     def interrupted(*_):
         try:

@@ -1,4 +1,4 @@
-"""Forms of results of the command: they hold the results of the case, which is computed once."""
+"""Forms of results of the command: each holds the results of the case, which is computed once."""
 
 import importlib
 import json
@@ -20,7 +20,7 @@ SYSTEM = ["--xi", "0.0114", "--mu", "0.028", "--restitution", "0.75"]
 
 
 def heard(capture):
-    """The output on both channels without the lines of written files, and these files."""
+    """The output of both streams without the lines about written files, and these files."""
     out, err = capture.readouterr()
     files = sorted(map(os.fsdecode, WRITTEN.findall(out.encode())))
     return (WRITTEN.sub(b"", out.encode()).decode(), err), files
@@ -32,7 +32,7 @@ def test_every_form_of_every_kind(kind, tool, monkeypatch, capfd):
     for library in ("h5netcdf", "scipy"):
         pytest.importorskip(library)
     monkeypatch.chdir(tool.cwd)
-    # the forms of an atlas are those of its zones: a small atlas and one form are enough
+    # the forms of an atlas are those of its zones, so a small atlas and one form are enough
     path = write(tool.cwd / "case.nml", kinds()[kind].replace("survey = 20", "survey = 9"))
     (case,) = vi.read_namelist(path)
     wanted = case.run()
@@ -59,7 +59,7 @@ def test_every_form_of_every_kind(kind, tool, monkeypatch, capfd):
 
 @pytest.mark.parametrize("words", [["run"], ["chart"], ["chart", "--json"]])
 def test_chart_without_xarray(words, tmp_path, monkeypatch, capsys):
-    """Without xarray table and picture are written; netCDF gives a message that it needs xarray."""
+    """Without xarray the table and the picture are written; for netCDF a message names xarray."""
     monkeypatch.chdir(tmp_path)
     write(tmp_path / "case.nml", kinds()["chart"])
     assert main(["chart", "case.nml", "--plot", "svg", "-o", "with"]) == 0
@@ -88,7 +88,7 @@ def test_named_chart_without_xarray(words, tmp_path, monkeypatch, capsys):
 
 
 def test_a_chart_as_netcdf(tool):
-    """The dataset of `chart` with the case that made it."""
+    """The dataset of `chart` with its case."""
     xarray = pytest.importorskip("xarray")
     write(tool.cwd / "case.nml", kinds()["chart"])
     assert tool("chart", "case.nml", "--format", "netcdf").status == 0
@@ -111,7 +111,7 @@ def test_options_of_a_chart_are_a_namelist(tool):
     assert contents(tool.cwd / "results") == contents(tool.cwd / "run")
 
 
-#: What the number of frequency ratios must be.
+#: The requirement on the number of frequency ratios.
 MANY = "must be a whole number of at least 2, with N x N of --clearance <= 1000000"
 
 
@@ -125,7 +125,7 @@ MANY = "must be a whole number of at least 2, with N x N of --clearance <= 10000
     (["--r", "1e-9", "1.1", "5"], "--r 1e-9 1.1 5: must be a number with 1e-6 <= LOW"),
 ])  # fmt: skip
 def test_bad_grids(words, output, tool):
-    """Wrong grids are refused in the words typed."""
+    """Invalid grids are refused in the words typed."""
     done = tool("chart", *SYSTEM, "--sides", "RL", "--clearance", "5", "9", "3", *words)
     assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
     assert done.faults[0].startswith(f"vibroimpact chart: {output}")
@@ -133,7 +133,7 @@ def test_bad_grids(words, output, tool):
 
 @pytest.mark.parametrize("kind", [kind for kind in STUDIES if kind not in IN_PYTHON])
 def test_computed_once(kind, tmp_path, monkeypatch):
-    """Table, picture and document from one computation; the table has the bytes of the compiled program."""
+    """Table, picture and document come from one computation; the table equals that of the compiled program."""
     path = write(tmp_path / "case.nml", kinds()[kind])
     assert vi.run_namelists([path], tmp_path / "core").status == 0
     module = importlib.import_module("vibroimpact.results.door")
@@ -163,7 +163,7 @@ BRANCHES = {
 
 @pytest.mark.parametrize("name", ["short", "nothing", "missing", *BRANCHES])
 def test_faults_are_the_same_in_every_form(name, tmp_path, monkeypatch, capfd):
-    """Partial and missing results have the same messages and files in every form (atlases elsewhere)."""
+    """Partial and missing results have the same messages and files in every form (atlases: other tests)."""
     text = {
         "short": kinds()["zone"].replace("! max_points = 20000", "max_points = 100"),
         "nothing": kinds()["zone"].replace("clearance_min = 2 ", "clearance_min = 150 "),
@@ -218,7 +218,7 @@ def test_attractors_in_other_forms(tool):
 
 
 def test_interrupted_cases_keep_what_is_finished(tmp_path, monkeypatch, capsys):
-    """Ctrl-C in the second case: the first is written; status 1 and one line."""
+    """Ctrl-C in the second case: the first one is written; status 1 and one line."""
     module = importlib.import_module("vibroimpact.results.door")
     ours, calls = module.run_text, []
 
@@ -241,7 +241,7 @@ def test_interrupted_cases_keep_what_is_finished(tmp_path, monkeypatch, capsys):
 
 @pytest.mark.parametrize(("kind", "suffix"), [("zone", "csv"), ("exact", "csv"), ("exact", "json")])
 def test_a_file_for_the_one_result(kind, suffix, tool, monkeypatch, capfd):
-    """-o DIR/NAME.SUFFIX names folder, form and result; the table is that of a case of this name."""
+    """-o DIR/NAME.SUFFIX gives folder, form and name of the result; the table is that of a case of this name."""
     monkeypatch.chdir(tool.cwd)
     write(tool.cwd / "case.nml", kinds()[kind])
     assert main(["run", "case.nml", "-o", f"new/mine.{suffix}", "--plot", "svg"]) == 0
@@ -257,7 +257,7 @@ def test_a_file_for_the_one_result(kind, suffix, tool, monkeypatch, capfd):
 
 
 def test_a_file_for_two_motions(tool):
-    """Two motions get numbered files, which are named; a folder that stays empty is removed."""
+    """Two motions get numbered files, named in the output; a folder that stays empty is removed."""
     write(tool.cwd / "case.nml", kinds()["equispaced"])
     done = tool("run", "case.nml", "-o", "mine.json")
     assert done.files == ("mine_1.json", "mine_2.json")
@@ -321,7 +321,7 @@ def test_interrupted_chart_is_written_as_far_as_it_came(form, tmp_path, monkeypa
         assert re.search(r"\n# ! cut short: \d+ of 32000 points were reached\n", table)
         names, *rows = (line for line in table.splitlines() if line[0] != "#")
         assert names.endswith(",status")
-        assert all(row.endswith(",0") for row in rows)  # motions, and no empty slots
+        assert all(row.endswith(",0") for row in rows)  # only motions, without empty slots
         return
     record = json.loads((tmp_path / "out" / name).read_text())
     status = np.array(record["tables"]["motions"]["columns"]["status"])

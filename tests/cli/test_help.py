@@ -55,7 +55,7 @@ def test_every_option_is_explained(name):
 
 @pytest.mark.parametrize("name", WRITTEN)
 def test_example_as_pasted(name, tmp_path):
-    """In an empty folder, by a shell, each example has status 0, an empty standard error, and its files."""
+    """In an empty folder, each example run by a shell has status 0, an empty standard error, and its files."""
     done = subprocess.run(
         EXAMPLES[name], shell=True, cwd=tmp_path, capture_output=True, text=True, timeout=120,
         env={**os.environ, "PATH": f"{BIN}{os.pathsep}{os.environ['PATH']}"},

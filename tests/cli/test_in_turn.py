@@ -1,4 +1,4 @@
-"""Builds of the editable package take turns: a second `vibroimpact` waits, and does not fail."""
+"""Builds of the editable package run one at a time: a second `vibroimpact` waits, and does not fail."""
 
 import subprocess
 import sys
@@ -16,14 +16,14 @@ for _ in range(2000):
 
 
 def test_commands_take_turns(tmp_path):
-    """Eight commands that must not overlap run in turn; a command started within a turn does not wait."""
+    """Eight commands that must not overlap run one by one; a nested command does not wait."""
     call = [*IN_TURN, *IN_TURN, sys.executable, "-I", "-c", ALONE]
     runs = [subprocess.Popen(call, cwd=tmp_path, stderr=subprocess.PIPE) for _ in range(8)]
     assert [(run.communicate()[1], run.returncode) for run in runs] == [(b"", 0)] * 8
 
 
 def test_the_turn_ends_with_the_command(tmp_path):
-    """The turn ends with the command, however that ends, and has its status."""
+    """The lock is released when the command ends, in whatever way, and its status is returned."""
     for words in (["sh", "-c", "kill -9 $$"], ["sh", "-c", "exit 3"], ["true"]):
         alone = subprocess.run(words, check=False).returncode
         assert subprocess.run([*IN_TURN, *words], cwd=tmp_path, check=False).returncode == alone

@@ -11,7 +11,7 @@ from vibroimpact.cases.case import read_namelist
 
 @pytest.fixture
 def templates(tool):
-    """All templates, in the folder of the tool; one of them by the command itself."""
+    """All templates, in the folder of the runner; the command itself writes one of them."""
     for name, text in kinds().items():
         write(tool.cwd / f"{name}.nml", text)
     (tool.cwd / "exact.nml").unlink()
@@ -22,7 +22,7 @@ def templates(tool):
 
 
 def test_every_kind_of_case_has_one(tool):
-    """--list, and the message about an unknown name, list all kinds of cases."""
+    """--list, and the message for an unknown name, list all kinds of cases."""
     done = tool("init", "--list")
     assert [line.split()[0] for line in done.out.decode().splitlines()] == list(kinds())
     assert list(json.loads(tool("init", "--list", "--json").out)["results"]) == list(kinds())
@@ -66,7 +66,7 @@ def test_templates_run_through_all_doors(templates, tool, same_build):
 
 @pytest.mark.parametrize("name", kinds())
 def test_templates_explain_every_key(name, tool):
-    """A template has all keys that the reader knows in its groups."""
+    """A template has all keys of its groups that the reader knows."""
     text = kinds()[name]
     for group in re.findall(r"^&(\w+)", text, re.MULTILINE):
         wrong = re.sub(rf"^&{group}\b.*$", f"&{group}\n  nonsense = 1", text, flags=re.MULTILINE)
@@ -80,7 +80,7 @@ def test_templates_explain_every_key(name, tool):
 
 
 def test_defaults_are_those_that_are_shown(tmp_path):
-    """A template with its commented defaults active is the same case."""
+    """A template with its commented defaults made active gives the same case."""
     for name, text in kinds().items():
         full = re.sub(r"^  ! (\w+ = )", r"  \1", text, flags=re.MULTILINE)
         (ours,) = read_namelist(write(tmp_path / f"{name}.nml", text))

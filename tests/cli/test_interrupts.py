@@ -26,7 +26,7 @@ LONG = (
 
 
 def interrupted(cwd, words, until, later=0.0):
-    """Status and faults of the program, interrupted as soon as a file (a pattern) exists, or seconds later."""
+    """Status and errors of the program, interrupted when a file (a pattern) exists, or some seconds later."""
     with subprocess.Popen(
         [find_command(), *words],
         cwd=cwd, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
@@ -44,10 +44,10 @@ def interrupted(cwd, words, until, later=0.0):
 
 @pytest.mark.parametrize("form", ["csv", "json"])
 def test_whole_cases_are_named(form, tmp_path):
-    """After the first of two cases its file is named in the message, and no other."""
+    """After the first of two cases, the message names its file and no other."""
     write(tmp_path / "case.nml", EQUAL + SHORT + LONG)
     words = ["run", "case.nml", "-o", "out", "--format", form]
-    # in the second case: the first one is not yet recorded at the moment at which its file exists
+    # interrupt the second case: when the first file appears it may not be recorded yet
     status, faults = interrupted(tmp_path, words, f"out/case_1.{form}", later=1.0)
     kept = f"finished results are kept: out/case_1.{form}"
     assert (status, faults) == (1, [f"vibroimpact run: interrupted; {kept}"])
@@ -94,7 +94,7 @@ def test_nothing_is_called_nothing(name, form, tmp_path, monkeypatch, capsys):
 
 @pytest.mark.skipif(not os.path.isdir("/proc/self"), reason="no /proc")
 def test_processes_that_just_start_are_not_interrupted(tmp_path):
-    """Workers of `reproduce` that are starting ignore the Ctrl-C of a terminal; one line is printed."""
+    """Starting workers of `reproduce` ignore the Ctrl-C of a terminal; one line is printed."""
     pytest.importorskip("matplotlib")
     with subprocess.Popen(
         [find_command(), "reproduce", "figure4a", "figure4b", "-o", "out"],
@@ -112,7 +112,7 @@ def test_processes_that_just_start_are_not_interrupted(tmp_path):
 
 
 def masks_of_workers(parent):
-    """The signals that each process started by `spawn` holds back or ignores."""
+    """The signals that each process started by `spawn` blocks or ignores."""
     masks = []
     for number in pathlib.Path(f"/proc/{parent}/task/{parent}/children").read_text().split():
         with contextlib.suppress(OSError):
@@ -164,7 +164,7 @@ def test_reproduction_names_what_it_has_written(tmp_path, monkeypatch, capsys):
 
 
 def test_bar_never_falls_back(monkeypatch, capsys):
-    """If more work appears the bar keeps its length and the time left is updated; at the end it is erased."""
+    """If the work grows, the bar keeps its length and the time left is updated; at the end it is erased."""
     monkeypatch.setattr("vibroimpact.base.progress.PATIENCE", 0.0)
     monkeypatch.setattr("vibroimpact.base.progress.INTERVAL", 0.0)
     clock = iter([100.0, 110.0, 120.0, 140.0, 160.0])
@@ -179,7 +179,7 @@ def test_bar_never_falls_back(monkeypatch, capsys):
     assert (wiped.strip(), end) == ("", "")
 
 
-#: A study, one of several studies, and one that tells a function of its caller's.
+#: A study, one made of several studies, and one that reports its progress to a function of the caller.
 CALLS = """
 import vibroimpact as vi
 osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
@@ -191,7 +191,7 @@ vi.zone(osc, "RL", (0.9, 1.1), (10, 40), lines=17, progress=lambda share, task: 
 
 @pytest.mark.skipif(not hasattr(os, "openpty"), reason="no pseudo-terminals on this system")
 def test_calls_from_python_show_one_bar(tmp_path):
-    """On a terminal a call shows a bar of its name, not those of calls within it; none if a function is told."""
+    """On a terminal a call shows one bar with its name, not bars of inner calls; a progress function shows none."""
     write(tmp_path / "eager.py", EAGER + CALLS)
     ours, theirs = os.openpty()
     with subprocess.Popen([sys.executable, "eager.py"], cwd=tmp_path, stderr=theirs) as process:

@@ -7,7 +7,7 @@ import subprocess
 import pytest
 from programs import PAIR, SYSTEM, find_twin, many_cases, write
 
-#: What ends each file: a fault that is found after all else has been read.
+#: The end of each file: an error that is found after everything else has been read.
 FAULT = f"{SYSTEM}&motion x = 1 /\n"
 BIG = {
     "empty lines": "\n" * 20_000_000 + FAULT,
@@ -22,7 +22,7 @@ BIG = {
 
 
 def seconds(call, folder):
-    """Processor time of a program, and what it says of faults."""
+    """Processor time of a program, and the finished process."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
     done = subprocess.run(call, cwd=folder, capture_output=True, timeout=300)
     return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before, done
@@ -30,7 +30,7 @@ def seconds(call, folder):
 
 @pytest.mark.parametrize("kind", BIG)
 def test_long_files_are_read(kind, binary, tmp_path):
-    """A file of up to 20 MB takes a few seconds; a reader that copies what is left at each step takes minutes."""
+    """A file of up to 20 MB takes seconds; a reader that copied the rest at each step would take minutes."""
     write(tmp_path / "case.nml", BIG[kind])
     time, done = seconds([binary, "case.nml"], tmp_path)
     assert (done.returncode, len(done.stderr.splitlines())) == (2, 1)
@@ -47,7 +47,7 @@ def test_many_cases(binary, tmp_path):
 
 
 def test_names_of_many_cases(binary, tmp_path):
-    """The name that occurs twice is found among 8000, wherever it stands."""
+    """The name that occurs twice is found among 8000, at any position."""
     text = many_cases(8000).replace("'case_7998'", "'CASE_3'")
     write(tmp_path / "case.nml", text)
     _, done = seconds([binary, "case.nml"], tmp_path)
@@ -59,7 +59,7 @@ LETTERS = ["ü.nml", "é.nml", "Ψ.nml", "激.nml", "😀.nml"]
 
 
 def test_names_keep_their_letters(batch, command):
-    """Files whose names differ in letters beyond ASCII have results of their own, in both programs."""
+    """Files whose names differ in letters beyond ASCII have separate results, in both programs."""
     for name in LETTERS:
         write(batch.cwd / name, PAIR)
     assert batch(*LETTERS, "-o", "out").status == 0
@@ -70,7 +70,7 @@ def test_names_keep_their_letters(batch, command):
         text = (batch.cwd / "out" / name).read_bytes()
         assert text == (batch.cwd / "again" / name).read_bytes()
         assert f"name = '{name[:-4]}'".encode() in text
-    # a result is an input that reproduces it
+    # a result as an input reproduces itself
     assert batch("out/ü.csv", "-o", "third").status == 0
     assert (batch.cwd / "third/ü.csv").read_bytes() == (batch.cwd / "out/ü.csv").read_bytes()
 
@@ -79,7 +79,7 @@ def test_names_keep_their_letters(batch, command):
     b"\xff", b"a\xe9", b"\xc0\xaf", b"\xed\xa0\x80", "\u202egnp", "a\u00a0b", "a\u2028b", "a\nb", "a b", "\u0085",
 ])  # fmt: skip
 def test_names_without_letters(name, batch, command):
-    """Bytes that are not UTF-8, blanks and marks of direction become _, alike in both programs."""
+    """Bytes that are not UTF-8, blanks and direction marks become _, in both programs."""
     raw = name if isinstance(name, bytes) else name.encode()
     write(batch.cwd / os.fsdecode(raw + b".nml"), PAIR)
     for program, folder in ((batch, "out"), (command, "again")):
@@ -90,14 +90,14 @@ def test_names_without_letters(name, batch, command):
 
 
 def test_long_name_is_cut_between_letters(batch):
-    """A name of 100 bytes ends with a whole letter."""
+    """A name cut to 100 bytes ends with a complete letter."""
     done = batch.case(PAIR, "-o", "out", name="a" + "ü" * 60 + ".nml")
     assert done.status == 0
     assert [path.name for path in (batch.cwd / "out").iterdir()] == ["a" + "ü" * 49 + ".csv"]
 
 
 def test_line_feed_in_a_path(batch, command):
-    """The message of a fault is one line in both programs."""
+    """The message of an error is one line in both programs."""
     write(batch.cwd / "a\nb.nml", "x")
     output = [program("a\nb.nml", "-o", "out") for program in (batch, command)]
     assert output[0] == output[1]
@@ -107,14 +107,14 @@ def test_line_feed_in_a_path(batch, command):
 
 
 def limit_file_size():
-    """Let no file of the child grow above 1000 bytes, as `ulimit -f` does: the signal has its default action."""
+    """Limit files of the child process to 1000 bytes as `ulimit -f` does; the signal has its default action."""
     resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
 
 
 @pytest.mark.parametrize("program", ["program", "command"])
 @pytest.mark.parametrize("old", [b"the old result\n", None])
 def test_file_size_limit(program, old, binary, tmp_path):
-    """One line says that the file became too large; the old result stays, and nothing else."""
+    """One line says that the file became too large; the old result stays, and no other file appears."""
     call = [binary] if program == "program" else find_twin()
     (tmp_path / "results").mkdir()
     if old:

@@ -1,4 +1,4 @@
-"""The memory that a case may take, told before it is computed.
+"""The memory that a case may take, estimated before it is computed.
 
 That these estimates are enough is tested where a case is refused or fits (test_limits.py). Here they grow with the
 size of the case as its tables do, and have the values that they had when that was tested.
@@ -66,7 +66,7 @@ STRUCTURE = {
 
 
 def need(binary, folder, text):
-    """The megabytes that the program says a case takes which it refuses for want of them."""
+    """The megabytes that the program says a case takes, when it refuses the case for lack of memory."""
     (folder / "case.nml").write_text(text)
 
     def limit():
@@ -100,7 +100,7 @@ def test_at_a_point(text, binary, tmp_path):
 
 
 def test_of_a_search(binary, tmp_path):
-    """A search keeps a motion for each cycle of each release, twice, and for each of 16 cycles of a state."""
+    """A search stores a motion for each cycle of each release, twice, and for each of 16 cycles of a state."""
     head = f"{SYSTEM}, r = 1.1 /\n&find clearance = 5"
     states = need(binary, tmp_path, f"{head}, states = 200000, releases = 0 /\n")
     for cycles in (5, 7):

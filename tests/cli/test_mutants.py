@@ -66,7 +66,7 @@ def test_one_line_of_one_file(folder):
 
 
 def test_survivors_are_mutants_of_today():
-    """A survivor whose line has changed is to be tried again, and each has a reason."""
+    """Every survivor is a mutant of the present code, and has a reason."""
     for (file, before, after), reason in listed().items():
         of_today = {(m.before.strip(), m.after.strip()) for m in mutants_of(ROOT, file)}
         assert (before, after) in of_today
@@ -98,7 +98,7 @@ def test_bad_options(option, value):
 
 @pytest.mark.parametrize("end", [*range(8), 127, "signal", "exception", "in vain"])
 def test_a_process_that_ends_by_itself_has_noticed_a_mutant(end):
-    """LAPACK ends a process with status 0, the Fortran runtime with 2, a fault by a signal."""
+    """LAPACK ends a process with status 0, the Fortran runtime with 2, a memory fault with a signal."""
 
     class Ends(Trial):
         def __init__(self):

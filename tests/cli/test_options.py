@@ -1,4 +1,4 @@
-"""Options and messages about them: in the words typed, and short."""
+"""Options and messages about them: short, and in the words typed."""
 
 import os
 import signal
@@ -96,7 +96,7 @@ def test_options_that_do_not_go_together(words, output, tmp_path, monkeypatch, c
 
 
 def test_wrong_format_of_a_picture(tmp_path, monkeypatch, capsys):
-    """A wrong format of a picture is reported as such, and not as a missing namelist file."""
+    """An invalid format of a picture is reported as such, and not as a missing namelist file."""
     monkeypatch.chdir(tmp_path)
     with pytest.raises(SystemExit) as ended:
         main(["zone", "case.nml", "--plot", "gif"])
@@ -160,7 +160,7 @@ def test_output_on_a_full_disk(words, tool):
 @pytest.mark.skipif(sys.platform == "win32", reason="limits of POSIX")
 @pytest.mark.parametrize("form", ["csv", "json", "netcdf", "matlab"])
 def test_result_on_a_full_disk(form, tool):
-    """The message names the result and what it needs; no partial file is left (a size limit acts as the disk)."""
+    """The message names the result and what it needs; no partial file is left (a size limit fills the disk)."""
     import resource
 
     def limit():
@@ -198,7 +198,7 @@ def test_result_on_a_full_disk(form, tool):
 
 
 def test_no_command(tool):
-    """Without a command all are listed with status 2; with --help the same list has status 0."""
+    """Without a command all commands are listed with status 2; with --help the same list has status 0."""
     done = tool()
     helped = tool("--help")
     assert (done.status, done.out, helped.status) == (2, b"", 0)
@@ -217,7 +217,7 @@ def test_help_names_units(name, tool):
 ])  # fmt: skip
 @pytest.mark.parametrize("name", ["q.txt", "new/pic.png", "a.h5", "b.JSONL"])
 def test_a_name_of_no_form_is_refused(words, name, tool):
-    """A file name with an unknown suffix is refused with the allowed ones, and not made a folder."""
+    """A file name with an unknown suffix is refused with the allowed ones, and no folder of that name is made."""
     write(tool.cwd / "case.nml", PAIR)
     done = tool(*words, "-o", name)
     assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
@@ -234,7 +234,7 @@ def test_a_name_of_no_form_is_refused(words, name, tool):
     "name", ["q.txt/", "a.json/", "there.txt", "r0.94", "run.2026-11-21", ".hidden"]
 )
 def test_folders_with_a_dot(name, tool):
-    """Names that end in a slash, of existing folders, or unlike those of files are folders."""
+    """Names that end in a slash, names of existing folders, and names unlike those of files are folders."""
     (tool.cwd / "there.txt").mkdir()
     write(tool.cwd / "case.nml", PAIR)
     assert tool("run", "case.nml", "-o", name).status == 0
@@ -246,7 +246,7 @@ def test_folders_with_a_dot(name, tool):
 ])  # fmt: skip
 @pytest.mark.parametrize("option", ["--clearance", "--r", "--xi"])
 def test_forms_of_numbers(option, value, tool):
-    """Options take the number forms of namelists; numbers that would become 0 or infinite are refused."""
+    """Options take the number formats of namelists; numbers that would become 0 or infinite are refused."""
     done = found_with(tool, option, value)
     assert (done.status, done.out) == (2, b"")
     assert f"{option}: {value}: must be a number" in done.faults[-1] or (
@@ -270,6 +270,6 @@ def found_with(tool, option, value):
 
 @pytest.mark.parametrize("command", ["identify", "design", "decay"])
 def test_studies_without_a_given_frequency_ratio_have_no_option(tool, command):
-    """A study that finds the frequency ratio, has a band of them, or no load, does not offer --r."""
+    """A study without a load, with a band of frequency ratios, or that finds the ratio has no option --r."""
     assert b"--r " not in tool(command, "--help").out
     assert b"--r " in tool("bifurcation", "--help").out

@@ -1,4 +1,4 @@
-"""Options whose values have units: they give the case that bare numbers give."""
+"""Options whose values have units give the same case as bare numbers."""
 
 import pytest
 from vibroimpact.cases.case import read_namelist
@@ -30,7 +30,7 @@ def test_values_with_units(tool, tmp_path):
 
 
 def test_bare_numbers_in_units(tool, tmp_path):
-    """With --units bare numbers have the unit of their kind; a frequency without one is r."""
+    """With --units bare numbers have the unit of their kind; a bare frequency is r."""
     words = ["zone", *RIG, *SHARES, "--sides", "RL", "--lines", "5", "--guesses", "1"]
     _, ours = keys_of(
         tool, tmp_path, *words, "--r", "18 Hz", "21 Hz", "--clearance", "2 mm", "6 mm"
@@ -54,7 +54,7 @@ def test_bare_numbers_in_units(tool, tmp_path):
     ],
 )  # fmt: skip
 def test_wrong_units(words, message, tool):
-    """A unit of another kind, an unknown one, and a number in either of two units are refused by the option."""
+    """The option refuses a unit of another kind, an unknown unit, and a number whose unit is ambiguous."""
     given = {"--r": "19.5 Hz", "--clearance": "4 mm"} | dict([words])
     done = tool(
         "simulate",
@@ -69,7 +69,7 @@ def test_wrong_units(words, message, tool):
 
 
 def test_results_in_units(tool, tmp_path):
-    """A table is in the units of the rig, with mm for m, in those that are asked for, or dimensionless."""
+    """A table is in the units of the rig, with mm for m, in requested units, or dimensionless."""
     words = [
         "zone",
         *RIG,
@@ -121,7 +121,7 @@ def test_results_in_units(tool, tmp_path):
 
 
 def test_units_of_files(tool, tmp_path):
-    """`run --units` answers in other units; a system that has none is refused by name."""
+    """`run --units` converts to other units; a system without units is refused by name."""
     text = "&system units = 'SI', mass = '2700 g', stiffness = 42e3, force = 6, xi = .01, mu = .04"
     (tmp_path / "rig.nml").write_text(
         text + ", restitution = 1, r = 1.1 / &simulate clearance = 0.004, cycles = 2, z = 0.001 /\n"

@@ -61,7 +61,7 @@ def clone(tmp_path):
 
 @pytest.mark.parametrize("words", [[], ["-h"], ["help"], ["bench", "--help"], ["test", "-h"]])
 def test_help(words):
-    """The help lists every command, and starts none."""
+    """The help lists every command, and runs none."""
     status, out, err = say(*words)
     assert (status, err) == (0, "")
     for command in ("reproduce", "test", "bench", "mutate", "coverage", "docs", "lint", "wheel"):
@@ -111,7 +111,7 @@ def test_each_test_once(clone, words):
 
 @pytest.mark.parametrize("fault", [None, "meson", "pytest"])
 def test_the_fast_lane(fault, tmp_path):
-    """`fast` goes on after a failure, names what it leaves out, and has status 0 only if nothing failed."""
+    """`fast` continues after a failure, names the tests it skips, and has status 0 only if nothing failed."""
     for folder in (".ci", "build/fortran", ".venv/bin"):
         (tmp_path / folder).mkdir(parents=True)
     shutil.copy(RUN.parent / ".ci/run", tmp_path / ".ci/run")
@@ -149,7 +149,7 @@ def test_the_fast_lane(fault, tmp_path):
 
 
 def test_the_pythons_of_a_wheel(tmp_path):
-    """The one of .venv first, then one of each other supported version; links that lead nowhere are left out."""
+    """The Python of .venv first, then one of each other supported version; broken links are left out."""
     own = ".".join(map(str, sys.version_info[:2]))
     pyproject = (RUN.parent / "pyproject.toml").read_text(encoding="utf-8")
     versions = re.findall(r'"Programming Language :: Python :: (3\.\d+)"', pyproject)
@@ -180,7 +180,7 @@ def test_the_pythons_of_a_wheel(tmp_path):
 
 
 class Session:
-    """What a session of nox would run."""
+    """The commands that a session of nox would run."""
 
     def __init__(self, posargs=()):
         self.posargs, self.calls = list(posargs), []
@@ -196,7 +196,7 @@ class Session:
 
 
 def test_the_nightly_session(monkeypatch):
-    """Nightly wheels come last, from the index that is given alone; without one the session ends at once."""
+    """Nightly wheels are installed last, from their index alone; without an index the session ends at once."""
     nox = SimpleNamespace(
         session=lambda function=None, **_options: function or (lambda given: given),
         options=SimpleNamespace(), needs_version="", Session=Session, main=None,

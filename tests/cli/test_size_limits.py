@@ -11,7 +11,7 @@ FREE = "&system xi = 0.0114, mu = 0.028, restitution = 0.75 /\n"
 
 
 def diagram(values, sweep, points=64, **more):
-    """A namelist and the call it stands for."""
+    """A namelist and the equivalent call."""
     words = "".join(f", {name} = {value}" for name, value in more.items())
     text = (
         f"{SYSTEM}&bifurcation parameter = 'clearance', low = 20, high = 26, values = {values}, "
@@ -76,13 +76,13 @@ def test_both_doors_refuse(doors, words, batch):
     assert (done.status, words in str(done)) == (2, True), done
     with pytest.raises(ParameterError) as caught:
         call()
-    # a call has the number of impacts under its own name
+    # in a call, the number of impacts has its own name
     assert str(caught.value).replace("impacts", "points").endswith(words)
 
 
 @pytest.mark.parametrize("doors", [diagram(12_500, "up", 1000), diagram(6250, "both", 1000)])
 def test_the_limit_itself_is_allowed(doors, batch):
-    """At the limit the size is accepted, so that the error is another one (z = 99)."""
+    """A size at the limit is accepted, so that the error is another one (z = 99)."""
     text, _ = doors
     done = batch.case(text[:-3] + ", z = 99 /\n")
     assert done.status == 2
@@ -90,7 +90,7 @@ def test_the_limit_itself_is_allowed(doors, batch):
 
 
 def test_limits_of_charts(batch, tmp_path):
-    """Points x slots x impacts are limited; where all motions are equispaced, they take no slots."""
+    """Points x slots x impacts are limited; if all motions are equispaced, they need no slots."""
     words = "points x slots x impacts must be at most 12500000"
     for sides, most, slots in (("RL", 892, 7), ("RRLL", 625, 5), ("RRL", 1000, 4)):
         read_chart(tmp_path, sides, most, slots, "both")
