@@ -4,7 +4,7 @@ import signal
 
 import pytest
 
-# a failed assert in these modules shows the values compared, as in a test
+# a failed assert in these modules shows the compared values, as in a test
 pytest.register_assert_rewrite(
     "reference_regimes", "shared_laws", "shared_simulations", "shared_structures"
 )
@@ -31,7 +31,7 @@ def pytest_addoption(parser):
 
 
 def pytest_configure():
-    """Let programs that tests start be interrupted, also where these run in the background of a script."""
+    """Let programs that tests start be interrupted, even when these run in the background of a script."""
     if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 

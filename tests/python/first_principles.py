@@ -29,7 +29,7 @@ class System:
     xi, mu, r : float
         Damping ratio, mass ratio m/M, load frequency over natural frequency.
     sides : str
-        R and L, one letter an impact.
+        R and L, one letter for each impact.
     cycles : int
         Load cycles in one period.
     restitution : tuple of float
@@ -45,7 +45,7 @@ class System:
 
     @property
     def signs(self):
-        """Position of the ball in the slot at each impact, +1 right, -1 left, in d/2."""
+        """Position of the ball in the slot at each impact: +1 right, -1 left, in d/2."""
         return np.array([1.0 if side == "R" else -1.0 for side in self.sides])
 
     @property
@@ -61,7 +61,7 @@ class System:
 
 @dataclass(frozen=True)
 class Motion:
-    """A periodic motion in F0/K, 1/omega; one entry an impact."""
+    """A periodic motion in F0/K, 1/omega; one entry for each impact."""
 
     system: System
     alpha: np.ndarray
@@ -132,7 +132,7 @@ def collide(mu, restitution, v, w):
 def carrier_velocities(mu, restitution, w_before, w_after):
     """Velocities of M before and after every impact, from those of the ball.
 
-    The same two laws as `collide` with the velocities of M as the unknowns. One row an impact.
+    The same two laws as `collide`, with the velocities of M as the unknowns; one row for each impact.
     """
     one = np.ones_like(restitution)
     left = np.stack([np.stack([-one, one], -1), np.stack([restitution, one], -1)], -2)
@@ -142,7 +142,7 @@ def carrier_velocities(mu, restitution, w_before, w_after):
 
 
 def velocities(system, phases, X, d=1.0):
-    """Flight times and the four velocities at every impact that follow from the positions.
+    """Flight times, and the four velocities at every impact, that follow from the positions.
 
     Parameters
     ----------
@@ -260,7 +260,7 @@ def newton(system, phases, clearance=None, steps=40):
     Returns
     -------
     Motion or None
-        None when the iteration did not settle on ordered phases, or on a motion without load.
+        None if the iteration did not converge to ordered phases, or converged to a motion without load.
     """
     n = len(phases)
     target = None if clearance is None else (system.amplitude / clearance) ** 2
@@ -306,8 +306,8 @@ def impact_map(system, steady_motion, restitution, state, time, travel=None):
     time : float
         Guess of the flight time.
     travel : float, optional
-        Change of Z - X from this impact to the next. By default what the flight itself gives at
-        the guess, which is then the flight time to the last bit and only its derivative is sought.
+        Change of Z - X from this impact to the next. By default the change that the flight gives at
+        the guess, which is then exactly the flight time, and only its derivative is computed.
 
     Returns
     -------
@@ -333,8 +333,8 @@ def impact_map(system, steady_motion, restitution, state, time, travel=None):
 def impact_jacobians(system, phases, X, X_dot_after, Z_dot_after, c, s):
     """Differentiate every impact-to-impact map by complex step.
 
-    The next impact is where Z - X has changed by what the flight itself gives at the next phase:
-    plus or minus the clearance or nothing in a motion that is periodic, and still defined, with
+    The next impact is where Z - X has changed as much as the flight changes it by the next phase:
+    plus or minus the clearance or zero in a periodic motion. This is still defined, with
     the same derivative, in a least squares one.
 
     Returns

@@ -28,7 +28,7 @@ def flights(motion, samples):
     Yields
     ------
     tuple
-        Times (samples,) from the impact on, X, X_dot, Y = Z - X there, and a bound on the
+        Times (samples,) since the impact, X, X_dot, Y = Z - X there, and a bound on the
         acceleration of M: position^2 + velocity^2 of the free part never grows.
     """
     system = motion.system
@@ -52,7 +52,7 @@ def clear_of_walls(motion, samples=600):
     Returns
     -------
     bool or None
-        None where the samples cannot tell.
+        None where the samples do not decide.
     """
     sides = motion.system.signs
     if not np.all(sides * (motion.Z_dot_before - motion.X_dot_before) > 0):
@@ -70,7 +70,7 @@ def clear_of_walls(motion, samples=600):
 
 
 def extremes(motion, samples=600):
-    """Least and greatest X over a period and how much finer samples could still add to them."""
+    """Least and greatest X over a period, and by how much finer samples could still widen this range."""
     found = [
         (x.min(), x.max(), bound * t[1] ** 2 / 8) for t, x, _, _, bound in flights(motion, samples)
     ]

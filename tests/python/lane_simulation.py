@@ -5,8 +5,8 @@ complex exponentials. A state advances by cells, a fixed part of the load cycle.
 gaps (or, in a rest, the contact force) lie between a cubic and a bound on the fourth derivative;
 where that cannot exclude a zero the cell is halved until one is bracketed or excluded, so that no
 contact is missed. An impact is momentum and restitution. Where the rebound on a wall against
-which the mass is pressed is so small that what follows can change nothing, the masses stick, with
-the momentum that they have, and move together until the contact force ends.
+which the mass is pressed is too small for later impacts to matter, the masses stick, with
+their common momentum, and move together until the contact force ends.
 
 Units: time in 1/omega, length in F0/K; the load is sin(r t), and states begin at t = 0.
 """
@@ -37,7 +37,7 @@ class Systems:
 
     @classmethod
     def of(cls, xi, mu, restitution, r, clearance):
-        """Return one oscillator at many points."""
+        """Return one oscillator, repeated for many points."""
         r, clearance = np.broadcast_arrays(np.asarray(r, float), np.asarray(clearance, float))
         one = np.ones(r.size)
         walls = np.outer(np.broadcast_to(np.asarray(restitution, float), 2), one)
@@ -66,7 +66,7 @@ class Events:
     approach: list = field(default_factory=list)
 
     def add(self, lane, time, kind, side, state, approach):
-        """Append events, one for each lane given."""
+        """Append events, one for each lane."""
         self.lane.append(lane)
         self.time.append(time)
         self.kind.append(np.full(lane.size, kind))
@@ -89,7 +89,7 @@ class Signal:
     """c0 + c1 s + Re(free e^(rate s)) + Re(forced e^(i r s)) in lanes, and limits for it."""
 
     def __init__(self, parts, low, high):
-        """Parts as above."""
+        """Take the terms of the signal."""
         self.parts, self.low, self.high = parts, low, high
         _, _, free, rate, forced, r = parts
         size, drive = np.abs(rate), np.abs(forced)
@@ -121,7 +121,7 @@ class Signal:
 
 
 def crossings(signal, begin, end):
-    """When signals first leave their limits, and through which: +1 the upper, -1 the lower, 0 none.
+    """When signals first leave their limits, and through which limit: +1 upper, -1 lower, 0 none.
 
     Up to `begin` the signals are known to stay within them.
     """
@@ -243,7 +243,7 @@ class Lanes:
         return a - 1j * (b - rate.real * a) / rate.imag, rate, forced, r
 
     def run(self, end, events=None):
-        """Advance all to the start of a cell; `events` takes what happens."""
+        """Advance all states to the start of a cell; `events` receives the events."""
         turn = 0
         while True:
             lanes = np.flatnonzero((self.cell < end) & ~self.failed)
@@ -297,7 +297,7 @@ class Lanes:
         self.collide(lanes[hit], through[hit], events)
 
     def departures(self, lanes, signal, span):
-        """Until when the gap to the wall just left surely grows or is positive; 0 for the others."""
+        """The time until which the gap to the wall just left certainly grows or is positive; 0 for the others."""
         left = np.sign(self.left[lanes])
         _, _, free, rate, forced, r = signal.parts
         # of the gap half - left y
@@ -363,7 +363,7 @@ class Lanes:
             )
 
     def release(self, lanes, events):
-        """The contact force has ended."""
+        """End the rest, as the contact force has ended."""
         if not lanes.size:
             return
         side = self.side[lanes]

@@ -3,8 +3,8 @@
 The data are the samples of the acceleration outside of pulses. Unknown are the state at the start, the parameters,
 an offset, the pole of the ringing and its amplitude after each impact. Information on parameters and state (the R
 of a QR factorisation) is carried from impact to impact by the derivatives of the map from each to the next, and
-grows by the samples of each flight. So it holds for chaos as for periodic motions. Derivatives are by imaginary
-steps through closed forms; nothing of it is of the package.
+grows by the samples of each flight. So the bound covers chaos and periodic motions. Derivatives are by imaginary
+steps through closed forms; no code of the package is used.
 """
 
 import math
@@ -15,10 +15,10 @@ from reference_rig import K, M, flights, period_of
 from scipy.signal import butter, sosfreqz
 
 STEP = 1e-30
-#: Errors of the map from impact to impact over typical sizes: without any, what is known of the state of a motion
-#: that attracts others grows beyond what rounding allows.
+#: Errors of the map from impact to impact over typical sizes: without such errors, the information on the state of
+#: an attracting motion grows beyond what rounding permits.
 LOOSE = 1e-8
-#: Unknown, in this order; then offset, real and imaginary part of the pole of the ringing.
+#: Unknowns, in this order; then offset, real and imaginary part of the pole of the ringing.
 NAMES = ("xi", "mu", "R1", "R2", "d", "F0", "phase")
 
 
@@ -42,7 +42,7 @@ def motion(theta, state, t, Omega):
 
 
 def impact(theta, state, side, other, t, Omega):
-    """The state (time, x, its rate, rate of z) just after the next impact, near time t; sides are 1 or -1."""
+    """The state (time, x, x', z') just after the next impact, near time t; sides are 1 or -1."""
     _, mu, R1, R2, d, *_ = theta
     for _ in range(6):
         X, V, _ = motion(theta, state, t, Omega)
@@ -55,7 +55,7 @@ def impact(theta, state, side, other, t, Omega):
 
 
 def moving(rig, first, last, sides):
-    """Impacts and states of a motion whose impacts in a cycle are some walls, and the load phase at time 0."""
+    """Impacts and states of a motion with given walls in each cycle, and the load phase at time 0."""
     for phase in np.linspace(0, 2 * math.pi, 24, endpoint=False):
         found = flights(rig, first, last, phase)
         if found is not None and (not sides or (period_of(rig, found[1])[1] * 2).find(sides) >= 0):
@@ -66,8 +66,8 @@ def moving(rig, first, last, sides):
 def moved_at(rig, times, sides, phase):
     """Impacts and states of the motion of a rig with impacts at some times on some walls (1 or -1).
 
-    With the times given, momentum and restitution at the impacts are linear in the jumps and in the state at the
-    start. They are more equations than unknowns: what they leave (m/s) tells whether the times are of a motion.
+    For given times, momentum and restitution at the impacts are linear in the jumps and in the state at the
+    start. There are more equations than unknowns: their residual (m/s) shows whether a motion has these times.
     """
     theta = np.array([rig.xi, rig.mu, *rig.restitution, rig.d, rig.F0, phase])
     N, Omega = times.size, 2 * math.pi * rig.frequency
@@ -114,10 +114,10 @@ def bound(
     margin=1e-4,
     own=None,
 ):
-    """Least standard errors by name, of so many samples with white noise of a motion with `sides` in a cycle.
+    """Least standard errors by name, for a number of samples with white noise of a motion with `sides` in a cycle.
 
-    F0 and the load phase are measured with these errors, and `known` parameters are exact. `margin` (s) are left
-    out beside each pulse. `own` has the impacts and states of another motion, from time 0, and its load phase.
+    F0 and the load phase are measured with these errors, and `known` parameters are exact. `margin` (s) is left
+    out on each side of a pulse. `own` holds impacts and states of another motion, from time 0, and its load phase.
     """
     Omega, duration = 2 * math.pi * rig.frequency, samples / rig.rate
     first = 0 if own else 400 / rig.frequency
@@ -163,7 +163,7 @@ def bound(
                 basis = np.linalg.qr(np.column_stack([wave.real, wave.imag]))[0]
                 columns -= basis @ (basis.T @ columns)
             R = np.linalg.qr(np.vstack([R, columns]) * sizes, mode="r") / sizes
-        # on to the state after the next impact
+        # carry them to the state after the next impact
         by = np.column_stack(
             [impact(one[:P], one[P:], side, other, later, Omega).imag / STEP for one in moved.T]
         )
@@ -177,7 +177,7 @@ def bound(
 
 
 def noise_of(values, rate, frequency=None, lowpass=None):
-    """Standard deviation of white noise that is as dense as that of a record in its flights.
+    """Standard deviation of white noise with the density of the noise that a record has in its flights.
 
     It is by sixth differences, in which slower motion is small. Noise that has passed a low-pass with the signal
     is as dense below its -3 dB frequency as before it, but its samples are smaller: then it is by the scatter of

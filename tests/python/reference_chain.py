@@ -26,7 +26,7 @@ def flight(a, b, omega, h):
 
 
 def first_contact(shape, omega, modes, masses, longest):
-    """Duration of a flight, cell and side of the contact at its end; None if it is longer than `longest`."""
+    """Duration of a flight, cell and side of the contact at its end; None if the flight exceeds `longest`."""
     (a, b), (z, w) = modes, masses
     shapes, frequencies, amplitudes, rates, places, speeds = (
         np.array(values, float) for values in (shape, omega, a, b, z, w)
@@ -58,7 +58,7 @@ def first_contact(shape, omega, modes, masses, longest):
 
 
 def simulate(cells, speed, end):
-    """Times, cells and sides of all impacts until `end`; the first host begins with a speed, all else at rest."""
+    """Times, cells and sides of all impacts until `end`; the first host has an initial speed, all else is at rest."""
     with mp.workdps(DIGITS):
         ks, places = range(cells), [2 * i + 1 for i in range(cells)]
         size = [mp.sqrt(mp.mpf(2 if k else 1) / cells) for k in ks]

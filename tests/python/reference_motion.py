@@ -1,7 +1,7 @@
 """Periodic motions of the vibroimpact oscillator with 50 digits, from Newton's law.
 
-A motion that the package has found is solved again: every flight has to end at the next impact,
-with the velocity that momentum and restitution ask for. Then the map from each impact to the next
+A motion found by the package is solved again: every flight has to end at the next impact,
+with the velocity required by momentum and restitution. Then the map from each impact to the next
 is differentiated, with steps of 1e-20, and the multipliers are the eigenvalues of the product.
 """
 
@@ -13,7 +13,7 @@ STEP = mpf(10) ** -20
 
 
 def flight(xi, r, amplitude, theta, x, v, t):
-    """Position and velocity of M a time t after it was at x with velocity v; A sin(theta) forced."""
+    """Position and velocity of M, with the forced motion A sin(theta), a time t after it was at x with velocity v."""
     eta = mp.sqrt(1 - xi**2)
     a, b = x - amplitude * mp.sin(theta), v - amplitude * r * mp.cos(theta)
     shrink, sine, cosine = mp.exp(-xi * t), mp.sin(eta * t) / eta, mp.cos(eta * t)
@@ -25,7 +25,7 @@ def flight(xi, r, amplitude, theta, x, v, t):
 
 
 class ReferenceMotion:
-    """The exact motion near one of the package."""
+    """The exact motion near a motion of the package."""
 
     def __init__(self, motion, **changes):
         """Solve its equations, with changes of r, clearance, xi, mu, R1, R2 or load."""
@@ -46,7 +46,7 @@ class ReferenceMotion:
         self.u = self.solved([mpf(float(value)) for value in start])
 
     def speeds(self, u):
-        """Durations, velocities of M before and after, of the free mass after, at each impact."""
+        """Durations, velocities of M before and after, and of the free mass after, at each impact."""
         n = self.n
         x, theta = u[:n], u[n:]
         z = [x[i] + self.half[i] for i in range(n)]
@@ -76,7 +76,7 @@ class ReferenceMotion:
         return place + speed
 
     def solved(self, u):
-        """Newton's method with differences of 50 digits."""
+        """Newton's method with difference quotients in 50 digits."""
         m = 2 * self.n
         for _ in range(200):
             f = self.residual(u)
@@ -92,7 +92,7 @@ class ReferenceMotion:
         raise ArithmeticError("no motion here")
 
     def following(self, i, state, time):
-        """State (x, v, w, theta) after impact i + 1 from the one after impact i."""
+        """State (x, v, w, theta) after impact i + 1 as a function of the one after impact i."""
         x, v, w, theta = state
         j = (i + 1) % self.n
         gap = self.half[j] - self.half[i]
@@ -132,7 +132,7 @@ class ReferenceMotion:
         return flight(self.xi, self.r, self.amplitude, theta, x, after[i], t)[0]
 
     def quantities(self):
-        """What `Motion.gradient` differentiates, by name; the multipliers in any order."""
+        """The quantities that `Motion.gradient` differentiates, by name; the multipliers in any order."""
         n, u = self.n, self.u
         _, before, after, w = self.speeds(u)
         arrivals = [w[i - 1] for i in range(n)]
@@ -215,6 +215,6 @@ class ReferenceMotion:
 
 
 def excess(motion):
-    """Largest modulus of a multiplier of the motion near one of the package, less 1."""
+    """Largest modulus of a multiplier of the motion near a motion of the package, minus 1."""
     with mp.workdps(DIGITS):
         return float(max(abs(value) for value in ReferenceMotion(motion).multipliers()) - 1)

@@ -1,7 +1,7 @@
 """The periodic problem for given impact phases with 50 digits, from Newton's law, and its multipliers.
 
 The unknowns are the positions x_i and the forced motion a sin(theta) + b cos(theta), for the clearance 1: each
-flight has to end at the next impact, with the velocity that momentum and restitution ask for. Each map from an
+flight has to end at the next impact, with the velocity required by momentum and restitution. Each map from an
 impact to the next is differentiated by the implicit function theorem.
 """
 
@@ -12,7 +12,7 @@ DIGITS = 50
 
 
 class GivenPhases:
-    """The solution of the linear equations; by least squares where they are more than the unknowns."""
+    """The solution of the linear equations; by least squares if they outnumber the unknowns."""
 
     def __init__(self, osc, r, phases, pattern):
         """Solve them for clearance 1, and convert to units of F0/K."""
@@ -91,7 +91,7 @@ class GivenPhases:
             _, v, free, end = self.arrival(i, self.unknowns, after[i])
             f, g = self.forced(self.unknowns, self.theta[i])
             pull = -2 * self.xi * free[1] - free[0] - self.r**2 * end[0]
-            # of position and velocity at the end, by x, x', z' and phase at the beginning
+            # derivatives of position and velocity at the end by x, x', z' and phase at the beginning
             by_phase = [g / self.r, -self.r * f]
             ends = [end[1] / self.r, -self.r * end[0]]
             place = [

@@ -1,9 +1,9 @@
 """Simulation of structures with gaps, elastic stops and friction by matrix exponentials and bracketed events.
 
 A regime is the set of the states of all elements. In each one the motion is the exponential of the matrix of
-(q, q', 1, cos, sin), and functionals of this vector are watched: where one falls below 0, between two steps that
-are far shorter than any contact, Newton's method between brackets finds the zero. No modes, no bounds.
-Derivatives are those of the complex step: disturbances of 1e-30 i go through the same simulation.
+(q, q', 1, cos, sin), and functionals of this vector are monitored: where one falls below 0, between two steps
+far shorter than any contact, Newton's method between brackets finds the zero. No modes, no bounds.
+Derivatives are by complex step: perturbations of 1e-30 i go through the same simulation.
 """
 
 import numpy as np
@@ -14,7 +14,7 @@ from shared_structures import exponential, extended, first_order, written
 #: States of a stop, and of friction.
 OPEN, PRESSING, INSIDE = "open", "pressing", "inside"
 UP, DOWN, STICK = "slip_up", "slip_down", "halt"
-#: What cannot happen right after an event.
+#: Events that cannot happen right after an event.
 BACK = {
     "impact": "impact",
     "touch": "leave",
@@ -22,14 +22,14 @@ BACK = {
     "let_go": "press",
     "press": "let_go",
 }
-#: The imaginary part of a disturbance.
+#: The imaginary part of a perturbation.
 TINY = 1e-30
 
 
 class ReferenceRegimes:
-    """A structure under a load without a record, at a step in time that is shorter than any contact.
+    """A structure under a load, not given by a record, with a time step that is shorter than any contact.
 
-    The walls move with at most as many harmonics as the load has. Friction sticks at first where its speed is
+    The walls move with at most as many harmonics as the load has. Friction sticks initially where its speed is
     below `still`.
     """
 
@@ -58,16 +58,16 @@ class ReferenceRegimes:
         return place, pace
 
     def force(self, stop):
-        """The force of a stop while it presses."""
+        """The force of a stop in contact."""
         place, pace = self.opening(stop)
         return self.row(0, constant=stop.preload) - stop.stiffness * place - stop.damping * pace
 
     def slip(self, part):
-        """The speed s of friction."""
+        """The sliding speed s of friction."""
         return self.row(np.zeros(self.n), part.direction, -part.speed)
 
     def regime(self, states):
-        """The matrix, that of a step, and the functionals with the events where they fall to 0."""
+        """The matrix, the matrix of a step, and the functionals with the events at which they fall to 0."""
         if states in self.known:
             return self.known[states]
         n, matrix, watched, held = self.n, self.free.copy(), [], []
@@ -122,9 +122,9 @@ class ReferenceRegimes:
         return self.settle(tuple(states), y)
 
     def settle(self, states, y):
-        """States in which what sticks is held by no more than its stick level.
+        """States in which each sticking friction force is at most its stick level.
 
-        One changes at a time, first the one that exceeds its level by the largest factor.
+        One element changes at a time, starting with the one that exceeds its level by the largest factor.
         """
         while True:
             forces = {j: phi @ y for j, phi in self.regime(states)[3].items()}
@@ -135,7 +135,7 @@ class ReferenceRegimes:
             states = (*states[:j], UP if forces[j] > 0 else DOWN, *states[j + 1 :])
 
     def first_zero(self, matrix, y, row):
-        """The time in (0, step) at which a functional is 0, which is > 0 before."""
+        """The time in (0, step) at which a functional is 0; before, it is positive."""
         low, high, t = 0.0, self.step, 0.5 * self.step
         for _ in range(60):
             now = exponential(matrix * t) @ y
@@ -149,7 +149,7 @@ class ReferenceRegimes:
         return t
 
     def impact(self, j, states, y):
-        """The velocities after an impact, and the states, in which friction has the sign of its speed."""
+        """The velocities after an impact, and the states, in which friction opposes its speed."""
         gap = self.parts[j]
         kick = self.inverse @ gap.direction
         speed = -self.opening(gap)[1] @ y
@@ -167,15 +167,15 @@ class ReferenceRegimes:
     def simulate(self, duration, state, start=0.0, disturbances=None):
         """The events: time, kind, number, coordinates and velocities after it.
 
-        `final` is the state at the end, and `derivative` what the columns of `disturbances` of the first state
-        have become there.
+        `final` is the state at the end, and `derivative` holds the columns of `disturbances` of the first state
+        carried to the end.
         """
         n, t, events = self.n, 0.0, []
         y0 = extended(state, self.load, start)
         extra = np.zeros((2 * n, 0)) if disturbances is None else disturbances
         y = np.repeat(y0[:, None].astype(complex), 1 + extra.shape[1], axis=1)
         y[: 2 * n, 1:] += TINY * 1j * extra
-        late = np.zeros(y.shape[1], complex)  # by how much each column is beyond the time t
+        late = np.zeros(y.shape[1], complex)  # by how much each column is later than the time t
         states, fresh = self.start(y0), set()
         for j, part in enumerate(self.parts):
             if (
@@ -188,7 +188,7 @@ class ReferenceRegimes:
             matrix, step, watched, _, rows = self.regime(states)
             after = (step @ y.view(float)).view(complex)
             values = rows @ after[:, 0].real
-            # what was passed just now is at 0, and must have moved off it within a step
+            # a functional that has just crossed is at 0, and must have moved away from it within a step
             assert not fresh or all(
                 v > 0 for item, v in zip(watched, values, strict=True) if item[1:3] in fresh
             )
@@ -238,7 +238,7 @@ class ReferenceRegimes:
 
 
 def check_reference(folder, s, load, duration, start, least):
-    """All events are those of a simulation without modes and bounds; a namelist gives the same digits."""
+    """All events agree with a simulation without modes and bounds; a namelist gives the same digits."""
     known = ReferenceRegimes(s, load, 5e-4).simulate(duration, start)
     run = vi.simulate(s, load, duration=duration, state=start)
     assert len(known) >= least

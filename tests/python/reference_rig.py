@@ -1,10 +1,9 @@
-"""Records of a rig that the package did not make, for tests of identification.
+"""Records of a rig that are not made by the package, for tests of identification.
 
 Flights of both masses are exact, by matrix exponentials of SciPy. An impact is a pulse of finite duration whose
-area is
-the jump of the velocity of the primary mass, and a second mode rings after it. The sensor of the motion may have a
-low-pass, of which the load knows nothing, and an offset. Or both sensors have a known low-pass, through which an
-impact is the response to an ideal impulse.
+area is the jump of the velocity of the primary mass, and a second mode rings after it. The motion sensor may have a
+low-pass, which the load sensor does not have, and an offset. Or both sensors have a known low-pass, through which
+an impact is the response to an ideal impulse.
 """
 
 import functools
@@ -16,15 +15,15 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 from scipy.signal import butter, freqs, sosfilt, tf2ss
 
-#: Mass and spring of the rig, which are known, and steps of a load cycle in which impacts are looked for.
+#: Mass and spring of the rig, which are known, and steps in a load cycle for the search for impacts.
 M, K, STEPS = 0.7303, 11383.00093642085, 256
-#: Approach speed (m/s) at which a law of restitution is that of its rig.
+#: Approach speed (m/s) at which the law of restitution gives the restitution of the rig.
 SPEED = 0.3
 
 
 @dataclass(frozen=True)
 class Rig:
-    """A rig of which all is known: numbers in SI units; `D` is d K/F0."""
+    """A rig with all its parameters: numbers in SI units; `D` is d K/F0."""
 
     xi: float
     mu: float
@@ -35,9 +34,9 @@ class Rig:
     rate: float = 5000.0
     duration: float = 6.0
     contact: float = 4e-4
-    #: Part of the contact time before the instant of the impact; 0.5 puts it at the centroid of the pulse.
+    #: Fraction of the contact time before the instant of the impact; 0.5 puts it at the centroid of the pulse.
     before: float = 0.0
-    #: 1 is a half sine, larger ones rise sooner than they fall.
+    #: 1 is a half sine; larger values rise faster than they fall.
     skew: float = 1.0
     ringing: float = 430.0
     ring_decay: float = 180.0
@@ -53,15 +52,15 @@ class Rig:
     exponent: float = 0.0
     #: -3 dB frequency of both sensors (Butterworth, order 4), through which impulses of no duration pass.
     known_lowpass: float | None = None
-    #: Shares by which, during the record, the load grows (as its channel shows), the coefficients of restitution
-    #: fall, and the gain of the sensor of the motion grows; the other numbers hold in the middle of the record.
+    #: Relative changes during the record: the load grows (as its channel shows), the coefficients of restitution
+    #: fall, and the gain of the motion sensor grows; the other numbers apply at the middle of the record.
     load_growth: float = 0.0
     fading: float = 0.0
     gain_growth: float = 0.0
     #: Dry friction of the free mass in its slot over F0; motions that stick are not made.
     friction: float = 0.0
     #: Time and state after each impact are rounded to 1e-9, far below the noise. Otherwise chaos amplifies the
-    #: last bits of the linear algebra, and each kind of processor makes another record.
+    #: last bits of the linear algebra, and each kind of processor makes a different record.
     rounded: bool = False
 
     @property
@@ -71,14 +70,14 @@ class Rig:
 
     @property
     def frequency(self):
-        """Of the load, Hz."""
+        """Frequency of the load, Hz."""
         return self.r * math.sqrt(K / M) / (2 * math.pi)
 
 
 def flights(rig, first, last, phase=0.0):
     """Impacts (times, walls, jumps of the velocity of the primary mass), and states just after them."""
     w, omega = 2 * math.pi * rig.frequency, math.sqrt(K / M)
-    # x, its rate, each harmonic of the load and its quadrature, z and its rate
+    # x, x', each harmonic of the load and its quadrature, z, z'
     sizes = [1.0, *rig.harmonics]
     slides = int(rig.friction > 0)
     A = np.zeros((4 + 2 * len(sizes) + slides,) * 2)
@@ -90,7 +89,7 @@ def flights(rig, first, last, phase=0.0):
         A[2 + 2 * n, 2 + 2 * n] = A[3 + 2 * n, 3 + 2 * n] = rig.load_growth / rig.duration
     drag = rig.friction * rig.F0 / M
     if slides:
-        # after them the sign of the slip, which is constant
+        # then the sign of the slip, which is constant
         A[1, -3], A[-1, -3] = drag, -drag / rig.mu
     step = 2 * math.pi / w / STEPS
     powers = [expm(A * step * (i + 1)) for i in range(STEPS)]
@@ -120,7 +119,7 @@ def flights(rig, first, last, phase=0.0):
             i = int(turned[0])
             begin = path[i - 1] if i else y
             if y[-3] * slip(begin) <= 0 or y[-3] * slip(expm(A * step) @ begin) >= 0:
-                return None  # it reversed just now
+                return None  # it has just reversed
             tau = brentq(lambda s, begin=begin: slip(expm(A * s) @ begin), 0, step, xtol=1e-14)
             if gap(expm(A * tau) @ begin) <= 0:
                 return None
@@ -250,7 +249,7 @@ def impulsive(rig, t, begins, A, impacts, states):
     # the ringing: exp(-decay t) times cosine and sine of w t
     big[n : n + 2, n : n + 2] = [[-rig.ring_decay, -w], [w, -rig.ring_decay]]
     big[n + 2 :, n + 2 :] = w0 * F
-    # what the filter gets: the acceleration of the primary mass and the ringing
+    # input of the filter: the acceleration of the primary mass and the ringing
     big[n + 2 :, :n] = w0 * B @ A[1:2, :-2]
     big[n + 2 :, n + 1] = w0 * B[:, 0] * rig.ring_share * w
     values, vectors = np.linalg.eig(big)
@@ -274,7 +273,7 @@ def impulsive(rig, t, begins, A, impacts, states):
 
 
 def period_of(rig, impacts):
-    """Load cycles after which impacts repeat, up to 4, and their walls in one period; 0 if they do not."""
+    """Load cycles after which impacts repeat, at most 4, and their walls in one period; 0 without repetition."""
     times, sides = impacts[:, 0] * rig.frequency, impacts[:, 1]
     for k in range(1, 5):
         count = np.searchsorted(times, times[0] + k - 1e-3)
@@ -287,7 +286,7 @@ def period_of(rig, impacts):
 
 
 def drawn(draw, kind, least=4, widest=40):
-    """A rig of some kind, with a load of at least so many N, and up to some D."""
+    """A rig of some kind, with a load of at least so many N, and at most some D."""
     rig = {
         "xi": draw.uniform(0.007, 0.016), "mu": draw.uniform(0.025, 0.05), "F0": draw.uniform(least, 8),
         "restitution": (draw.uniform(0.6, 0.8),) * 2, "r": draw.choice([0.9, 0.94, 1.04, 1.06, 1.1]),
@@ -314,7 +313,7 @@ def drawn(draw, kind, least=4, widest=40):
 
 @functools.cache
 def chaotic_rig(seed, kind="abc"):
-    """A rig with impacts on both walls that do not repeat, and a record of it, of the kinds of `random_rig`."""
+    """A rig with impacts on both walls that do not repeat, and its record, for the kinds of `random_rig`."""
     draw = np.random.default_rng([seed, 7, *kind.encode()])
     while True:
         rig = replace(drawn(draw, kind, 2, 60), rounded=True)
@@ -348,9 +347,9 @@ def random_rig(seed, kind="abc"):
 
 @functools.cache
 def wide_rig(seed, generator, chaos):
-    """A rig of a wide range of sensors, noise, contacts and loads, with a record of it, k and walls of a period.
+    """A rig with random sensors, noise, contacts and load, with its record, k and the walls of a period.
 
-    Of the generator "pulses" or "spikes" (and "virtual", whose record is not made here, as these). `chaos` asks
+    The generator is "pulses" or "spikes" (or "virtual", whose record is not made here). `chaos` asks
     for motions that do not repeat.
     """
     draw = np.random.default_rng([seed, int(chaos), *generator.encode()])

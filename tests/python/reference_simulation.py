@@ -3,7 +3,7 @@
 A flight is the exponential of the oscillator's 2 x 2 matrix plus the steady motion, both by mpmath.
 A contact is bracketed by a dense scan of the gap and refined by bisection; an accumulation of
 impacts is simulated impact by impact until the flights are shorter than 1e-30; rest is the joint
-oscillation, and it ends where a bisection finds the contact force to end.
+oscillation, and it ends where a bisection finds that the contact force ends.
 
 Units: time in 1/omega, length in F0/K; the load is f sin(r t).
 """
@@ -45,7 +45,7 @@ class State:
 
 @dataclass(frozen=True)
 class Event:
-    """What happened: "impact", "stick" or "release", the side, and the state just after it."""
+    """An event: "impact", "stick" or "release", the side, and the state just after it."""
 
     kind: str
     side: int
@@ -54,7 +54,7 @@ class Event:
 
 
 def start(t=0.0, x=0.0, x_dot=0.0, z=0.0, z_dot=0.0):
-    """Return the state that `vibroimpact.simulate` calls by these names."""
+    """Return the state that `vibroimpact.simulate` gives under these names."""
     return State(*map(mpf, (t, x, x_dot, z, z_dot)))
 
 
@@ -154,7 +154,7 @@ def collide(system, state, side):
 
 
 def release(system, state, side, limit):
-    """Time until the force on a wall ends in a rest; None if not within the limit."""
+    """Time until the contact force in a rest ends; None if not within the limit."""
 
     def force(t):
         later = roll(system, state, side, t)
@@ -169,7 +169,7 @@ def release(system, state, side, limit):
 
 
 def simulate(system, state, impacts, limit=1000, side=0):
-    """Events until so many impacts of at least `SHORTEST` flight were found, or time runs out."""
+    """Events until a number of impacts with flights of at least `SHORTEST` were found, or until time runs out."""
     events, count = [], 0
     end = state.t + limit
     while count < impacts:

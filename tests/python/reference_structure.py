@@ -11,7 +11,7 @@ DIGITS = 50
 
 
 def exponential(matrix):
-    """The exponential by scaling and squaring, with as many digits more as the squarings lose."""
+    """The exponential by scaling and squaring, with as many extra digits as the squarings lose."""
     size = max(mp.mnorm(matrix, 1), 1)
     squarings = int(mp.log(size, 2)) + 8
     with mp.workdps(mp.mp.dps + squarings // 3 + 5):
@@ -28,7 +28,7 @@ def exponential(matrix):
 
 
 class ReferenceStructure:
-    """The motion of a structure under one harmonic whose impacts, each on a gap of its own, are at given phases.
+    """The motion of a structure under one harmonic, with impacts at given phases, each on a different gap.
 
     `start` is the state just after the first impact, `speeds` are the approach speeds, `before` the states (q, q',
     cos, sin) just before the impacts, and `places` the openings G.q of the gaps.
@@ -65,7 +65,7 @@ class ReferenceStructure:
                 self.speeds[i], self.places[i] = -speed, -self.places[i]
 
     def jump(self, i):
-        """The matrix of an impact, of (q, q', cos, sin)."""
+        """The matrix of an impact, for (q, q', cos, sin)."""
         n, total = self.n, mp.eye(2 * self.n + 2)
         share = (1 + self.restitution[i]) * self.masses[i]
         total[n : 2 * n, n : 2 * n] -= share * self.kicks[i] * self.directions[i].T
@@ -74,7 +74,7 @@ class ReferenceStructure:
     def given_phases(self, phases):
         """Solve for the motion; return the openings.
 
-        With the impulses (1 + R) m v of the speeds, periodicity and speeds are linear in the state and the speeds.
+        With the impulses (1 + R) m v, the periodicity conditions are linear in the state and the speeds.
         """
         n, many = self.n, len(phases)
         phases = [mpf(float(p)) for p in phases]
@@ -105,7 +105,7 @@ class ReferenceStructure:
             matrix[i, i] -= 1
             right[i] = -state[i, size]
         if self.free:
-            # the same motion anywhere: the first coordinate begins at 0, and the momentum is kept anyway
+            # the same motion elsewhere: the first coordinate starts at 0, and the momentum is conserved anyway
             matrix[n, :] = mp.zeros(1, size)
             matrix[n, 0], right[n] = 1, 0
         for i, row in enumerate(rows):
@@ -118,7 +118,7 @@ class ReferenceStructure:
         return [(place * full)[0] for place in places]
 
     def monodromy(self):
-        """The derivative of the period of (q, q') from just after the first impact."""
+        """The derivative of the period of (q, q'), starting just after the first impact."""
         n, many, total = self.n, len(self.speeds), mp.eye(2 * self.n)
         for i in range(many):
             j = (i + 1) % many

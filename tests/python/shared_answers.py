@@ -1,4 +1,4 @@
-"""What the core answers to the namelists of tests/data/answers, in a form that can be kept and compared."""
+"""Answers of the core to the namelists of tests/data/answers, in a form that can be kept and compared."""
 
 import json
 import re
@@ -18,11 +18,11 @@ FOLDER = Path(__file__).parents[1] / "data" / "answers"
 INPUTS = Path(__file__).parents[2] / "inputs"
 KEPT = FOLDER / "answers.jsonl"
 DECLARED = FOLDER / "declared.json"
-#: Sums agree within this share of the sum of magnitudes; what is smaller than FLOOR is rounding.
+#: Sums agree within this fraction of the sum of magnitudes; differences smaller than FLOOR are rounding.
 SHARE, FLOOR = 1e-8, 1e-12
 #: The first line of a case that is stopped before it begins.
 STOPPED = "! stopped before it begins\n"
-#: In the place of a sum that two builds, compilers or libraries do not have in common: rounding alone.
+#: Replaces a sum on which two builds, compilers or libraries do not agree: rounding alone.
 ROUNDING = "rounding"
 
 
@@ -36,7 +36,7 @@ def answer(text):
 
 
 def read(owner, status, described):
-    """An answer, from what the core tells of a result in JSON."""
+    """An answer, made from the core's result in JSON."""
     about = json.loads(described)
     if status == 2:
         return {"status": status, "message": about["message"]}
@@ -68,23 +68,23 @@ def read(owner, status, described):
 
 
 def rounded(text):
-    """A text with five digits of each number that has more."""
+    """A text in which numbers with more than five digits are rounded to five."""
     return re.sub(r"-?\d\.\d{6,}E[+-]\d+", lambda number: f"{float(number[0]):.4e}", text)
 
 
 def column(owner, item, about, sizes):
-    """The values of a column in one dimension."""
+    """The values of a column as a one-dimensional array."""
     length = prod(sizes[item["table"]]) * (item["inner"] if about["each"] else 1)
     values = shown(owner, item["address"], (length,), STORED.get(about["kind"], "<i4"))
     return values.view("<f8") if about["kind"] == "complex" else values
 
 
 def fingerprint(values):
-    """Number of values and a checksum of integers; of reals also that of NaNs, and two weighted sums."""
+    """Number of values, and for integers a checksum; for reals also the number of NaNs, and two weighted sums."""
     if values.dtype.kind == "i":
         return [values.size, zlib.crc32(values.tobytes())]
     finite = np.where(np.isfinite(values), values, 0.0)
-    # no exchange of two values and no change of one leaves the sum as it is
+    # neither an exchange of two values nor a change of one leaves the sum unchanged
     weighted = (1 + np.modf(0.618033988749895 * np.arange(values.size))[0]) * finite
     return [
         values.size, int(values.size - np.isfinite(values).sum()),
@@ -93,7 +93,7 @@ def fingerprint(values):
 
 
 def declarations():
-    """A checksum of what each group and each study declares, without the sentences on their meaning."""
+    """A checksum of the declarations of each group and study, without the sentences on their meaning."""
     text = json.dumps(language())
     bare = json.loads(
         text, object_hook=lambda about: {key: about[key] for key in about if key != "meaning"}
@@ -105,7 +105,7 @@ def declarations():
 
 
 def differences(kept, found):
-    """The names of what differs between two answers."""
+    """The names of the items that differ between two answers."""
     for name in dict.fromkeys([*kept, *found]):
         if name == "columns" or kept.get(name) == found.get(name):
             continue
@@ -131,7 +131,7 @@ def close(kept, found):
 
 
 def merged(kept, found):
-    """An answer without what two builds do not have in common; None if they differ in more than rounding."""
+    """An answer without the parts on which two builds differ by rounding; None if they differ in more."""
     both = {name: value if found.get(name) == value else ROUNDING for name, value in kept.items()}
     if both["status"] == ROUNDING or "message" in kept:
         return both if ROUNDING not in both.values() else None
@@ -144,7 +144,7 @@ def merged(kept, found):
 
 
 def common(kept, found):
-    """A fingerprint of what two builds have in common; None if they differ in more than rounding."""
+    """The part of a fingerprint on which two builds agree; None if they differ in more than rounding."""
     if close(kept, found):
         return kept
     if kept[0] != found[0] or (len(kept) == 4 and kept[1] != found[1]):
@@ -160,7 +160,7 @@ def put_files(folder):
 
 
 def same_build(item):
-    """The kept answer of a case; where rounding spoils it, that of this build."""
+    """The kept answer of a case; if rounding makes it unusable, the answer of this build."""
     kept = item["answer"]
     return kept if ROUNDING not in json.dumps(kept) else answer(item["text"])
 

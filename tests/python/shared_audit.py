@@ -29,7 +29,7 @@ CHUNK = 20_000
 class Orbit:
     """A period of the independent simulation.
 
-    `cell` is the phase of the section, in cells; `state` (x, v, z, w) there; `multipliers` of the
+    `cell` is the phase of the section, in cells; `state` is (x, v, z, w) there; `multipliers` are those of the
     map of `cycles` load cycles, in order of decreasing modulus; `starts` (phase, x, v, w) just after
     the first impact of each letter.
     """
@@ -93,7 +93,7 @@ def systems_of(oscillators, r, clearance):
 
 
 def random_states(systems, seed):
-    """Lanes with M and the free mass anywhere, slow and fast."""
+    """Lanes with random slow and fast states of both masses."""
     draw, n = np.random.default_rng(seed), systems.r.size
     size = np.minimum(20.0, 1 / np.abs(1 - systems.r**2 + 2j * systems.xi * systems.r))
     x, v, w = draw.normal(size=(3, n)) * size
@@ -102,7 +102,7 @@ def random_states(systems, seed):
 
 
 def letters_of(kind, side):
-    """Letters of events, and the event that starts each: a run of impacts that ends in rest is one."""
+    """Letters of events, and the event that starts each letter; a run of impacts that ends in rest is one letter."""
     letters, first, run = [], [], 0
     for i, (what, where) in enumerate(zip(kind.tolist(), side.tolist(), strict=True)):
         name = "R" if where > 0 else "L"
@@ -129,7 +129,7 @@ def spread(events, lanes):
 
 
 def scale_of(systems):
-    """A length that positions are compared with."""
+    """A length scale for comparing positions."""
     return np.maximum(1.0, systems.clearance)
 
 
@@ -213,7 +213,7 @@ def orbits(systems, cell, cycles, state):
 
 
 def _orbits(systems, cell, cycles, state):
-    """As `orbits`, for one batch of states."""
+    """Orbits of one batch of states, as for `orbits`."""
     jacobian, _ = strobe_matrix(systems, cell, cycles, state)
     for turn in range(6):
         end, _ = strobe(systems, cell, cycles, state)
@@ -237,9 +237,9 @@ def _orbits(systems, cell, cycles, state):
 
 
 def orbit(cell, cycles, state, jacobian, residual, events):
-    """Return an Orbit of a state and the events of its period."""
+    """Return the Orbit of a state and the events of its period."""
     time, kind, side, after = events
-    # begin with a release, so that no accumulation is cut in two
+    # start with a release, so that no accumulation is cut in two
     turn = int(np.flatnonzero(kind == ls.RELEASE)[-1]) + 1 if (kind == ls.RELEASE).any() else 0
     time = np.roll(np.where(np.arange(time.size) < turn, time + cycles, time), -turn)
     kind, side, after = np.roll(kind, -turn), np.roll(side, -turn), np.roll(after, -turn, 0)
@@ -264,7 +264,7 @@ def strobe(systems, cell, cycles, state):
 def strobe_matrix(systems, cell, cycles, state):
     """Derivatives of the stroboscopic map, and whether no difference crossed a change of pattern.
 
-    Central differences with steps h and h/2 make an error of the order of h^4.
+    Central differences with steps h and h/2 are combined to an error of order h^4.
     """
     n = cell.size
     matrix, smooth = np.full((n, 4, 4), np.nan), np.zeros(n, bool)
@@ -285,7 +285,7 @@ def strobe_matrix(systems, cell, cycles, state):
         wide = (end[1:5] - end[5:9]) / (2 * h[None, :, None])
         fine = (end[9:13] - end[13:17]) / h[None, :, None]
         new = np.moveaxis((4 * fine - wide) / 3, 0, 2)
-        # a difference across a corner of the map shows in the two sizes
+        # a difference across a corner of the map shows in a disagreement of the two steps
         names = [letters_of(kind, side)[0] for _, kind, side, _ in each]
         same = np.array([
             all(names[j * todo.size + i] == names[i] for j in range(m)) for i in range(todo.size)
@@ -297,7 +297,7 @@ def strobe_matrix(systems, cell, cycles, state):
 
 
 def section_of(motion):
-    """Cell and state of a motion of the package, in flight and far from its events."""
+    """Cell and state of a motion of the package, in flight and far from events."""
     cells, k = ls.CELLS, motion.pattern.cycles
     start = float(motion.load_phase)
     phases = np.arange(cells * k) * ls.TURN / cells
@@ -342,7 +342,7 @@ def matches(motion, orbit_, tolerance=1e-8):
 
 
 def primitive(orbit_):
-    """The orbit over its shortest period: a slow transient may repeat first over several.
+    """The orbit over its shortest period: a slow transient may first repeat over several periods.
 
     Of its multipliers only the moduli are kept then.
     """
@@ -374,7 +374,7 @@ def mirrored(orbit_):
 
 
 def explained(osc, zones, r, clearance, pattern):
-    """Whether a point lies in a zone of a pattern, or beside the boundary of one."""
+    """Whether a point lies in a zone of a pattern, or close to the boundary of one."""
     names = names_of(pattern, osc)
     place = np.array([r, np.log(clearance)])
     for zone in zones:
@@ -390,7 +390,7 @@ def explained(osc, zones, r, clearance, pattern):
 
 
 def point_inside(zone, draw, tries=2000):
-    """A random point of a zone, not beside its boundary; None if none is found."""
+    """A random point of a zone, not close to its boundary; None if none is found."""
     for _ in range(tries):
         ring = zone.loops[draw.integers(len(zone.loops))]
         low, high = ring.min(0), ring.max(0)
@@ -406,7 +406,7 @@ def point_inside(zone, draw, tries=2000):
 
 
 def to_line(place, line):
-    """Distance of a place from a polygonal line."""
+    """Distance of a point from a polygonal line."""
     if len(line) < 2:
         return float(np.abs(line - place).max(1).min(initial=np.inf))
     a, d = line[:-1], np.diff(line, axis=0)
@@ -429,7 +429,7 @@ class Audit:
             self.findings.append(Finding(check, osc, float(r), float(clearance), text))
 
     def exact_of(self, osc, r, clearance, orbit_):
-        """(c) `exact` from the package's own simulation is the orbit, (e) with its verdict."""
+        """(c) `exact` from the package's own simulation gives the orbit, (e) with its verdict."""
         phase = ls.TURN * (orbit_.cell % ls.CELLS) / ls.CELLS
         names = ("x", "x_dot", "z", "z_dot")
         start = dict(zip(names, orbit_.state.tolist(), strict=True)) | {"t": phase / r}
@@ -454,12 +454,12 @@ class Audit:
         if motion.stable is None and not near:
             self.undecided.append(f"{text}: {motion!r}, differences {other:.9g}")
         self.note("stable", holds, *place, f"{text}: {motion!r}, differences {other:.9g}")
-        # the second derivative of the map by a multiplier of this size
+        # the second derivative of the map with a multiplier of this size
         close = abs(own - other) <= 1e-5 * max(1.0, own) + 1e-4 * (own > 30) * own
         self.note("multiplier", close, *place, f"{text}: {own:.9g}, differences {other:.9g}")
 
     def found(self, osc, r, clearance, orbits_, **limits):
-        """(b) `find` lists the orbits within its limits; gives its motions."""
+        """(b) `find` lists the orbits within its limits; returns its motions."""
         motions = vi.find(osc, r, clearance, **limits)
         for orbit_ in orbits_:
             if orbit_.cycles > 2 or len(orbit_.letters) > 6:
@@ -485,7 +485,7 @@ class Audit:
         return atlas.zones
 
     def inside(self, osc, zones, seed):
-        """(a) At a random point inside each zone there is a stable motion of its pattern; gives these motions."""
+        """(a) At a random point inside each zone there is a stable motion of its pattern; returns the motions."""
         draw = np.random.default_rng(seed)
         stable = []
         for zone in zones:
@@ -506,7 +506,7 @@ class Audit:
         return stable
 
     def claims(self, motions):
-        """(d) and (e) for motions of the package: they return to themselves, and as their verdicts say."""
+        """(d) and (e) for motions of the package: they return to themselves, with stability as stated."""
         motions = [motion for motion in motions if motion.admissible]
         if not motions:
             return
@@ -573,7 +573,7 @@ def kind_of(found):
 def audit(systems, points, seed=1, searched=8, cycles=200, patience=200):
     """Audit random systems at random points, one random state each.
 
-    At every `searched`-th point with an attractor `find` is called too, and all its statements are compared
+    At every `searched`-th point with an attractor, `find` is called too, and all its statements are compared
     with the independent simulation. Returns the Audit, its `kinds` counting what the states
     settle on.
     """

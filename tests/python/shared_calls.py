@@ -1,4 +1,4 @@
-"""Calls of the package's functions with valid arguments, some of which a test replaces."""
+"""Calls of the package's functions with valid arguments; a test may replace some of them."""
 
 import math
 

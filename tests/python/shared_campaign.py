@@ -25,7 +25,7 @@ def equispaced_case():
 
 
 def small_sweep():
-    """Cases of which some have no motion."""
+    """Cases, some of which have no motion."""
     return vi.Sweep(
         equispaced_case(), {"r": [0.9, 1.0, 1.1], "clearance": [5.0, 20.0, 80.0, 500.0]}
     )
@@ -40,7 +40,7 @@ def files_of(folder):
 
 
 def command(*words, **options):
-    """The program in its own process."""
+    """Run the program in its own process."""
     return subprocess.Popen(
         [Path(sys.executable).parent / "vibroimpact", "campaign", *map(str, words)],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True, **options,

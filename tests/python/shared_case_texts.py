@@ -1,4 +1,4 @@
-"""Other texts of a case: the same numbers, but for a factor."""
+"""Variants of the text of a case: the same numbers, some of them multiplied by a factor."""
 
 import re
 

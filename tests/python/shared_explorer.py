@@ -54,7 +54,7 @@ class Page:
     """The page, with the actions and queries that the tests use."""
 
     def __init__(self, page, url):
-        """`page` is the browser's."""
+        """Take the page of the browser."""
         self.page, self.url = page, url
 
     def open(self, query=""):
@@ -71,7 +71,7 @@ class Page:
         return self
 
     def text(self, name):
-        """The text of an element."""
+        """The text of an element of the page."""
         return self.page.locator(f"#{name}").text_content().strip()
 
     def field(self, name, kind="field"):
@@ -85,7 +85,7 @@ class Page:
         )
 
     def place(self, right, down, figure="chart"):
-        """A place in a figure, in pixels; parts of its box."""
+        """A position in a figure, in pixels, given as fractions of its box."""
         box = self.page.locator(f"#{figure}").bounding_box()
         return box["x"] + right * box["width"], box["y"] + down * box["height"]
 
@@ -124,10 +124,10 @@ def page(browser, server):
 
 
 def numbers(rows):
-    """Label, X_max/A and |lambda| of the table's rows, without that of the simulation."""
+    """Label, X_max/A and |lambda| of the rows of the table, except the row of the simulation."""
     return [(label, ratio, leading.split()[0]) for label, _, ratio, leading in rows if ratio]
 
 
 def shown_numbers(motions):
-    """The same entries, formatted from the numbers of motions."""
+    """The same entries, formatted from the numbers of the motions."""
     return [(f"{m.attenuation:.6g}", f"{abs(m.multipliers[0]):.6g}") for m in motions]

@@ -4,7 +4,7 @@ import vibroimpact as vi
 from vibroimpact.explorer.state import Run, State
 
 RUN = Run(0.1, 2.0, -3.0, 4.0, 5.5, 6.0, 2.0)
-#: A state with every field set, at a point with a motion with rest, and one at a point with many motions.
+#: A state with every field set, at a point with a motion with rest, and a state at a point with many motions.
 STATES = {
     "start": State(run=RUN, line=(1.04, 5.0, 1.04, 60.0)),
     "rest": State(R2=0.61, r=0.9, clearance=6.0, run=RUN, line=(0.85, 3.0, 0.95, 9.0)),

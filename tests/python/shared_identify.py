@@ -1,4 +1,4 @@
-"""The rig of a bench test, and records of it, that tests of identification share."""
+"""The rig of a bench test, and records of it, shared by tests of identification."""
 
 #: The rig of a bench test: 2.7 kg on 42 kN/m, a particle of 0.11 kg, 6 N at 19.5 Hz.
 BENCH = {
@@ -6,5 +6,5 @@ BENCH = {
     "frequency": 19.5,
 }  # fmt: skip
 KNOWN = {"M": 2.7, "K": 42e3, "m": 0.11}
-#: Impacts of no duration, and sensors of which all is known: with little noise, small effects show.
+#: Impacts of no duration, and fully known sensors: with little noise, small effects show.
 IDEAL = {"contact": 0.0, "offset": 0.0, "known_bandwidth": True}

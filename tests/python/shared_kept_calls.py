@@ -9,12 +9,12 @@ from shared_answers import FOLDER, close, fingerprint
 from vibroimpact import _core
 
 KEPT = FOLDER / "calls.jsonl"
-#: What runs cases, reads or writes results, and tells of the language: other tests keep what these answer.
+#: Procedures that run cases, read or write results, or describe the language: other tests keep their answers.
 CASES = re.compile(r"handle|describe_|read_namelist|run_|status_text|write_")
 
 
 def procedures():
-    """The names of the procedures that are kept: they have arrays alone."""
+    """The names of the procedures that are kept: they take arrays only."""
     return sorted(
         name for name in dir(_core)
         if type(getattr(_core, name)).__name__ == "fortran"
@@ -23,7 +23,7 @@ def procedures():
 
 
 def pack(argument):
-    """An argument as JSON has it; None if it cannot be kept."""
+    """An argument in a form for JSON; None if it cannot be kept."""
     if isinstance(argument, bool | int | float | str) or argument is None:
         return {"value": argument}
     if isinstance(argument, np.generic) and argument.dtype.kind in "bif":
@@ -41,7 +41,7 @@ def pack(argument):
 
 
 def unpack(kept):
-    """The argument that was packed, in memory of its own."""
+    """The argument that was packed, in new memory."""
     if "value" in kept:
         return kept["value"]
     values = np.array(kept["values"], "<f8" if kept["dtype"][0] == "c" else kept["dtype"])
@@ -49,7 +49,7 @@ def unpack(kept):
 
 
 def answer(procedure, arguments):
-    """The fingerprints of what a call gives, and of the arrays that it was given, which it may change."""
+    """The fingerprints of the results of a call, and of its argument arrays, which it may change."""
     given = [unpack(argument) for argument in arguments]
     result = getattr(_core, procedure)(*given)
     values = [*(result if isinstance(result, tuple) else (result,))]
@@ -58,7 +58,7 @@ def answer(procedure, arguments):
 
 
 def plain(value):
-    """Numbers in one dimension, complex ones as pairs."""
+    """Numbers in one dimension; complex numbers as pairs."""
     array = np.atleast_1d(value)
     if array.dtype.kind not in "iufcb":
         return np.frombuffer(array.tobytes(), np.uint8).astype(int)
@@ -73,7 +73,7 @@ def plain(value):
 
 
 def differences(kept, found):
-    """The places of what differs."""
+    """The places of the differences."""
     if len(kept) != len(found):
         return [len(found)]
     return [

@@ -1,4 +1,4 @@
-"""Random systems, and how well the laws on them can be met.
+"""Random systems, and the accuracy to which they can meet the laws.
 
 Tolerances are rounding (EPS) times the condition of the compared quantity: of the linear system, of
 the phases (a gap of impacts is a difference of two phases), of an event (a small approach speed
@@ -44,7 +44,7 @@ coefficients = st.one_of(st.sampled_from([0.0, 1.0, 0.5, 0.75]), st.floats(1e-3,
 
 @st.composite
 def cases(draw, least=2, most=8, mu=None, restitution=coefficients, cycles=(1, 2, 3)):
-    """Draw oscillator, load, sides and phases; r = 1 without damping is left out."""
+    """Draw oscillator, load, sides and phases; r = 1 without damping is excluded."""
     n = draw(st.integers(least, most))
     cycles = draw(st.sampled_from(cycles))
     xi = draw(st.one_of(st.sampled_from([0.0, 0.005, 0.9]), st.floats(0.0, 0.5)))
@@ -86,7 +86,7 @@ def error_bound(case, eps=EPS):
 
     The right side is a difference of what the free mass has before and after its impacts, which may be far
     larger: as with walls of restitution 1 and impacts half a period apart. Infinite where the solution needs
-    next to no load: no clearance and load correspond to it.
+    almost no load: no clearance and load correspond to it.
     """
     matrix, right = fp.linear_system(case.system, case.phases)
     unknowns = np.linalg.lstsq(matrix, right, rcond=None)[0]
@@ -125,7 +125,7 @@ def rebuild(motion, system):
 
 
 def scaled(maps, motion):
-    """Return maps of (X, X_dot, Z_dot, phase) with lengths in units of the motion's size."""
+    """Return maps of (X, X_dot, Z_dot, phase), with lengths in units of the size of the motion."""
     size = np.array([1.0, 1.0, 1.0, 1.0 / (motion.A + np.abs(motion.X).max())])
     return maps / size[:, None] * size
 

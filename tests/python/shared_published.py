@@ -10,7 +10,7 @@ DRAG, RESTITUTION, CYCLES = 0.04, 0.9, 2
 
 
 def published():
-    """kind, omega, F, approach speed and critical multiplier of each row."""
+    """kind, omega, F, approach speed and critical multiplier of each row"""
     lines = [line for line in DATA.read_text().splitlines() if not line.startswith("#")]
     return [(row.pop("kind"), *map(float, row.values())) for row in csv.DictReader(lines)]
 
@@ -23,7 +23,7 @@ def balance(phase, omega):
     """
     period = CYCLES * 2 * np.pi / omega
     roots = np.roots([1, DRAG, 1])
-    # periodic response to a unit impulse, and its rate, at the end of the period
+    # periodic response to a unit impulse, and its derivative, at the end of the period
     ends = np.exp(roots * period) / (1 - np.exp(roots * period)) / (roots - roots[::-1])
     x, v = ends.sum().real, (roots * ends).sum().real
     gain = 1 / (1 - omega**2 + 1j * DRAG * omega)

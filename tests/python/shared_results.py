@@ -21,7 +21,7 @@ NAMES = (
     "zone",
     "atlas",
 )
-#: The studies without a result among those or in tests of their own files, and further results of them.
+#: Studies without a result among these or in separate tests of their files, and further results of studies.
 STUDIES_NAMED = (
     "one",
     "states",
@@ -38,7 +38,7 @@ def example(study):
 
 
 def same(one, other):
-    """Whether two results are the same in type and in every bit, NaN, -0.0 and structure included."""
+    """Whether two results are equal in type and in every bit, including NaN, -0.0 and structure."""
     if type(one) is not type(other):
         return False
     if isinstance(one, np.ndarray):

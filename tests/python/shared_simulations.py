@@ -1,4 +1,4 @@
-"""States, and the laws that every simulation obeys."""
+"""States of simulations, and the laws that every simulation obeys."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ COLUMNS = ("x", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after")
 
 
 def state(t=0.0, x=0.0, x_dot=0.0, z=0.0, z_dot=0.0):
-    """Return a state in the form that a caller passes."""
+    """Return a state in the form that callers pass."""
     return {"t": t, "x": x, "x_dot": x_dot, "z": z, "z_dot": z_dot}
 
 
@@ -21,7 +21,7 @@ def plain(full):
 
 
 def system(osc, r, clearance, load=1.0):
-    """Return the same system for the reference."""
+    """Return the same system in the form of the reference."""
     return rs.System(osc.xi, osc.mu, osc.restitution, r, clearance, load)
 
 
@@ -36,7 +36,7 @@ def settled(cycles=4, discard=300):
 
 
 def assert_laws(run):
-    """Assert order, approach, restitution and momentum at every event, and the walls in between."""
+    """Assert order, approach, restitution and momentum at every event, and that no wall is passed in between."""
     events, osc = run.events, run.osc
     side = signs(events)
     ends = [run.initial_state["t"], *events["time"], run.final_state["t"]]

@@ -21,7 +21,7 @@ def exponential(matrix):
 
 
 def first_order(structure, load):
-    """The matrix of (q, q', 1, cos, sin of each harmonic), all of whose equations are linear."""
+    """The matrix of (q, q', 1, cos and sin of each harmonic), which obeys linear equations."""
     n, h = structure.coordinates, 0 if load is None else len(load.sine)
     inverse = np.linalg.inv(structure.mass)
     a = np.zeros((2 * n + 1 + 2 * h, 2 * n + 1 + 2 * h))
@@ -45,7 +45,7 @@ def extended(state, load, t):
 
 
 def check_laws(run, tolerance=1e-10):
-    """Check each flight by the matrix exponential, each impact by its law, and that gaps are open in between."""
+    """Check each flight by the matrix exponential, each impact by its law, and that gaps are open in flight."""
     s, n = run.structure, run.structure.coordinates
     a = first_order(s, run.load)
     directions = np.array([gap.direction for gap in s.gaps])
@@ -89,7 +89,7 @@ def energy(structure, state):
 
 
 def chain(cells):
-    """A free-free chain of hosts, each with a free mass: every coefficient of restitution is 1."""
+    """A free-free chain of hosts, each with a free mass; all coefficients of restitution are 1."""
     stiffness = np.zeros((2 * cells, 2 * cells))
     for i in range(cells - 1):
         stiffness[i : i + 2, i : i + 2] += [[1, -1], [-1, 1]]
@@ -131,7 +131,7 @@ def one_stop(opening, **stop):
 
 
 def cycle_map(structure, load, start, first, step=1e-5):
-    """A state of a structure of one coordinate a load cycle later, and the derivative by differences."""
+    """A state of a single-coordinate structure one load cycle later, and its derivative by differences."""
 
     def later(state):
         run = vi.simulate(structure, load, cycles=1, start=start, state=(state[:1], state[1:]))
@@ -142,7 +142,7 @@ def cycle_map(structure, load, start, first, step=1e-5):
 
 
 def check_parts(s, load, middles, tolerance):
-    """A run that is continued from its final state is the whole one, and so is one whose beginning is left out."""
+    """A run continued from its final state equals the complete run, and so does a run that omits its beginning."""
     whole = vi.simulate(s, load, duration=40)
     for middle in middles(whole):
         first = vi.simulate(s, load, duration=middle)
@@ -156,7 +156,7 @@ def check_parts(s, load, middles, tolerance):
 
 
 def with_elements():
-    """Structures with stops and friction, each under a load that makes it settle on a motion of general events."""
+    """Structures with stops and friction, each under a load that leads to a motion with all kinds of events."""
     ring = vi.Structure(
         [1.0, 0.5], [[0.1, 0.0], [0.0, 0.05]], [[2.0, -1.0], [-1.0, 1.5]],
         [vi.Gap([1, 0], 0.6, 0.7), vi.Stop([0, -1], 0.8, stiffness=30, damping=0.4)],

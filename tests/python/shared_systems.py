@@ -17,7 +17,7 @@ RIG = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
 def law(examples):
     """Return hypothesis settings: the same examples in every run, no limit of time on one.
 
-    VIBROIMPACT_EXAMPLES is the largest number of examples.
+    VIBROIMPACT_EXAMPLES sets the largest number of examples.
     """
     examples = min(examples, int(os.environ.get("VIBROIMPACT_EXAMPLES", examples)))
     health = [HealthCheck.filter_too_much, HealthCheck.too_slow, HealthCheck.data_too_large]

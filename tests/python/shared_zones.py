@@ -1,4 +1,4 @@
-"""A window of zones, places in it and motions on their boundaries."""
+"""A window of zones, points in it and motions on their boundaries."""
 
 import math
 
@@ -14,7 +14,7 @@ def random_points(count, seed):
 
 
 def distance(zone, r, clearance):
-    """To the nearest vertex of a boundary, the window being the unit square."""
+    """Distance to the nearest vertex of a boundary, with the window as the unit square."""
     scale = np.array([np.ptp(zone.r), np.ptp(np.log(zone.clearance))])
     place = np.array([r, math.log(clearance)])
     rings = [np.c_[ring[:, 0], np.log(ring[:, 1])] for ring in zone.loops]

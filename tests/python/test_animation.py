@@ -21,7 +21,7 @@ from vibroimpact.plot.history import history  # noqa: E402
 
 @pytest.fixture(autouse=True)
 def _closed():
-    """Each test leaves no open figures."""
+    """Close all figures after each test."""
     yield
     plt.close("all")
 
@@ -72,7 +72,7 @@ def test_the_wall_that_is_hit_flashes():
 
 
 def test_the_wall_of_a_rest_has_its_colour():
-    """From stick to release the wall of the rest has the colour of rest, also if the window begins in a rest."""
+    """From stick to release the wall in contact has the colour of rest, even if the window begins in a rest."""
     run = settled(4)
     events = run.events
     (stick,) = np.flatnonzero(events["kind"] == "stick")[:1]
@@ -105,7 +105,7 @@ def test_gif(tmp_path):
 
 @pytest.mark.slow
 def test_mp4(tmp_path, monkeypatch):
-    """ffmpeg from imageio-ffmpeg writes as many frames as the GIF has, and the setting of its path is restored."""
+    """ffmpeg from imageio-ffmpeg writes as many frames as the GIF has, and its previous path is restored."""
     program = pytest.importorskip("imageio_ffmpeg").get_ffmpeg_exe()
     monkeypatch.setenv("PATH", "")
     setting = matplotlib.rcParams["animation.ffmpeg_path"]
@@ -129,7 +129,7 @@ def test_mp4(tmp_path, monkeypatch):
 
 
 def test_without_a_path_a_notebook_gets_it():
-    """Without a path `animate` returns matplotlib's animation, and does not change the caller's settings."""
+    """Without a path `animate` returns matplotlib's animation, and leaves the caller's settings unchanged."""
     before = dict(matplotlib.rcParams)
     film = settled(2).animate(cycles=1, seconds=0.1)
     assert isinstance(film, matplotlib.animation.FuncAnimation)
@@ -163,7 +163,7 @@ def test_interrupted_film_leaves_the_old_one(tmp_path, monkeypatch):
     ({"cycles": 1, "seconds": 1e6}, "seconds = 1e"), ({"cycles": 1, "seconds": 1e-3}, "pictures"),
 ])  # fmt: skip
 def test_wrong_arguments(words, output):
-    """Refused by name, before anything is drawn."""
+    """Invalid arguments are refused by name, before anything is drawn."""
     with pytest.raises(vi.errors.VibroimpactError, match=output):
         vi.simulate(RIG, 0.9, 6.0, 2).animate(**words)
     assert plt.get_fignums() == []

@@ -1,4 +1,4 @@
-"""The answers to thousands of small cases, which together reach most of the core, are those that were kept.
+"""Answers to thousands of small cases, which together reach most of the core, equal the kept answers.
 
 They tell that an answer has changed, not which one is right: for that there are the laws of other tests. Where a
 change is meant, `python tests/quality/find_answers.py --renew` writes the answers again, and shows what changed.
@@ -11,7 +11,7 @@ from shared_answers import DECLARED, answer, declarations, differences, load, pu
 
 
 def test_answers(kept_cases, tmp_path, monkeypatch):
-    """Two compilers and two LAPACK libraries have the kept answers in common, but for rounding."""
+    """Two compilers and two LAPACK libraries agree with the kept answers, except for rounding."""
     put_files(tmp_path)
     monkeypatch.chdir(tmp_path)
     changed = []
@@ -25,7 +25,7 @@ def test_answers(kept_cases, tmp_path, monkeypatch):
 
 
 def test_declarations():
-    """The keys with their limits and defaults, and the columns with their units, are those that were kept."""
+    """The keys with their limits and defaults, and the columns with their units, equal the kept ones."""
     kept = json.loads(DECLARED.read_text(encoding="utf-8"))
     for part, found in declarations().items():
         names = kept[part].keys() | found.keys()
@@ -33,7 +33,7 @@ def test_declarations():
 
 
 def test_differences_are_seen():
-    """A change of one value, a missing column and another note are differences."""
+    """A change of one value, a missing column and a different note are reported as differences."""
     kept = load()
     place = next(i for i, item in enumerate(kept) if item["answer"].get("columns"))
     one = kept[place]["answer"]

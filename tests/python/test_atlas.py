@@ -1,4 +1,4 @@
-"""Atlas and zones with rest, against simulation, which is independent of the tracing of boundaries."""
+"""Atlases and zones with rest, compared with simulation, which is independent of the tracing of boundaries."""
 
 import json
 import threading
@@ -19,7 +19,7 @@ def atlas():
 
 
 def attractor(osc, r, clearance, cycles=1):
-    """The pattern that a simulation from rest settles on, or None."""
+    """The pattern to which a simulation from rest settles, or None."""
     run = vi.simulate(osc, r, clearance, 2 * cycles + 2, discard=400)
     try:
         period = run.period(cycles)
@@ -42,7 +42,7 @@ def test_simulated_attractors_lie_in_a_zone_of_their_pattern(atlas):
 
 
 def test_patterns_with_rest_do_not_depend_on_the_survey():
-    """Without a survey, too, every attractor of simulations within the limits lies in a zone of its pattern.
+    """Even without a survey, every attractor of simulations within the limits lies in a zone of its pattern.
 
     At the first point random states settle on L*R* by an independent simulation (`lane_simulation.py`); its
     zone is 0.016 wide in r there, and a survey of 400 points over r .6 to 1.4, D .5 to 150 misses it.
@@ -97,7 +97,7 @@ def test_every_point_of_the_survey_is_counted(atlas):
 
 
 def test_motions_beyond_the_limits_are_stable(atlas):
-    """An independent simulation settles on each of them, and `exact` finds it stable."""
+    """An independent simulation settles on each attractor of the survey, and `exact` finds it stable."""
     confirmed = 0
     for item in atlas.beyond:
         random = np.random.default_rng(2)
@@ -122,7 +122,7 @@ def test_motions_beyond_the_limits_are_stable(atlas):
 
 
 def test_motion_without_impacts():
-    """A free mass at rest is touched where D < 2A, wherever it is, and nowhere where D > 2A and |c| + A < D/2."""
+    """A free mass at rest is always hit where D < 2A, and never where D > 2A and |c| + A < D/2."""
     window = ((0.8, 1.2), (2.0, 200.0))
     where = vi.atlas(EQUAL, *window, max_impacts=2, survey=0, guesses=0).without_impacts
     random = np.random.default_rng(9)
@@ -246,7 +246,7 @@ def test_survey_hears_a_stop(monkeypatch):
 
 
 def test_labelled_data_hold_the_survey(atlas):
-    """The labelled data contain the outcome at each point and the motions, by name."""
+    """The labelled data contain the outcome and the motions at each point, by name."""
     pytest.importorskip("xarray")
     data = atlas.to_xarray()
     assert data.sizes["point"] == 60
@@ -266,7 +266,7 @@ def test_outcomes_are_those_of_the_core():
 
 
 def test_zones_of_an_atlas_are_results(atlas, tmp_path):
-    """Each can be saved and read alone; its rows are those of the atlas."""
+    """Each zone of an atlas can be saved and read alone; its rows are those of the atlas."""
     for i, zone in enumerate(atlas.zones):
         zone.save(tmp_path / f"zone_{i}.json")
         again = vi.load(tmp_path / f"zone_{i}.json")
@@ -294,7 +294,7 @@ def test_bad_input_is_named(arguments, name):
 
 
 def test_questions_that_an_atlas_refuses(atlas):
-    """A point is two numbers, and an attractor one of the survey."""
+    """A point is two numbers, and an attractor is one of the survey."""
     with pytest.raises(vi.errors.ParameterTypeError, match=r"^attractor = None"):
         atlas.explains(None)
     for point, name in ((([0.9, 1.0], 20.0), "r"), ((0.9, []), "clearance")):
@@ -370,7 +370,7 @@ def test_vertices_of_a_zone_with_rest_by_simulation():
         for j in (0, len(piece) // 3, len(piece) - 1):
             r, clearance, phase = piece.r[j], piece.clearance[j], piece.theta[0, j]
             v = piece.x_over_D[0, j] * clearance
-            # no force between the masses: M alone decides where they part
+            # no force between the masses: M alone determines where they part
             x = np.sin(phase) - 2 * UNEQUAL.xi * v
             state = {"t": phase / r, "x": x, "x_dot": v, "z": x - clearance / 2, "z_dot": v}
             run = vi.simulate(UNEQUAL, r, clearance, 1, state)
@@ -394,7 +394,7 @@ def test_vertices_of_a_zone_with_rest_by_simulation():
 
 
 def test_a_stopped_atlas_keeps_the_zones_that_were_finished():
-    """Each of them is the same zone as in the whole atlas, and the result says how many are missing."""
+    """Each zone kept equals that of the complete atlas, and the result says how many are missing."""
     window = {"r": (0.8, 1.2), "clearance": (2, 200), "max_impacts": 3, "survey": 20}
     whole = vi.atlas(UNEQUAL, **window)
 

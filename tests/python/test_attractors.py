@@ -95,7 +95,7 @@ def test_tables_and_pictures():
 
 
 def stopped(monkeypatch, study, *arguments, **more):
-    """The partial result of a study that is stopped when about a third of its work is done."""
+    """The partial result of a study that is stopped after about a third of its work."""
     monkeypatch.setattr(importlib.import_module("vibroimpact.base.interrupt"), "INTERVAL", 0.001)
 
     def progress(share, what):

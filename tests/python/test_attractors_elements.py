@@ -14,7 +14,7 @@ BACKLASH = vi.Structure(
 
 
 def den_hartog(b, zeta, f):
-    """The amplitude of x'' + 2 zeta x' + x + f sgn x' = cos(b t) that never stops, by Den Hartog."""
+    """The amplitude of x'' + 2 zeta x' + x + f sgn x' = cos(b t) without sticking, by Den Hartog."""
     w, half = np.sqrt(1 - zeta**2), np.pi / b
     both = np.cosh(zeta * half) + np.cos(w * half)
     g = (np.sinh(zeta * half) - zeta / w * np.sin(w * half)) / both
@@ -23,13 +23,13 @@ def den_hartog(b, zeta, f):
 
 
 def logarithms(motion):
-    """The exponents of a periodic motion per load cycle."""
+    """The Lyapunov exponents of a periodic motion per load cycle."""
     with np.errstate(divide="ignore"):
         return np.sort(np.log(np.abs(motion.multipliers)))[::-1] / motion.cycles
 
 
 def test_response_with_friction_is_den_hartog():
-    """The greatest displacement by the closed form, and that without friction."""
+    """The greatest displacement equals the closed form, with and without friction."""
     found = vi.response(RUBBING, COSINE, np.linspace(0.6, 1.6, 11))
     b = found.values
     assert found.largest[0].T == pytest.approx(np.tile(den_hartog(b, 0.05, 0.3), (2, 1)), rel=1e-12)
@@ -38,7 +38,7 @@ def test_response_with_friction_is_den_hartog():
 
 
 def test_sizes_are_those_of_a_sampled_period():
-    """With gap, stop and friction: greatest magnitude and mean square of each coordinate."""
+    """With gap, stop and friction: the greatest magnitude and mean square of each coordinate."""
     s, load = of_chance(7)
     w = load.frequency
     found = vi.response(s, load, [0.98 * w, w], settling=600)
@@ -54,7 +54,7 @@ def test_sizes_are_those_of_a_sampled_period():
 
 
 def test_jump_of_an_elastic_stop_is_at_the_fold():
-    """Contacts last to the fold in the sweep up, and begin again far below it in the sweep down."""
+    """In the sweep up contacts last to the fold, and in the sweep down they begin again far below it."""
     s = one_stop(1.0, stiffness=10, damping=0.05)
     found = vi.response(s, vi.Load(1.0, cosine=[0.3]), np.linspace(1.05, 1.5, 19))
     touched = {
@@ -70,7 +70,7 @@ def test_jump_of_an_elastic_stop_is_at_the_fold():
 
 
 def test_diagram_follows_the_sequences_of_the_branch():
-    """Reversals, halts from where they begin to stick, and a mass that always sticks."""
+    """Reversals, halts up to the onset of sticking, and a mass that always sticks."""
     motion = vi.exact(RUBBING, COSINE, vi.simulate(RUBBING, COSINE, cycles=150))
     branch = vi.branch(motion, "slip", bounds=(0.0, 0.95))
     (begins,) = (p.value for p in branch.special_points if p.type == "stick_begins")
@@ -93,7 +93,7 @@ def test_diagram_follows_the_sequences_of_the_branch():
 
 
 def test_any_parameter_of_the_elements_may_change():
-    """The speed of a belt by a function, and the stiffness of a stop by its name."""
+    """The speed of a belt is set by a function, and the stiffness of a stop by its name."""
 
     def on_belt(speed):
         belt = vi.Friction([1.0], 0.1, speed=speed)
@@ -115,7 +115,7 @@ def test_any_parameter_of_the_elements_may_change():
 
 @pytest.mark.parametrize("seed", [0, 1, 7, 9, 20, 35])
 def test_exponents_are_logarithms_of_the_multipliers(seed):
-    """With stops, gaps and friction; what sticks loses a direction. Volumes contract as they must."""
+    """With stops, gaps and friction; sticking friction loses a direction. Volumes contract at the known rate."""
     s, load = of_chance(seed)
     run = vi.simulate(s, load, cycles=600, discard=500)
     motion = vi.exact(s, load, run)
@@ -134,7 +134,7 @@ def test_exponents_are_logarithms_of_the_multipliers(seed):
 
 
 def test_chaos_on_a_spring():
-    """Without a dashpot the exponents sum to those of the damping alone."""
+    """Without a dashpot the sum of the exponents is that of the damping alone."""
     s = vi.Structure([1], [0.04], [1], [vi.Stop([1], 0.0, 100)])
     found = vi.lyapunov(s, vi.Load(2.4, cosine=[1.0]))
     assert found.per_cycle[0] > 8 * found.error_per_cycle[0] > 0
@@ -144,7 +144,7 @@ def test_chaos_on_a_spring():
 
 
 def test_exponents_of_stick_slip_and_of_rest():
-    """A belt without a load: nothing grows along the motion. A mass that sticks for ever may be anywhere."""
+    """On a belt without a load nothing grows along the motion. A mass that always sticks may be anywhere."""
     belt = vi.Friction([1], slip=0.6, stick=1.0, speed=0.2)
     bow = vi.Structure([1], [0], [1], friction=[belt])
     found = vi.lyapunov(bow)
@@ -157,7 +157,7 @@ def test_exponents_of_stick_slip_and_of_rest():
 
 
 def test_exponents_beside_a_mass_that_sticks():
-    """One mass sticks, another hits a wall: the exponents of the latter alone, 0, and a lost direction."""
+    """One mass sticks, another hits a wall: the exponents are those of the latter, 0, and a lost direction."""
     alone = vi.Structure([1], [0.1], [1], [vi.Gap([1], 1, 0.8)])
     wanted = vi.lyapunov(alone, vi.Load(1.0, cosine=[1])).per_cycle
     both = vi.Structure(
@@ -168,7 +168,7 @@ def test_exponents_beside_a_mass_that_sticks():
     assert found.per_cycle == pytest.approx([0, *wanted, -np.inf], abs=1e-5)
     assert found.per_cycle[:3].sum() == pytest.approx(wanted.sum(), abs=1e-9)
     basins = vi.basins(both, load, states=3, settling=100)
-    assert (basins.labels == -1).all()  # each state is on a motion of its own of a continuum
+    assert (basins.labels == -1).all()  # each state lies on a different motion of a continuum
     with pytest.raises(vi.SingularError, match="friction sticks permanently wherever it stops"):
         vi.exact(both, load, vi.simulate(both, load, cycles=300))
     repeats = vi.response(both, load, [0.95, 1.0])
@@ -176,7 +176,7 @@ def test_exponents_beside_a_mass_that_sticks():
 
 
 def mirrored(load):
-    """Basins of a plane, and those half a load cycle later with the axes turned round."""
+    """Basins of a plane, and those half a load cycle later with both axes reversed."""
     plane = ("q_0", -0.45, 0.45, 7), ("q_dot_0", -1.0, 1.0, 7)
     here = vi.basins(BACKLASH, load, plane)
     there = vi.basins(BACKLASH, load, plane, start=np.pi / load.frequency)
@@ -205,7 +205,7 @@ def test_attractors_are_mirror_images():
 
 
 def test_each_state_settles_on_its_attractor():
-    """Two motions with gap, stop and friction: by a simulation and Newton's method on its own."""
+    """Two motions with gap, stop and friction agree with a simulation and a separate Newton's method."""
     s, load = of_chance(28)
     found = vi.basins(s, load, states=12)
     assert len(found.attractors) == 2
@@ -216,7 +216,7 @@ def test_each_state_settles_on_its_attractor():
 
 
 def test_motions_without_speeds_are_told_apart_by_their_states():
-    """Reversals of friction have no speed: equal motions are one, whatever event is the first."""
+    """Reversals of friction have no speed: equal motions are recognised, whichever event comes first."""
     for seed in (2, 23):
         s, load = of_chance(seed)
         assert len(vi.basins(s, load, states=8).attractors) == 1
@@ -240,7 +240,7 @@ def test_any_number_of_threads_gives_the_same_bits():
 
 @pytest.mark.parametrize("study", ["response", "bifurcation", "lyapunov", "basins"])
 def test_namelists(tmp_path, study):
-    """The case of each study gives it again, and files keep it."""
+    """The case of each study reproduces it, and files keep it."""
     s, load = of_chance(7)
     w = load.frequency
     found = {
@@ -267,7 +267,7 @@ def test_namelists(tmp_path, study):
     ("r", [1.02, 1.04]), ("clearance", [24.0, 25.0]), ("xi", [0.0114, 0.012]), ("R1", [0.74, 0.75]),
 ])  # fmt: skip
 def test_points_keep_their_friction(name, values):
-    """Whatever changes, friction in the slot of an oscillator stays."""
+    """Friction in the slot of an oscillator is kept when any parameter changes."""
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
     found = vi.bifurcation_diagram(
         osc.at(1.04, 25, friction=0.05), name, values, sweep="up", settling=400
@@ -288,7 +288,7 @@ def test_points_keep_their_friction(name, values):
     ("slip", {"friction": 0.05}, 0.04), ("contact", {"stops": ((200.0, 0.5), (200.0, 0.5))}, 150.0),
 ])  # fmt: skip
 def test_diagram_along_parameters_of_elements(name, kept, low):
-    """A point with elements takes the names of its structure, with the same answer as that."""
+    """A point with elements takes the parameter names of its structure, and gives the answer of the structure."""
     point = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75).at(1.04, 25, **kept)
     high = 0.05 if name == "slip" else 200.0
     ours = vi.bifurcation_diagram(point, name, [low, high], settling=100)

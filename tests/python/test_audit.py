@@ -1,4 +1,4 @@
-"""Atlas, `find` and `exact` against an independent simulation of random systems.
+"""Atlas, `find` and `exact` compared with an independent simulation of random systems.
 
 `--audit-systems` and `--audit-points` set its size; `--audit-seed` draws other systems.
 """
@@ -16,7 +16,7 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def report(request, share):
-    """The comparisons as a table, and every disagreement; two systems are enough to make each check."""
+    """The comparisons as a table, and every disagreement; two systems are enough for each check to occur."""
     systems, points, seed = (
         request.config.getoption(f"--audit-{name}") for name in ("systems", "points", "seed")
     )
@@ -26,13 +26,13 @@ def report(request, share):
 
 
 def disagreements(report, *checks):
-    """The disagreements of some checks, the first of which must have been made."""
+    """The disagreements of some checks; the first check must have been made."""
     assert report.counts[checks[0], True] > 0
     return [str(finding) for finding in report.findings if finding.check in checks]
 
 
 def test_lanes_are_the_simulation():
-    """The independent simulation and the package's, state by state, with accumulation and rest."""
+    """The independent simulation agrees with that of the package, state by state, with accumulation and rest."""
     draw = np.random.default_rng(7)
     r, clearance = draw.uniform(0.7, 1.3, 40), np.exp(draw.uniform(0, 4, 40))
     systems = shared_audit.systems_of([RIG] * 40, r, clearance)
@@ -50,12 +50,12 @@ def test_lanes_are_the_simulation():
 
 
 def test_exact_is_the_attractor(report):
-    """From the package's simulation `exact` has the phases and states of the independent orbit, to 1e-8."""
+    """From the package's simulation, `exact` has the phases and states of the independent orbit, to 1e-8."""
     assert disagreements(report, "exact", "admissible") == []
 
 
 def test_verdicts_are_those_of_the_stroboscopic_map(report):
-    """`stable` and the leading multiplier, by central differences with Richardson's step."""
+    """`stable` and the leading multiplier agree with central differences with Richardson's step."""
     assert disagreements(report, "stable", "multiplier") == []
 
 

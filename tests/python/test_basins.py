@@ -1,4 +1,4 @@
-"""Basins, against the ends of the trajectories, closed forms, and counts over every pair of states.
+"""Basins compared with the ends of trajectories, closed forms, and counts over every pair of states.
 
 Simulations continue bit for bit, so the attractor of a state can be compared with the end of that
 very trajectory, even in transient chaos.
@@ -42,7 +42,7 @@ def test_states_go_where_their_basin_says(plane):
 
 
 def mirrors(one, other):
-    """Return which attractor of one result is the mirror image of which of the other."""
+    """For each attractor of one result, the mirror image among the attractors of the other."""
     return [
         next(j for j, item in enumerate(other.attractors)
              if np.abs(np.sort(item.motion.X) - np.sort(-mine.motion.X)).max() < 1e-7)
@@ -60,7 +60,7 @@ def test_mirror_images_have_equal_shares():
     assert {first.kind, second.kind} == {"periodic"}
     assert sorted(mirrors(result, result)) == [0, 1] != mirrors(result, result)
     images = np.array(mirrors(result, there))
-    # transient chaos is decided by rounding: shares, not every state, are the same
+    # rounding decides transient chaos: the shares agree, but not every state
     assert np.mean(images[result.labels] == there.labels) > 0.95
     error = 4 * math.hypot(result.standard_error[0], there.standard_error[0])
     np.testing.assert_allclose(result.fractions, there.fractions[images], atol=error)
@@ -138,7 +138,7 @@ def test_random_shares_are_those_of_a_lattice():
     ],
 )
 def test_the_namelist_of_basins(start, tmp_path):
-    """The namelist of basins gives them again, to the last bit."""
+    """The namelist of basins reproduces them to the last bit."""
     result = vi.basins(FIGURE6, 1.04, 14.0, load=1.1, probes=20, max_cycles=4, **start)
     (tmp_path / "case.nml").write_text(result.to_namelist())
     (case,) = vi.read_namelist(tmp_path / "case.nml")
@@ -146,7 +146,7 @@ def test_the_namelist_of_basins(start, tmp_path):
     np.testing.assert_array_equal(again.states, result.states)
     np.testing.assert_array_equal(again.labels, result.labels)
     assert again.case == result.case
-    # the text must not depend on the order of sets, which differs from process to process
+    # the text must not depend on the order of sets, which differs between processes
     others = re.findall(r"^  (t|x|x_dot|y|z_dot) = ", result.case, re.MULTILINE)
     assert others == ["x", "x_dot", "z_dot"] * ("plane" in start)
 
@@ -163,7 +163,7 @@ def test_decision_does_not_depend_on_how_soon(plane):
             and np.abs(x - np.sort(item.motion.X)).max() < 1e-6
         ]  # fmt: skip
         if match:
-            # transient chaos is decided by rounding: shares, not states, are the same
+            # rounding decides transient chaos: the shares agree, but not the states
             error = math.hypot(plane.standard_error[match[0]], 1e-3)
             assert abs(fraction - plane.fractions[match[0]]) < 4 * error
             share += fraction
@@ -181,14 +181,14 @@ def test_motion_with_rest_and_chaos_are_told():
 
 
 def test_a_long_chaotic_transient_with_slow_phases_is_no_attractor():
-    """It ends at random after about 70,000 load cycles; so did an independent simulation of 14 states."""
+    """The transient ends at random after some 70,000 load cycles, as did an independent simulation of 14 states."""
     result = vi.basins(TABLE, 0.8432, 52.211, states=20)
     assert [item.kind for item in result.attractors] == ["periodic"]
     assert (result.labels == 0).all()
 
 
 def test_a_chaotic_attractor_that_was_seen_in_a_quiet_phase_is_one():
-    """Its motions have few impacts for thousands of load cycles, at times."""
+    """At times its motions have few impacts for thousands of load cycles."""
     osc = vi.Oscillator(xi=0.1203, mu=0.5491, restitution=0.4072)
     result = vi.basins(osc, 0.8893, 13.27, states=9, rng=4, cycles=80)
     assert [item.kind for item in result.attractors] == ["chaotic"]
@@ -208,7 +208,7 @@ def test_chaotic_attractors_that_are_mirror_images_are_two():
 
 
 def test_what_never_settles_is_not_decided():
-    """Free vibration decays without end: no state is assigned an attractor."""
+    """Free vibration decays without end: no state is assigned to an attractor."""
     result = vi.basins(FIGURE6, 0.9, 5.0, states=20, load=0.0, cycles=100)
     assert (result.labels == -1).all()
     assert result.attractors == []
@@ -258,7 +258,7 @@ def test_a_smooth_boundary():
     np.testing.assert_array_equal(
         (farthest < clearance / 2)[clear], (result.labels == quiet)[clear]
     )
-    # not quite 1: there are fewer pairs far apart, as s/(64 - s)
+    # slightly below 1: there are fewer pairs far apart, as s/(64 - s)
     assert abs(result.uncertainty_exponent - 1) < 0.03
 
 
@@ -291,7 +291,7 @@ def test_uncertain_pairs_are_counted(plane):
 
 
 def test_a_list_of_states_has_a_namelist_too(plane, tmp_path):
-    """The namelist of listed states gives the basins again to the last bit; they are those of a plane."""
+    """The namelist of listed states reproduces the basins to the last bit; they equal those of a plane."""
     result = vi.basins(TABLE, 0.94, 37.0, states=plane.states.reshape(5, -1))
     (tmp_path / "case.nml").write_text(result.to_namelist())
     (case,) = vi.read_namelist(tmp_path / "case.nml")
@@ -331,7 +331,7 @@ def test_bad_lists(states, wanted):
         vi.basins(FIGURE6, 1.04, 10.0, states=states)
 
 
-#: A point, a number of states, and the attractors: settling simulations take several of their periods for one.
+#: A point, a number of states, and the attractors: settling simulations mistake several periods for one.
 IN_TURNS = [
     (0.16927064225535599, 0.4028836456687256, (0, 0), 1.1116023291034687, 5.601916857805584, 24, ["RL/1"]),
     (0.15222675174436914, 0.49220377043862157, (0, 0.6), 1.0333539391011177, 7.59212674849985, 24, ["R*L/2"]),
@@ -343,7 +343,7 @@ IN_TURNS = [
 
 @pytest.mark.parametrize(("xi", "mu", "walls", "r", "clearance", "states", "names"), IN_TURNS)
 def test_a_motion_is_named_by_its_shortest_period(xi, mu, walls, r, clearance, states, names):
-    """A motion that is approached in turns seems to have several periods; its growth is the Lyapunov exponent."""
+    """A motion approached with alternating sign seems to have several periods; its growth is the exponent."""
     osc = vi.Oscillator(xi=xi, mu=mu, restitution=walls)
     found = vi.basins(osc, r, clearance, states=states)
     assert [attractor.name for attractor in found.attractors] == names
@@ -360,7 +360,7 @@ def test_a_motion_is_named_by_its_shortest_period(xi, mu, walls, r, clearance, s
     ((0.17746891934879389, 0.40417724585871123, (0.2, 0), 0.958073656292679, 6.6632066928121825), 60),
 ])  # fmt: skip
 def test_each_periodic_attractor_has_its_motion(point, states):
-    """Also where the state that the core names has not settled within twice the period."""
+    """Even where the state that the core names has not settled within twice the period, the motion is found."""
     xi, mu, walls, r, clearance = point
     found = vi.basins(vi.Oscillator(xi=xi, mu=mu, restitution=walls), r, clearance, states=states)
     for one in found.attractors:
@@ -397,7 +397,7 @@ def test_what_settles_slowly_is_neither_chaotic_nor_quasi_periodic(
 
 
 def test_a_chaotic_transient_with_many_impacts_is_no_attractor():
-    """It ends at random after about 35,000 load cycles on one of two motions, mirror images of each other."""
+    """The transient ends at random after about 35,000 load cycles on one of two mirror-image motions."""
     osc = vi.Oscillator(
         xi=5.393016929676998e-4, mu=2.0323541470510546e-3, restitution=0.9877129484339674
     )
@@ -407,7 +407,7 @@ def test_a_chaotic_transient_with_many_impacts_is_no_attractor():
 
 
 def test_labels_do_not_depend_on_rounding_where_transients_are_long():
-    """Each state wanders for 10^4 to 10^6 load cycles; what it ends on does not depend on its last bits."""
+    """Each state wanders for 10^4 to 10^6 load cycles; its final motion does not depend on its last bits."""
     wall, r, clearance = 0.7189674455988654, 1.4616163504310702, 33.7456669137705
     osc = vi.Oscillator(xi=0.01154927445245723, mu=0.01757787366661444, restitution=wall)
     plane = (("y", (-0.45 * clearance, 0.45 * clearance)), ("z_dot", (-17, 17)))
@@ -430,7 +430,7 @@ def test_a_transient_of_half_a_million_impacts_is_no_attractor():
 
 
 def test_a_period_that_is_not_considered_is_not_decided_soon():
-    """The motion has a period of 19 load cycles, of which up to 16 are considered."""
+    """The motion has a period of 19 load cycles, while periods up to 16 are considered."""
     osc = vi.Oscillator(
         xi=0.003268685691789558,
         mu=0.012192598631411566,
@@ -444,7 +444,7 @@ def test_a_period_that_is_not_considered_is_not_decided_soon():
 
 
 def test_kinds_agree_with_the_exponents_of_long_averages():
-    """Chaotic attractors have a positive exponent by its error, in an average of ten times the length."""
+    """Chaotic attractors have an exponent positive beyond its error, in an average ten times as long."""
     seen = set()
     for osc, r, clearance in ((FIGURE6, 1.04, 72.0), (TABLE, 0.8432, 52.211)):
         for item in vi.basins(osc, r, clearance, states=40).attractors:
@@ -461,7 +461,7 @@ def test_kinds_agree_with_the_exponents_of_long_averages():
 
 @pytest.mark.parametrize("whole", [True, False])
 def test_what_is_stopped_while_it_is_watched_stays_undecided(whole):
-    """Ctrl-C during the watch of motions that may be chaotic keeps the states; the bar is not at its end."""
+    """Ctrl-C while possibly chaotic motions are monitored keeps the states; the bar is not full."""
     shares = []
 
     def press(share, _):

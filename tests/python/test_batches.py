@@ -1,4 +1,4 @@
-"""Single precision and batches of motions, on random systems, against `first_principles`."""
+"""Single precision and batches of motions, on random systems, compared with `first_principles`."""
 
 import numpy as np
 import pytest
@@ -70,7 +70,7 @@ def test_batch_is_the_single_calls(case, factors):
 
 
 def test_a_failed_point_does_not_end_the_batch():
-    """Equal halves and equal restitution leave a free amplitude: a code and NaN at that point."""
+    """Equal halves and equal restitution leave a free amplitude: that point has a code and NaN."""
     osc, pattern = vi.Oscillator(xi=0.01, mu=0.05, restitution=0.75), vi.Pattern("RL")
     phases = np.array([[0.0, 0.0, 0.0], [3.0, np.pi, 3.3]])
     motions = vi.periodic_batch(osc, 0.9, phases, pattern)

@@ -1,4 +1,4 @@
-"""Bifurcation diagrams: against exact motions, zones and the namelist that gives them again."""
+"""Bifurcation diagrams compared with exact motions and zones; namelists that reproduce them."""
 
 import numpy as np
 import pytest
@@ -100,7 +100,7 @@ def test_labels_of_motions_with_rest():
 
 
 def test_spaced_values():
-    """Both ends exactly, equal differences or ratios, and numpy's to rounding."""
+    """Both end values are exact, differences or ratios are equal, and values equal those of numpy to rounding."""
     for low, high, n in [(5.0, 60.0, 12), (1e-6, 1e6, 100), (37.0, 37.0001, 7)]:
         even, ratios = (vi.spaced(low, high, n, name) for name in ("linear", "geometric"))
         np.testing.assert_allclose(even, np.linspace(low, high, n), rtol=1e-15)
@@ -112,7 +112,7 @@ def test_spaced_values():
 
 
 def test_a_sweep_in_ratios_is_that_over_the_same_values():
-    """Where the values of the two spacings are equal, the results of independent starts are equal too."""
+    """Where the values of both spacings are equal, the results of independent starts are equal too."""
     ratios = vi.spaced(15.0, 60.0, 3, "geometric")
     even = vi.spaced(15.0, 60.0, 4)
     study = {"r": 1.04, "sweep": "states", "states": 3, "settling": 100}
@@ -140,7 +140,7 @@ def test_a_sweep_in_ratios_is_that_over_the_same_values():
     ],
 )
 def test_the_namelist_of_a_diagram(parameter, values, more, tmp_path):
-    """The namelist of a diagram gives it again, to the last bit."""
+    """The namelist of a diagram reproduces it to the last bit."""
     result = vi.bifurcation_diagram(
         FIGURE6, parameter, values, settling=40, impacts=9, load=1.1, **more
     )
@@ -218,7 +218,7 @@ def test_parameter_is_not_given_twice(name):
 
 
 def test_resonance_without_damping_among_the_values():
-    """A value of r that is 1 is refused wherever it stands; so is a fixed one where xi begins at 0."""
+    """A value of r that is 1 is refused at any position; so is a fixed r = 1 where xi begins at 0."""
     undamped = vi.Oscillator(xi=0.0, mu=0.1, restitution=0.7)
     for values in ([1.0, 1.1], [0.9, 1.0, 1.1], [0.9, 1.0]):
         with pytest.raises(vi.errors.ParameterError, match="resonance without damping"):
@@ -231,17 +231,17 @@ def test_resonance_without_damping_among_the_values():
 
 
 def test_near_a_flip_the_shortest_period_counts():
-    """The flip of RL/1 is at 11.08153: above it no run that settles slowly is one of two cycles."""
+    """The flip of RL/1 is at 11.08153: above it, no slowly settling run counts as one of two cycles."""
     values = [11.0926, 11.1, 11.12]
     for sweep in ("both", "states"):
         diagram = vi.bifurcation_diagram(RIG, "clearance", values, r=1.1, sweep=sweep)
-        # no other label; hardly any run has not settled
+        # no other label; nearly every run has settled
         assert set(diagram.labels.ravel()) <= {"2/1", ""}
         assert np.mean(diagram.cycles == 1) > 0.9
 
 
 def test_a_motion_that_is_left_slowly_has_no_label():
-    """Just below the flip the sweep down stays at the unstable motion for longer than it is simulated."""
+    """Just below the flip the sweep down stays at the unstable motion for longer than the simulation lasts."""
     diagram = vi.bifurcation_diagram(RIG, "clearance", [11.07, 11.09, 11.12], r=1.1, sweep="down")
     assert diagram.labels[0].tolist() == ["", "2/1", "2/1"]
     motion = vi.exact(RIG, 1.1, 11.07, vi.exact(RIG, 1.1, 11.12, ([0, 4.26686453], "LR")))

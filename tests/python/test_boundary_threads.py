@@ -1,4 +1,4 @@
-"""Every procedure of the boundary, from many Python threads at once, gives the bits that it gives alone."""
+"""Every procedure of the boundary gives the same bits from many Python threads at once as from one."""
 
 import contextlib
 from pathlib import Path
@@ -16,7 +16,7 @@ from vibroimpact.studies.find import shares_of
 
 ROUNDS = 5
 PROCEDURES = {name for name in dir(_core) if type(getattr(_core, name)).__name__ == "fortran"}
-#: Procedures with the address of a result: `saved` makes them in their order.
+#: Procedures that take the address of a result: `saved` calls them in order.
 HANDLES = {
     "add_notes_of", "describe_result", "fill_reals", "fill_wholes", "free_result", "new_result", "open_table",
     "run_case", "write_printout", "write_result",
@@ -26,14 +26,14 @@ FILES = {"read_namelist", "run_namelists"}
 
 
 class Recorder:
-    """A procedure that keeps copies of the arguments of its first calls."""
+    """Wrap a procedure, and keep copies of the arguments of its first calls."""
 
     def __init__(self, name):
-        """Stand in for the procedure of this name."""
+        """Replace the procedure of this name."""
         self.procedure, self.calls = getattr(_core, name), []
 
     def __call__(self, *args, **options):
-        """Keep the arguments, and call it."""
+        """Keep the arguments, and call the procedure."""
         if len(self.calls) < 3:
             copies = [
                 np.copy(arg, order="A") if isinstance(arg, np.ndarray) else arg for arg in args
@@ -54,7 +54,7 @@ def saved(folder):
 
 
 def public_calls(folder):
-    """Quick calls of the package that lead to every procedure."""
+    """Quick calls of the package that reach every procedure."""
     saved(folder)
     vi.status_text(3)
     vi.spaced(2.0, 32.0, 5, "geometric")
@@ -70,7 +70,7 @@ def public_calls(folder):
     vi.same_motion(motion, motion)
     vi.standard_motion(motion)
     vi.motion_images(motion)
-    # asked for by benchmarks, for the progress of a search, and once in a process
+    # called by benchmarks, for the progress of a search, and once in a process
     _core.equispaced_chart(RIG.xi, RIG.mu, RIG.restitution, [0.9, 1.0], [20.0, 30.0], 1, 1, 1)
     shares_of(2, 1, True)
     _core.describe_language(1_000_000)
@@ -139,12 +139,12 @@ def replayed(procedure, calls):
 
 
 def test_every_procedure_is_called(recorded):
-    """A new procedure needs a call here."""
+    """Every procedure, including a new one, has a call here."""
     assert {name for name, calls in recorded.items() if not calls} <= FILES
 
 
 def test_all_procedures_at_once(recorded):
-    """Each thread begins with another procedure, and all of them are called by several threads at a time."""
+    """Each thread starts with a different procedure, and several threads call each procedure at a time."""
     names = sorted(PROCEDURES - HANDLES - FILES)
     alone = {name: replayed(getattr(_core, name), recorded[name]) for name in names}
 

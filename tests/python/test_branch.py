@@ -1,4 +1,4 @@
-"""Branches: laws along them, special points against independent routes, and invalid input."""
+"""Branches: laws along them, special points compared with independent calculations, and invalid input."""
 
 import itertools
 import math
@@ -45,9 +45,9 @@ def test_determinant_along_the_branch(path):
     wanted = np.exp(-4 * np.pi * branch.xi * branch.pattern.cycles / branch.r)
     wanted = wanted * product_of_restitution(branch)
     product = np.prod(branch.multipliers, axis=0)
-    # with multipliers of 1e6 and 1e-6 this precision of their product is left
+    # with multipliers of 1e6 and 1e-6 their product has only this precision
     largest = np.abs(branch.multipliers).max(axis=0)
-    # (none is left where an approach speed is zero)
+    # (none where an approach speed is zero)
     good = largest < 1e4
     assert good.sum() > len(branch) // 3
     error = np.abs(product - wanted)[good]
@@ -99,7 +99,7 @@ def test_special_points_are_where_they_should_be(path):
             turning = np.abs(motion.multipliers.imag) > 1e-9
             assert np.abs(gap[turning] - 1).min() < 1e-9
         elif point.type == "grazing":
-            # where the touch is an end of the flight the event is the zero approach speed
+            # where the touch is at an end of the flight, the event is the zero approach speed
             assert not ends_at_a_wall(motion, point)
             assert abs(touch(motion, point) - 0.5) < 1e-10
         elif point.type == "zero_approach":
@@ -109,14 +109,14 @@ def test_special_points_are_where_they_should_be(path):
 
 
 def ends_at_a_wall(motion, point):
-    """Whether the touch is an end of the flight: there the approach speed is zero as well."""
+    """Whether the touch is at an end of the flight: there the approach speed is zero too."""
     i = [point.impact, (point.impact + 1) % len(motion.pattern)]
     approach = np.abs(motion.Z_dot_before[i] - motion.X_dot_before[i]).min()
     return approach < 1e-6 * motion.clearance
 
 
 def touch(motion, point):
-    """Greatest |Y|/D towards a wall inside a flight: dense sampling, then bounded minimisation."""
+    """Greatest |Y|/D towards a wall inside a flight, by dense sampling and bounded minimisation."""
     from scipy.optimize import minimize_scalar
 
     ends = np.r_[motion.alpha, 2 * np.pi * motion.pattern.cycles] / motion.r
@@ -145,12 +145,12 @@ def test_stability_changes_at_special_points_only(path):
         known = np.flatnonzero(column >= 0).tolist()
         changes = [(i, j) for i, j in itertools.pairwise(known) if column[i] != column[j]]
         assert all(set(range(i, j + 1)) & marks for i, j in changes), f"{name} changes at {changes}"
-        # only near a bifurcation rounding decides
+        # rounding decides only near a bifurcation
         assert len(known) > 0.9 * len(column) - 5
 
 
 def test_equispaced_bifurcations_against_the_closed_form():
-    """Pitchfork and Neimark-Sacker points of the pair, by bisection on its own multipliers."""
+    """Pitchfork and Neimark-Sacker points of the pair agree with bisection on its multipliers."""
     r, checked = 1.04, []
     for which in (0, 1):
         branch = vi.branch(vi.equispaced(FIGURE6, r, 25.0)[which], "clearance", (3, 120))
@@ -186,7 +186,7 @@ def test_equispaced_bifurcations_against_the_closed_form():
 
 
 def test_special_points_do_not_depend_on_the_start():
-    """A branch that starts within a step of a bifurcation, before it or after it, finds all special points."""
+    """A branch that starts within a step of a bifurcation, before or after it, finds all special points."""
     bounds, found = (44, 50), []
     motion, _ = vi.equispaced(FIGURE6, 1.0, 45.0)
     points = vi.branch(motion, "clearance", bounds).special_points
@@ -218,7 +218,7 @@ def test_host_that_nothing_damps_or_moves_has_no_neimark_sacker_point():
 
 
 def test_branch_goes_round_a_fold():
-    """The equispaced pair has 0 motions on one side of each fold and 2 on the other."""
+    """The equispaced pair has no motions on one side of each fold and two on the other."""
     branch = vi.branch(vi.equispaced(FIGURE6, 0.9, 20.0)[0], "clearance", (5, 200))
     folds = [p for p in branch.special_points if p.type == "fold"]
     assert folds
@@ -270,7 +270,7 @@ def test_no_multipliers_at_a_zero_approach():
 
 @pytest.mark.parametrize(("y", "drawn"), [("largest", False), ("attenuation", True)])
 def test_legend_names_only_markers_that_are_drawn(y, drawn):
-    """A zero approach has no multipliers, so that a plot of them neither marks nor names it."""
+    """A zero approach has no multipliers, so a plot of multipliers neither marks nor names it."""
     pytest.importorskip("matplotlib")
     branch = vi.branch(triple_motion(), "clearance", (1, 60))
     texts = [text.get_text() for text in branch.plot(y=y).get_legend().get_texts()]
@@ -429,7 +429,7 @@ def test_stopped_branch(share, monkeypatch):
 
 
 def test_branches_that_a_stop_leaves_out(monkeypatch, tmp_path):
-    """A stop in the first of two branches reports its extent, and that the other was not begun."""
+    """A stop in the first of two branches reports how far it came, and that the other one did not start."""
     monkeypatch.setattr("vibroimpact.base.interrupt.INTERVAL", 0.001)
     path = tmp_path / "pair.nml"
     path.write_text(
@@ -451,7 +451,7 @@ def test_branches_that_a_stop_leaves_out(monkeypatch, tmp_path):
 
 @pytest.mark.parametrize("limit", [20_000, 200])
 def test_progress_is_told(limit, monkeypatch):
-    """Progress runs from 0 to 1, also if max_points is reached first, and does not change the result."""
+    """Progress runs from 0 to 1, even if max_points is reached first, and does not change the result."""
     monkeypatch.setattr("vibroimpact.base.interrupt.INTERVAL", 0.001)
     shares, given = [], LONG | {"max_points": limit}
     start, bounds = vi.equispaced(FIGURE6, 0.9, 20.0)[0], (5, 200)
@@ -468,7 +468,7 @@ def test_progress_is_told(limit, monkeypatch):
 
 @pytest.mark.parametrize("seed", range(4))
 def test_branch_ends_where_two_impacts_on_a_wall_come_together(seed):
-    """Down to R = 0, where the second impact follows the first at once: positions are finite up to the end."""
+    """Down to R = 0, where the second impact immediately follows the first: positions are finite up to the end."""
     rng = np.random.default_rng(seed)
     ended = 0
     while ended < 2:
@@ -496,7 +496,7 @@ def test_branch_ends_where_two_impacts_on_a_wall_come_together(seed):
             ended += 1
             special = [p for p in path.special_points if p.index == i]
             assert [p.type for p in special] == ["zero_approach"]
-            # the impact in question follows the one before it at once, on the same wall
+            # the impact in question immediately follows the previous one, on the same wall
             later = np.diff(np.append(path.alpha[:, i], 2 * math.pi))
             assert later.min() < 1e-3
             assert path.admissible[i] == 0

@@ -29,7 +29,7 @@ CROSSING = {"fold": 1, "pitchfork": 1, "flip": 1, "neimark_sacker": 2}
 
 
 def multipliers_of(motion):
-    """Eigenvalues of the product of the derivatives of all impact maps, with many digits if it is large."""
+    """Eigenvalues of the product of the derivatives of all impact maps, with more digits if the product is large."""
     maps = fp.impact_jacobians(
         system_of(motion), motion.alpha, motion.X, motion.X_dot_after, motion.Z_dot_after,
         motion.A * math.cos(motion.tau), motion.A * math.sin(motion.tau),
@@ -45,7 +45,7 @@ def multipliers_of(motion):
 
 
 def approach(motion):
-    """The least approach speed."""
+    """The least approach speed of a motion."""
     return (motion.pattern.signs * (motion.Z_dot_before - motion.X_dot_before)).min()
 
 
@@ -118,7 +118,7 @@ def critical_distance(kind, multipliers):
 
 
 def assert_crossings(path):
-    """Every special point has its multiplier, and between them the count outside does not change."""
+    """Every special point has its multiplier, and between special points the count outside does not change."""
     marks = {}
     for point in path.special_points:
         marks.setdefault(point.index, []).append(point.type)
@@ -128,7 +128,7 @@ def assert_crossings(path):
             motion = path[i]
         except SingularError:
             continue
-        # beyond an impact without approach there is no motion
+        # beyond a zero approach speed there is no motion
         if abs(approach(motion)) > 1e-7 * motion.clearance:
             spectra[i] = multipliers_of(motion), approach(motion) > 0
     step = np.ptp(path.values) * 1e-9
@@ -137,7 +137,7 @@ def assert_crossings(path):
             if i not in spectra:
                 continue
             away = critical_distance(kind, spectra[i][0])
-            # where multipliers change as fast as this, the last bits of the parameter decide
+            # where multipliers change this fast, the last bits of the parameter decide
             j, k = max(0, i - 1), min(len(path) - 1, i + 1)
             steep = abs(path.values[k] - path.values[j]) < step
             assert away < (1e-2 if steep else 1e-6), (path, kind, i, spectra[i][0])
@@ -171,7 +171,7 @@ def assert_folds_turn(path):
 
 
 def assert_multipliers_follow(path):
-    """The characteristic polynomial, normalised to length 1, changes little from point to point."""
+    """The characteristic polynomial, normalised to length 1, changes little between points."""
     for i in range(len(path) - 1):
         both = [np.poly(path.multipliers[:, k]).real for k in (i, i + 1)]
         if not np.isfinite(both).all() or max(np.abs(p).max() for p in both) > 1e4:
@@ -209,7 +209,7 @@ def test_branch_through_a_superharmonic_resonance(seed):
     )
 
 
-#: Systems with hardly any damping, the pattern, the bounds of r, and where to start: r and phases.
+#: Systems with very little damping, the pattern, the bounds of r, and the start: r and phases.
 NARROW = [
     (
         vi.Oscillator(
@@ -228,7 +228,7 @@ NARROW = [
 @pytest.mark.slow
 @pytest.mark.parametrize("system", range(len(NARROW)))
 def test_branch_beside_another_sheet(system):
-    """Branches closer to each other than the length of a step are followed without a jump."""
+    """Branches that are closer to each other than the length of a step are followed without a jump."""
     osc, clearance, pattern, bounds, starts = NARROW[system]
     for r, phases in starts:
         motion = vi.exact(osc, r, clearance, (phases, vi.Pattern(*pattern)))
@@ -254,7 +254,7 @@ def test_neimark_sacker_with_another_multiplier_outside():
 
 
 def test_neimark_sacker_and_flip_in_one_step():
-    """Both points are found within one step, with a short interval of stable motions between them."""
+    """Both points are found within one step, although the interval of stable motions between them is short."""
     osc = vi.Oscillator(
         xi=0.0008446336304214421,
         mu=0.02449241486588316,
@@ -299,7 +299,7 @@ def test_two_neimark_sacker_points_within_one_step():
 
 
 def test_no_fold_where_approach_speeds_vanish_together():
-    """Where two impacts merge multipliers exceed 1e10, but no fold is reported, as none is near 1."""
+    """Where two impacts merge, multipliers exceed 1e10, but no fold is reported, as none is near 1."""
     osc = vi.Oscillator(
         xi=0.019277312704164336,
         mu=0.12515000903233775,

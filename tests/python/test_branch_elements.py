@@ -1,4 +1,4 @@
-"""Branches of structures with elastic stops and friction, against exact motions and simulations."""
+"""Branches of structures with elastic stops and friction, compared with exact motions and simulations."""
 
 import json
 
@@ -17,9 +17,9 @@ def den_hartog(slip, stick=None):
 
 
 def apart(branch, i):
-    """How far the moduli of the multipliers at a point are from those of the exact motion there."""
+    """Difference between the moduli of the multipliers at a point and those of the exact motion there."""
     motion = branch[i]
-    # changes at one instant are events of their own in a motion
+    # simultaneous changes are separate events in a motion
     phases = np.sort(np.mod(motion.phases, 2 * np.pi * motion.cycles))
     assert 1 + np.count_nonzero(np.diff(phases) > 1e-9) == len(branch.gaps)
     assert motion.admissible
@@ -29,7 +29,7 @@ def apart(branch, i):
 
 
 def inner(branch, most):
-    """Admissible points, at most so many."""
+    """Admissible points, at most a given number."""
     found = np.flatnonzero(branch.admissible == 1)
     return found[:: max(1, -(-len(found) // most))].tolist()
 
@@ -59,7 +59,7 @@ def test_points_are_exact_motions(first, last, share):
 
 
 def between_stops():
-    """A mass with friction between two stops, under a load with which other attractors are near."""
+    """A mass with friction between two stops, under a load with other attractors nearby."""
     stops = [
         vi.Stop(
             [side], 0.6972788425859135, stiffness=19.178452850140584, damping=0.09041032149400266
@@ -87,7 +87,7 @@ def test_each_point_gives_its_own_motion():
             largest(branch.multipliers[:, i]), rel=1e-9
         )
         assert found.admissible == {1: True, 0: False, -1: None}[branch.admissible[i]]
-        # a reversal: the speed is 0 there, and half a period later the state is the opposite one
+        # at a reversal the speed is 0, and half a period later the state is the opposite one
         assert np.abs(found.states[:, 1]).max() < 1e-13
         assert found.states[0] == pytest.approx(-found.states[1], abs=1e-12)
     refused = branch[0]
@@ -96,7 +96,7 @@ def test_each_point_gives_its_own_motion():
 
 
 def test_points_without_their_events(tmp_path):
-    """A file of before the events were kept: the points are simulated, from states that begin the same motion."""
+    """A file that does not hold the events: the points are simulated, from states that start the same motion."""
     branch = vi.branch(between_stops(), "frequency", bounds=(1.2, 3.0))
     branch.save(tmp_path / "branch.json")
     text = json.loads((tmp_path / "branch.json").read_text())
@@ -111,7 +111,7 @@ def test_points_without_their_events(tmp_path):
 
 
 def test_an_unstable_point():
-    """Beyond a flip the motions of a branch are unstable and simulations leave them; the points give them."""
+    """Beyond a flip the motions of a branch are unstable, and simulations leave them; the points keep them."""
     s, load = of_chance(1)
     motion = vi.exact(s, load, vi.simulate(s, load, cycles=600, discard=500))
     branch = vi.branch(motion, "frequency", bounds=(0.8 * load.frequency, 1.2 * load.frequency))
@@ -153,7 +153,7 @@ def test_closed_form_of_den_hartog():
 
 
 def test_friction_begins_to_stick():
-    """On one side of the end a simulation reverses, on the other it sticks."""
+    """On one side of the end a simulation reverses, on the other side it sticks."""
     motion = settled(den_hartog(0.3, 0.36), vi.Load(0.8, cosine=[1.0]))
     branch = vi.branch(motion, "slip", bounds=(0.1, 1.0))
     (end,) = (p for p in branch.special_points if p.type == "stick_begins")
@@ -166,7 +166,7 @@ def test_friction_begins_to_stick():
 
 
 def test_a_stick_ends():
-    """Where a stick would begin above the stick level the motion is not admissible any more."""
+    """Where a stick would begin above the stick level, the motion is no longer admissible."""
     motion = settled(
         vi.Structure([1.0], [0.02], [1.0], friction=[vi.Friction([1.0], 0.6)]),
         vi.Load(0.4, cosine=[1.0]), 60,
@@ -185,7 +185,7 @@ def test_a_stick_ends():
 
 
 def test_a_pitchfork():
-    """A motion that is its own mirror image is followed by half a period, and its points tell of the whole."""
+    """A symmetric motion is followed over half a period, and its points describe the whole period."""
     point = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75).at(1.04, 25.0, friction=0.05)
     motion = vi.exact(point, vi.simulate(point, cycles=300))
     branch = vi.branch(motion, "frequency", bounds=(1.02, 1.05))
@@ -193,7 +193,7 @@ def test_a_pitchfork():
     near = np.abs(branch.values - fork.value).argmin()
     assert np.abs(branch.multipliers[:, near] - 1).min() < 1e-6
     assert not any(p.type == "fold" for p in branch.special_points)
-    # it is stable on one side alone
+    # it is stable on one side only
     apart = np.abs(branch.values - fork.value) > 1e-6
     assert (np.diff(branch.stable[apart]) != 0).sum() == 1
     i = np.abs(branch.values - 1.04).argmin()
@@ -213,7 +213,7 @@ def test_a_pitchfork():
 
 
 def test_a_contact_vanishes():
-    """A stop that is moved away is only touched in the end, where the motion is the linear one."""
+    """A stop that is moved away is merely touched at the end, where the motion is the linear one."""
     load = vi.Load(0.7, cosine=[1.0])
     motion = settled(one_stop(0.5, stiffness=4), load)
     branch = vi.branch(motion, "opening", bounds=(0.1, 3.0))
@@ -225,13 +225,13 @@ def test_a_contact_vanishes():
 
 
 def pressed(frequency, force, stop):
-    """A mass that a constant force presses on a stop, and lifts off it under a load."""
+    """A mass that a constant force presses onto a stop, and that a load lifts off."""
     s = vi.Structure([1.0], [0.6], [1.0], [vi.Stop([1.0], **stop)])
     return s, vi.Load(frequency, cosine=[force], constant=[1.0])
 
 
 def ends_of(frequency, force, stop, parameter=None, bounds=(0.01, 30.0)):
-    """The branch, the share of the start in contact, and the points where a contact or a flight vanishes."""
+    """The branch, the fraction of time in contact at its start, and points where a contact or flight vanishes."""
     s, load = pressed(frequency, force, stop)
     motion = vi.exact(s, load, vi.simulate(s, load, cycles=300))
     if parameter is None:
@@ -272,7 +272,7 @@ def test_a_flight_vanishes(damping):
 
 @pytest.mark.parametrize("opening", [-0.6, 0.6])
 def test_a_contact_vanishes_wherever_the_period_begins(opening):
-    """The stop is only touched where its opening is the largest displacement without it."""
+    """The stop is merely touched where its opening is the largest displacement without it."""
     stop = {"opening": opening, "stiffness": 10.0}
     branch, share, points = ends_of(3.0, 1.2, stop, "opening", (-1.0, 3.0))
     assert (share > 0.5) == (opening < 0)
@@ -281,7 +281,7 @@ def test_a_contact_vanishes_wherever_the_period_begins(opening):
 
 
 def test_a_preloaded_stop_is_only_just_touched():
-    """Its force jumps: a multiplier grows beyond all bounds, and the motion at the end has none."""
+    """The force jumps: a multiplier grows without bound, and the motion at the end has no multipliers."""
     stop = {"opening": 0.3, "stiffness": 10.0, "preload": 0.3}
     branch, _, points = ends_of(3.0, 1.2, stop, "opening", (-1.0, 3.0))
     assert points[-1].value == pytest.approx(1 + 1.2 / abs(1 - 9 + 1.8j), abs=1e-9)
@@ -291,12 +291,12 @@ def test_a_preloaded_stop_is_only_just_touched():
     distance = points[-1].value - branch.values
     near = (distance < 1e-4) & (distance > 0)
     assert near.sum() >= 5
-    # the speed of the touch, and so the inverse of that multiplier, falls in proportion to the distance
+    # the speed of the touch, the inverse of that multiplier, falls in proportion to the distance
     assert moduli[near] * distance[near] == pytest.approx(moduli[-2] * distance[-2], rel=0.02)
 
 
 def test_a_stop_is_touched_in_between():
-    """Where a second stop is reached the motion is not admissible any more; simulations touch it."""
+    """Where a second stop is reached, the motion is no longer admissible; simulations touch the stop."""
     stops = [vi.Stop([1.0], 0.5, 5.0), vi.Stop([-1.0], 2.0, 50.0)]
     s, load = vi.Structure([1.0], [0.3], [1.0], stops), vi.Load(0.7, cosine=[1.0])
     branch = vi.branch(settled(s, load), "load", bounds=(0.9, 6.0))
@@ -308,12 +308,12 @@ def test_a_stop_is_touched_in_between():
     assert 1 not in inside.gaps
     beyond = vi.exact(*branch.at(point.value + 1e-6), inside)
     assert 1 in beyond.gaps
-    # stops that are touched change neither the motion nor its derivative by a jump
+    # stops that are touched change neither the motion nor its derivative abruptly
     assert beyond.multipliers == pytest.approx(inside.multipliers, abs=0.1)
 
 
 def test_stiff_stops():
-    """Along the stiffness the multipliers tend to those of the rigid wall, as k^(-1/2)."""
+    """As the stiffness grows, the multipliers tend to those of the rigid wall, as k^(-1/2)."""
     s, load = one_stop(1.0, stiffness=1e3), vi.Load(1.0, cosine=[1.0])
     branch = vi.branch(settled(s, load), lambda logarithm: (
         one_stop(1.0, stiffness=10**logarithm), load), bounds=(3, 9), at=3.0)  # fmt: skip
@@ -328,7 +328,7 @@ def test_stiff_stops():
 
 
 def test_of_a_file(tmp_path):
-    """A branch is the same after it was saved, and from its namelist."""
+    """A branch is unchanged by saving it, and by running its namelist."""
     motion = settled(den_hartog(0.3), vi.Load(0.8, cosine=[1.0]))
     branch = vi.branch(motion, "slip", bounds=(0.2, 0.4))
     branch.save(tmp_path / "branch.json")
@@ -353,7 +353,7 @@ def test_parameters_that_it_has_not(parameter, message):
 
 
 def test_rests_beside_friction_are_refused():
-    """A gap that rests beside friction."""
+    """A gap in resting contact, combined with friction."""
     slot = [vi.Gap([-1, 1], 1.2, 0.0), vi.Gap([1, -1], 1.2, 0.0)]
     s = vi.Structure([1, 0.2], [0.05, 0], [1, 0], slot, [vi.Friction([-1, 1], 0.01)])
     motion = settled(s, vi.Load(0.85, sine=[1, 0]), 300)

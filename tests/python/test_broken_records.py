@@ -1,4 +1,4 @@
-"""Files that `load` cannot read: one ParameterError that names the file, quickly and in little memory."""
+"""Files that `load` cannot read give one ParameterError that names the file, quickly and with little memory."""
 
 import json
 import random
@@ -15,7 +15,7 @@ import vibroimpact as vi
 from vibroimpact.formats import matlab, netcdf
 
 OSC = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
-#: Values that no record holds in these places.
+#: Values that no valid record has in these places.
 ODD = [
     None,
     True,
@@ -68,7 +68,7 @@ def test_deep_and_long_texts(text, tmp_path):
 
 
 def places(data, above=()):
-    """All places in a record, and of long lists the first few."""
+    """All places in a record; of long lists only the first few."""
     inner = (
         data.items()
         if isinstance(data, dict)
@@ -82,7 +82,7 @@ def places(data, above=()):
 
 
 def used(result, folder):
-    """Read all public attributes of a result, which are there or said to lack, and write it in several forms."""
+    """Read all public attributes of a result, which exist or are said to be missing; write it in several forms."""
     for name in dir(result):
         if not name.startswith("_"):
             try:
@@ -96,7 +96,7 @@ def used(result, folder):
 
 
 def test_records_with_other_values(results, tmp_path):
-    """With a value replaced or left out a record is refused by name, or gives a result that works in every use.
+    """A record with a value replaced or removed is refused by name, or gives a result that works in every use.
 
     A list of another length, or a size or an owner that does not fit, would make the core read outside
     its arrays.
@@ -130,7 +130,7 @@ def test_records_with_other_values(results, tmp_path):
 
 
 def change_owner(value):
-    """A change of the first owner of the pieces of a zone."""
+    """Change the first owner of the pieces of a zone."""
     return lambda tables: tables["pieces"]["owners"].__setitem__(0, value)
 
 
@@ -162,13 +162,13 @@ def test_matlab_files_without_a_record(record, tmp_path):
 
 
 def netcdf_file(path, **options):
-    """A netCDF file with a variable `record` of these options."""
+    """A netCDF file with a variable `record` with these options."""
     with pytest.importorskip("h5py").File(path, "w") as data:
         data.create_dataset("record", **options)
 
 
 def test_netcdf_file_that_claims_too_much(tmp_path):
-    """A file of a few kB with a record of 4e9 bytes is refused in little memory."""
+    """A file of a few kB with a record of 4e9 bytes is refused with little memory."""
     path = tmp_path / "motion.nc"
     netcdf_file(path, shape=(4_000_000_000,), dtype="u1", chunks=(2**20,), compression="gzip")
     assert path.stat().st_size < 10_000
@@ -208,7 +208,7 @@ def test_libraries_for_netcdf(missing, results, tmp_path, monkeypatch):
 
 
 def test_a_plane_of_which_a_bound_is_missing(tmp_path):
-    """A result whose case lacks a bound of its plane can be loaded and shown, without axes."""
+    """A result whose case lacks a bound of its plane can be loaded and displayed, without axes."""
     osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
     path = tmp_path / "basins.json"
     vi.basins(osc, 0.94, 37.0, (("x", -30, 30, 3), ("x_dot", -30, 30, 3))).save(path)
@@ -236,7 +236,7 @@ def test_matlab_file_with_a_damaged_part(results, tmp_path):
 
 
 def repacked(data, change):
-    """A MATLAB file with the content of its compressed parts changed, and right checksums."""
+    """A MATLAB file with changed content of its compressed parts, and correct checksums."""
     found, at = bytearray(data[:128]), 128
     while at < len(data):
         kind, size = struct.unpack_from("<II", data, at)
@@ -313,7 +313,7 @@ def test_matlab_variables_are_those_of_scipy(compressed, tmp_path):
 
 
 def test_large_matlab_file(tmp_path):
-    """Parts that inflate to more than is looked at in one step are read."""
+    """Parts that inflate to more than one read step are read."""
     io = pytest.importorskip("scipy.io")
     path = tmp_path / "record.mat"
     load = np.zeros(400_000)

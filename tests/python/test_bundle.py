@@ -32,7 +32,7 @@ def test_threads_change_no_bit(threads):
 
 
 def test_one_state_for_all():
-    """Without states all begin at rest in the middle; a single state or parameter applies to all."""
+    """Without states all simulations start at rest in the middle; a single state or parameter applies to all."""
     alike = vi.simulate_bundle(FIGURE6, 1.04, [25.0, 25.0], 30, [0.0, 1.0, 0.0, 0.5, 0.0])
     assert (
         alike.x[0]
@@ -84,7 +84,7 @@ def test_resonance_without_damping():
 
 
 def test_progress_counts_the_simulations(monkeypatch, capsys):
-    """The share rises from 0 to 1, without it a bar is shown on a terminal; neither changes a bit."""
+    """The share rises from 0 to 1, and without `progress` a terminal shows a bar; neither changes a bit."""
     monkeypatch.setattr("vibroimpact.base.interrupt.INTERVAL", 0.001)
     states, shares = np.tile(STATES, 40), []
     told = vi.simulate_bundle(

@@ -1,4 +1,4 @@
-"""Campaigns: stores do not depend on what computed them, nor on how often they were stopped."""
+"""Campaigns: stores depend neither on the machine that computed them nor on interruptions."""
 
 import json
 import os
@@ -52,7 +52,7 @@ def test_example_of_the_command(tmp_path):
 
 
 def test_stores_do_not_depend_on_threads(tmp_path, undisturbed):
-    """The same files, byte by byte, and nothing is computed twice."""
+    """A continued campaign has the same files byte for byte, and computes nothing twice."""
     (case,) = vi.read_namelist(undisturbed.parent / "sweep.nml")
     sweep = vi.Sweep.of_case(case)
     for threads in (1, 3):
@@ -92,7 +92,7 @@ def test_a_local_cluster_is_for_its_user(monkeypatch):
 
 @pytest.mark.slow
 def test_the_dashboard_answers_its_own_page(monkeypatch, capfd):
-    """On loopback alone; a foreign name that leads here, another site and other ports get no page."""
+    """The dashboard listens on loopback only; foreign host names, other sites and other ports get no page."""
     pytest.importorskip("distributed")
     pytest.importorskip("bokeh")
     monkeypatch.setattr(os, "cpu_count", lambda: 1)
@@ -130,7 +130,7 @@ def test_the_dashboard_answers_its_own_page(monkeypatch, capfd):
 @pytest.mark.slow
 @pytest.mark.faults
 def test_a_killed_worker(tmp_path):
-    """A worker that is killed: its cases are computed by another one, and the store is the undisturbed one."""
+    """If a worker is killed, another one computes its cases, and the store equals the undisturbed one."""
     distributed = pytest.importorskip("distributed")
     sweep = vi.Sweep(
         equispaced_case(), {"r": np.linspace(0.9, 1.1, 12), "clearance": np.geomspace(2, 200, 25)}
@@ -155,7 +155,7 @@ def test_a_killed_worker(tmp_path):
     assert files_of(tmp_path / "store") == files_of(tmp_path / "whole")
 
 
-#: A case of some seconds.
+#: A case that takes some seconds.
 LONG = """&system
   xi = 0.0114
   mu = 0.028
@@ -172,7 +172,7 @@ LONG = """&system
 @pytest.mark.slow
 @pytest.mark.faults
 def test_a_case_whose_workers_are_killed(tmp_path):
-    """It is left as a namelist with the reason, and computed when the campaign runs again."""
+    """A case whose workers are killed is left as a namelist with the reason; a later run computes it."""
     distributed = pytest.importorskip("distributed")
     dask = pytest.importorskip("dask")
     vi.campaign([LONG], tmp_path / "whole")
@@ -199,7 +199,7 @@ def test_a_case_whose_workers_are_killed(tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
 def test_a_stopped_client(tmp_path, sweep_file, undisturbed, number):
-    """Stopped at random instants, and started again: the same files in the end."""
+    """A campaign stopped at random times, and restarted, ends with the same files."""
     random = np.random.default_rng(int(number))
     store = tmp_path / "store"
     stopped = 0
@@ -208,7 +208,7 @@ def test_a_stopped_client(tmp_path, sweep_file, undisturbed, number):
         return len(list(store.glob("sums/*.json")))
 
     for wanted in (1, 5, 9, 15):
-        # not while Python starts, before it runs a line of the package
+        # not while Python starts, before it runs any line of the package
         least = max(wanted, done() + 1)
         process = command(sweep_file, "--store", store)
         while done() < least and process.poll() is None:
@@ -226,7 +226,7 @@ def test_a_stopped_client(tmp_path, sweep_file, undisturbed, number):
 
 
 def test_damage_is_seen(tmp_path):
-    """A byte that changed, or a file that is lost: the chunk is computed again, and reading it is an error."""
+    """After a changed byte or a lost file the chunk is computed again; reading it is an error."""
     sweep = small_sweep()
     vi.campaign(sweep, tmp_path / "whole", chunk=3)
     for damage in ("byte", "file", "sums"):
@@ -248,7 +248,7 @@ def test_damage_is_seen(tmp_path):
 
 
 def test_two_writers(tmp_path):
-    """The second one is refused, and says who writes."""
+    """A second writer is refused, with a message that identifies the first one."""
     sweep = small_sweep()
     plan = Store(tmp_path / "store")
     vi.campaign(sweep, tmp_path / "store")
@@ -262,7 +262,7 @@ def test_two_writers(tmp_path):
 
 
 def test_another_campaign_is_refused(tmp_path):
-    """A store holds one campaign of one build; a folder with other files is left alone."""
+    """A store holds one campaign of one build; a folder with other files is not touched."""
     vi.campaign(small_sweep(), tmp_path / "store")
     other = vi.Sweep(equispaced_case(), {"r": [0.9, 1.0]})
     with pytest.raises(vi.ParameterError, match="contains another campaign"):
@@ -285,7 +285,7 @@ def test_another_campaign_is_refused(tmp_path):
 
 
 def test_what_is_no_store(tmp_path):
-    """Another Zarr store, paths that are none, plans of others, and folders among the chunks."""
+    """Other Zarr stores, invalid paths and damaged plans are refused; a folder among the chunks is ignored."""
     import zarr
 
     sweep = vi.Sweep(equispaced_case(), {"r": [0.9, 0.95]})
@@ -346,14 +346,14 @@ def test_another_core_is_refused():
     ],
 )
 def test_bad_campaigns(tmp_path, cases, options, error, message):
-    """Before anything is computed."""
+    """Invalid arguments are refused before anything is computed."""
     cases = small_sweep() if cases is None else cases
     with pytest.raises(error, match=message):
         vi.campaign(cases, tmp_path / "store", **options)
 
 
 def test_time_left(capsys):
-    """The time left counts what this call does, not what the store had."""
+    """The time left counts the work of this call, not what the store already had."""
     from vibroimpact.base.progress import Progress, span
 
     with pytest.MonkeyPatch.context() as patch:
@@ -372,7 +372,7 @@ def test_time_left(capsys):
 
 
 def test_progress_and_an_exception_of_it(tmp_path):
-    """The share grows to 1; what an exception interrupts is continued."""
+    """The share grows to 1; a campaign interrupted by an exception is continued."""
     shares = []
     vi.campaign(
         small_sweep(),
@@ -384,7 +384,7 @@ def test_progress_and_an_exception_of_it(tmp_path):
     assert shares[-1] == 1
 
     def fail(share, note):
-        """Raise at half of the work."""
+        """Raise after half of the work."""
         if share > 0.4:
             raise RuntimeError("stop")
 
@@ -396,7 +396,7 @@ def test_progress_and_an_exception_of_it(tmp_path):
 
 
 def test_cases_of_a_structure(tmp_path):
-    """A store of an earlier version, which told the model by the name of the study, is read; none mixes models."""
+    """A store of an earlier version, which identified the model by the study name, is read; models never mix."""
     wall = vi.Structure(mass=[1], damping=[0.1], stiffness=[1], gaps=[vi.Gap([1], 1, 0.8)])
     text = vi.lyapunov(wall, vi.Load(1.0, cosine=[1]), cycles=40, batches=4).to_namelist()
     found = vi.campaign([text, text], tmp_path / "store")

@@ -1,4 +1,4 @@
-"""Results of campaigns: those of single calls, table by table, and what became of cases that failed."""
+"""Results of campaigns equal those of single calls, table by table; cases that failed are kept."""
 
 import subprocess
 import sys
@@ -39,7 +39,7 @@ def test_results_are_those_of_single_calls(tmp_path, study):
 
 
 def test_values(tmp_path):
-    """Reductions over the rows of each case are those of the single results; NaN where there is no motion."""
+    """Reductions over the rows of each case equal those of single results; NaN if there is no motion."""
     sweep = small_sweep()
     found = vi.campaign(sweep, tmp_path / "store", chunk=5)
     for reduce, function in (
@@ -85,7 +85,7 @@ def test_refused_cases_are_kept(tmp_path):
 
 
 def test_failed_cases_run_again(tmp_path):
-    """What a campaign leaves of a refused case is run by the program, with the same message."""
+    """The namelist of a refused case, run by the program, gives the same message."""
     sweep = vi.Sweep(equispaced_case(), {"xi": [0.0, 0.01], "r": [0.9, 1.0]})
     found = vi.campaign(sweep, tmp_path / "store")
     call = [Path(sys.executable).parent / "vibroimpact-batch", found.failures / "case_1.nml"]
@@ -95,12 +95,12 @@ def test_failed_cases_run_again(tmp_path):
 
 
 def test_a_case_that_failed_once(tmp_path, monkeypatch):
-    """A chunk without memory leaves its cases; the next call computes it, and they are gone."""
+    """A chunk without enough memory leaves its cases; the next call computes them, and removes these files."""
     sweep = small_sweep()
     vi.campaign(sweep, tmp_path / "whole", chunk=4)
 
     def fail(*_):
-        """No memory."""
+        """Fail for lack of memory."""
         raise vi.OutOfMemoryError("no memory today")
 
     with monkeypatch.context() as patch:
@@ -114,13 +114,13 @@ def test_a_case_that_failed_once(tmp_path, monkeypatch):
 
 
 def test_a_defect_costs_its_case_alone(tmp_path, monkeypatch):
-    """An error that is none of the package's own is kept for its case, and the others are computed."""
+    """An error that is not the package's own is stored for its case, and the others are computed."""
     from vibroimpact.campaigns import chunk
 
     right = chunk.result_of
 
     def fail(study, text, *rest):
-        """A defect in one case."""
+        """Simulate a defect in one case."""
         if "500.0" in text and "r = 1.1" in text:
             raise IndexError("a defect")
         return right(study, text, *rest)
@@ -147,7 +147,7 @@ def test_zarr_reads_it(tmp_path):
 
 
 def test_xarray_reads_it_while_it_runs(tmp_path):
-    """At each look another reader has what is finished so far, and never half a chunk."""
+    """At each time another reader sees what is finished so far, and never half a chunk."""
     xarray = pytest.importorskip("xarray")
     store, looks = tmp_path / "store", []
 
@@ -182,7 +182,7 @@ def test_xarray_reads_it_while_it_runs(tmp_path):
 
 @pytest.mark.parametrize("study", ["motion", "find", "zone", "structure_wall"])
 def test_all_rows_of_a_table(tmp_path, study):
-    """They are the rows of the single results, one after the other, whatever the size of chunks."""
+    """The rows are those of the single results, one after the other, for any size of chunks."""
     pytest.importorskip("xarray")
     texts = texts_of(study)
     found = vi.campaign(texts, tmp_path / "store", chunk=1 if len(texts) < 5 else 5)

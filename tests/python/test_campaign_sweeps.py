@@ -47,7 +47,7 @@ def test_points_fill_the_box(method):
 
 
 def test_points_are_made_in_blocks(monkeypatch):
-    """Blocks of any size, asked for in any order, give the same points; a billion are not held."""
+    """Blocks of any size, in any order, give the same points; a billion points are not stored."""
     box = {"r": (0.9, 1.1), "clearance": (2, 200)}
     whole = vi.Sweep(equispaced_case(), box, samples=1000, rng=3)
     points, texts = whole.points, [whole.text(i) for i in range(1000)]
@@ -65,7 +65,7 @@ def test_points_are_made_in_blocks(monkeypatch):
 
 @pytest.mark.parametrize("number", [-1, 12, 2**40, 1.0, None, [0]])
 def test_numbers_without_a_case(number):
-    """A case is asked for by its number, from 0."""
+    """A case is accessed by its number, from 0."""
     wanted = r"number = .*: must be a whole number with 0 <= number <= 11"
     for ask in (small_sweep().point, small_sweep().text):
         with pytest.raises((vi.errors.ParameterError, vi.errors.ParameterTypeError), match=wanted):
@@ -73,7 +73,7 @@ def test_numbers_without_a_case(number):
 
 
 def test_a_huge_grid(tmp_path):
-    """Nothing holds all cases: a campaign of 10^12 starts, stops, and tells how far it is."""
+    """No object holds all cases: a campaign of 10^12 cases starts, stops, and reports its progress."""
     keys = {"xi": (0.001, 0.1), "mu": (0.01, 0.1), "r": (0.9, 1.1), "clearance": (2, 200)}
     sweep = vi.Sweep(
         equispaced_case(), {key: np.linspace(*ends, 1000) for key, ends in keys.items()}
@@ -128,14 +128,14 @@ def test_bad_sweeps(values, options, message):
 
 @pytest.mark.parametrize("value", [True, None, 1j, object()])
 def test_values_of_a_wrong_type(value):
-    """Only numbers and texts can stand in a namelist."""
+    """A namelist can hold only numbers and texts."""
     with pytest.raises(vi.ParameterTypeError, match="values"):
         vi.Sweep(equispaced_case(), {"xi": [value]})
 
 
 @pytest.mark.parametrize("geometric", ["xi", None, 3])
 def test_geometric_is_a_sequence(geometric):
-    """A text is none."""
+    """Take a text as an invalid value."""
     with pytest.raises(vi.ParameterTypeError, match="must be a sequence of keys"):
         vi.Sweep(equispaced_case(), {"xi": (0.1, 0.2)}, samples=2, geometric=geometric)
 
@@ -177,7 +177,7 @@ def test_a_template_that_is_no_case(case):
     ],
 )
 def test_bad_groups(tmp_path, line, message):
-    """Lists of a &sweep that do not fit together."""
+    """Lists of a &sweep that do not fit together are refused."""
     path = tmp_path / "bad.nml"
     path.write_text(SWEEP.split("&sweep")[0] + f"&sweep\n  {line}\n/\n")
     process = command(path, "--store", tmp_path / "store")
@@ -188,7 +188,7 @@ def test_bad_groups(tmp_path, line, message):
 
 
 def test_a_sweep_after_the_output(tmp_path):
-    """The place of the group is named."""
+    """The error names the place of the group."""
     path = tmp_path / "bad.nml"
     path.write_text(SWEEP.replace("&sweep", "&output name = 'a' /\n&sweep"))
     with pytest.raises(vi.ParameterError, match="follows &output; must occur once"):
@@ -237,7 +237,7 @@ def test_a_box_of_a_group(tmp_path):
 
 
 def test_a_sweep_is_left_to_the_command(tmp_path):
-    """The compiled program says what runs it, and writes nothing."""
+    """The compiled program names the program that runs a &sweep, and writes nothing."""
     path, folder = tmp_path / "sweep.nml", tmp_path / "results"
     path.write_text(SWEEP)
     log = vi.run_namelists([path], folder)

@@ -1,4 +1,4 @@
-"""Charts against single points, laws of symmetry, continuity of slots, threads, files and invalid input."""
+"""Charts compared with single points; symmetry, continuity of slots, threads, files and invalid input."""
 
 import math
 import sys
@@ -18,7 +18,7 @@ UNEQUAL = vi.Oscillator(xi=0.01, mu=0.02, restitution=(0.7, 0.6))
 RL = vi.Pattern("RL")
 R = np.linspace(0.8, 1.2, 33)
 D = np.geomspace(2, 200, 31)
-#: 1, 0 and -1 of the verdicts.
+#: 1, 0 and -1 of the verdicts
 CODE = {True: 1, False: 0, None: -1}
 
 
@@ -43,7 +43,7 @@ def three():
 
 @pytest.mark.parametrize("seed", range(8))
 def test_equispaced_points(seed):
-    """Every point of the closed form is that of `equispaced`: general procedures, full period."""
+    """Every point of the closed form equals `equispaced`: general procedures, full period."""
     rng = np.random.default_rng(seed)
     osc = vi.Oscillator(
         xi=rng.choice([0.0, 0.001, 0.02, 0.3]),
@@ -85,7 +85,7 @@ def test_equispaced_points(seed):
 
 
 def test_exact_points(three):
-    """Every motion found by continuation over the grid solves the equations: Newton's method does not move it."""
+    """Every motion found by continuation over the grid solves the equations; Newton's method does not move it."""
     rng = np.random.default_rng(5)
     places = np.argwhere((three.status == 0).values)
     for i, j, k in places[rng.choice(len(places), 60, replace=False)]:
@@ -150,7 +150,7 @@ def test_pairs_and_others(pair, others):
 
 
 def test_mirrored_system():
-    """Walls exchanged and letters exchanged: the motions are mirrored, possibly in other slots."""
+    """With walls and letters exchanged the motions are mirrored, possibly in other slots."""
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
     turned = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.61, 0.75))
     r, d = np.linspace(0.85, 1.1, 14), np.geomspace(2, 40, 13)
@@ -199,7 +199,7 @@ def test_slots_are_continuous(sides):
 
 
 def test_best_motions_come_first():
-    """With a single slot, an admissible and stable motion is kept wherever there is one."""
+    """With a single slot, the chart keeps an admissible and stable motion wherever one exists."""
     pattern = vi.Pattern("RRL")
     one, many = (vi.chart(OSC, pattern, R, D, slots=slots) for slots in (1, 8))
     assert (one.sizes["motion"], many.sizes["motion"]) == (1, 8)
@@ -218,7 +218,7 @@ def test_threads():
 
 @pytest.mark.parametrize("engine", ["h5netcdf", "scipy"])
 def test_netcdf(tmp_path, three, engine):
-    """A chart survives a file; units, names and parameters are in it."""
+    """A chart is unchanged by saving; units, names and parameters are in the file."""
     pytest.importorskip(engine)
     path = tmp_path / "chart.nc"
     three.to_netcdf(path, engine=engine)
@@ -237,7 +237,7 @@ def test_netcdf(tmp_path, three, engine):
 
 
 def test_resonance_without_damping():
-    """A singular column of a chart gets a status, and the other columns are computed."""
+    """A singular column of a chart has a status, and the other columns are computed."""
     osc = vi.Oscillator(xi=0.0, mu=0.05, restitution=0.8)
     data = vi.chart(osc, RL, [0.9, 1.0, 1.1], [1.0, 5.0], symmetric=True)
     assert (data.status.sel(r=1.0) == 1).all()
@@ -249,7 +249,7 @@ def test_resonance_without_damping():
 
 
 class Impatient:
-    """A `progress` that interrupts a study once a share of the work is done."""
+    """A `progress` function that interrupts a study when a share of the work is done."""
 
     def __init__(self, share):
         self.share = share
@@ -355,7 +355,7 @@ def test_bad_input(change, words):
     ],
 )
 def test_bad_types(change):
-    """The wrong type is a TypeError."""
+    """A wrong type raises a TypeError."""
     given = {"osc": OSC, "pattern": RL, "r": R, "clearance": D} | change
     with pytest.raises(vi.errors.ParameterTypeError):
         vi.chart(**given)

@@ -1,4 +1,4 @@
-"""No contact is missed, and none is found that is not there.
+"""Every contact is found, and no spurious contact.
 
 The reference numbers come from `reference_simulation` (100 digits, scan and bisection); the
 rest are laws. The time of a contact that closes a gap slowly is known only to rounding of the gap over the
@@ -67,7 +67,7 @@ def flight_peak(seed):
 
 @pytest.mark.parametrize("over", [1e-3, 1e-6, 1e-9, 1e-12, -1e-12])
 def test_overshoots_of_any_size_are_found(over):
-    """51 states whose flight passes the wall by a share of d: all are found; a near miss is no impact."""
+    """51 states whose flight passes the wall by a fraction of d: all are found; a near miss is no impact."""
     count = 0
     for seed in range(80):
         flight = flight_peak(seed)
@@ -100,7 +100,7 @@ def test_overshoots_of_any_size_are_found(over):
 @pytest.mark.parametrize("side", [1, -1])
 @pytest.mark.parametrize("speed", [1e-9, 1e-3, 1.0])
 def test_contact_at_the_start(side, speed):
-    """On the wall and approaching: an impact at once. Departing: none at once."""
+    """A mass on the wall that approaches has an impact at once; one that departs has none."""
     osc = vi.Oscillator(xi=0.01, mu=0.1, restitution=0.5)
     first = state(t=0.3, x=0.25, z=0.25 + side, z_dot=side * speed)
     hit = vi.simulate(osc, 0.9, 2.0, 0.01, first).events[0]
@@ -116,7 +116,7 @@ def test_contact_at_the_start(side, speed):
 @pytest.mark.parametrize("side", [1, -1])
 @pytest.mark.parametrize("speed", [1e-9, 1e-12, 1e-15])
 def test_slow_approach_on_a_wall_that_recedes(side, speed):
-    """On the wall it is an impact at once, however slow, though the gap opens in the next moment."""
+    """An approach on the wall is an impact at once, however slow, even if the gap would open a moment later."""
     osc = vi.Oscillator(xi=0.05, mu=0.1, restitution=0.7)
     first = state(x=side * -0.5, z=side * 2.5, z_dot=side * speed)
     hit = vi.simulate(osc, 0.9, 6.0, 0.01, first, load=3.0).events[0]
@@ -149,7 +149,7 @@ def test_both_walls_within_1e_9(clearance, speed):
 
 
 def test_very_long_flight_ends_at_the_first_crest_that_reaches():
-    """A drift of 1e-6 under an oscillation: after 700,000 cycles a crest reaches the wall."""
+    """With a slow drift of 1e-6 under an oscillation, a crest reaches the wall after 700,000 cycles."""
     osc, r, clearance, drift = vi.Oscillator(xi=0.1, mu=0.2, restitution=0.7), 1.3, 10.0, 1e-6
     amplitude = abs(1 / mp.mpc(1 - mpf(r) ** 2, 2 * mpf(0.1) * r))
     first = state(z_dot=drift)
@@ -170,7 +170,7 @@ def test_very_long_flight_ends_at_the_first_crest_that_reaches():
 @pytest.mark.parametrize("clearance", [1e-6, 1e-3, 1.0, 1e3, 1e6])
 @pytest.mark.parametrize("load", [0.0, 1.0])
 def test_clearances_of_all_sizes(clearance, load):
-    """From a millionth to a million the laws hold, free and forced, with and without damping."""
+    """For parameters from a millionth to a million the laws hold, free and forced, with and without damping."""
     for xi in (0.0, 0.05):
         osc = vi.Oscillator(xi=xi, mu=0.1, restitution=(0.8, 0.6))
         first = state(x_dot=1.0, z_dot=clearance if clearance > 1 else 0.5)

@@ -1,4 +1,4 @@
-"""Free vibration: energy, the limits without impacts and without damping, symmetry and scale."""
+"""Free vibration: energy, the limits without impacts and without damping, symmetry and scaling."""
 
 import importlib
 import itertools
@@ -14,7 +14,7 @@ DAMPER = vi.Oscillator(xi=0.005, mu=0.1, restitution=0.75)
 UNEVEN = vi.Oscillator(xi=0.02, mu=0.3, restitution=(0.4, 0.9))
 STICKY = vi.Oscillator(xi=0.01, mu=0.2, restitution=0.0)
 COLUMNS = ("time", "x", "decrement", "damping", "energy", "impacts", "rests", "run")
-#: An initial state without zeros, and not at a peak.
+#: An initial state without zeros that is not at a peak.
 START = {"amplitude": -0.8, "x_dot": 0.45, "y": 0.1, "z_dot": -0.6}
 
 
@@ -25,7 +25,7 @@ def simulated(osc, clearance, last, amplitude=1.0, x_dot=0.0, y=0.0, z_dot=0.0):
 
 
 def viscous(osc, trajectory, first, last):
-    """Energy that the dashpot takes between two times, by Gauss's rule over the segments between events."""
+    """Energy dissipated in the dashpot between two times, by Gauss's rule over the segments between events."""
     nodes, weights = np.polynomial.legendre.leggauss(24)
     inside = trajectory.events["time"]
     ends = np.unique([first, *inside[(inside > first) & (inside < last)], last])
@@ -57,7 +57,7 @@ def test_energy_balance(osc, clearance, start):
     assert (events["kind"] == "impact").sum() > 5
     at = trajectory.sample(found.time)
     np.testing.assert_allclose(found.x, at.X, atol=1e-12)
-    # an event at a peak comes before it
+    # an event at the time of a peak comes before the peak
     ended = np.nextafter(found.time, np.inf) + 1e-12
     for k in range(16):
         own = events[(events["time"] > ended[k]) & (events["time"] <= ended[k + 1])]
@@ -81,20 +81,20 @@ def test_peaks_are_the_greatest_displacements(osc, clearance, start):
     x = trajectory.sample(t).X
     zeros = np.flatnonzero(x[1:] * x[:-1] < 0) + 1
     halves = np.split(np.abs(x), zeros)
-    # the first one is no peak where the start moves towards the equilibrium
+    # the first one is not a peak where the start moves towards the equilibrium
     moving_in = start.get("amplitude", 1) * start.get("x_dot", 0) < 0
     halves = halves[1:-1] if moving_in else halves[:-1]
     greatest = np.array([half.max() for half in halves])
     peaks = np.abs(found.x[: greatest.size])
     assert greatest.size >= 30
-    # simulations of whole flights round otherwise, and 40 impacts amplify that
+    # simulations of whole flights round differently, and 40 impacts amplify this
     assert (greatest <= peaks * (1 + 1e-11)).all()
     np.testing.assert_allclose(greatest, peaks, rtol=1e-3)
 
 
 @pytest.mark.parametrize("xi", [0.0, 1e-9, 1e-4, 0.005, 0.3, 0.9])
 def test_without_impacts(xi):
-    """Without impacts peaks are half an oscillation apart, and each decrement is that of the dashpot."""
+    """Without impacts peaks are half a period apart, and each decrement is that of the dashpot."""
     found = vi.decay(vi.Oscillator(xi=xi, mu=0.1, restitution=0.75), 6.0, cycles=10)
     eta = math.sqrt(1 - xi**2)
     np.testing.assert_allclose(found.time, np.arange(21) * math.pi / eta, rtol=1e-13, atol=1e-13)
@@ -108,7 +108,7 @@ def test_without_impacts(xi):
 
 
 def test_without_loss():
-    """Without dashpot and with R = 1 the energy is constant."""
+    """Without a dashpot and with R = 1 the energy is constant."""
     found = vi.decay(vi.Oscillator(xi=0.0, mu=0.1, restitution=1.0), [0.3, 1.0, 2.5], cycles=50)
     assert found.impacts.sum() > 300
     assert np.ptp(np.abs(found.x)) > 0.2
@@ -116,7 +116,7 @@ def test_without_loss():
 
 
 def test_an_impulse():
-    """After an impulse at x = 0 the first peak is a quarter of an oscillation later."""
+    """After an impulse at x = 0 the first peak is a quarter of a period later."""
     found = vi.decay(
         vi.Oscillator(xi=0.0, mu=0.1, restitution=0.75), 9.0, amplitude=0.0, x_dot=2.0, cycles=3
     )
@@ -136,7 +136,7 @@ def test_mirror_image():
 
 
 def test_only_ratios_of_lengths_matter():
-    """With all lengths and velocities times a power of two the damping is the same to the last bit."""
+    """Scaling all lengths and velocities by a power of two leaves the damping unchanged to the last bit."""
     one = vi.decay(UNEVEN, [0.4, 0.9], **START)
     other = vi.decay(UNEVEN, [3.2, 7.2], **{name: 8 * value for name, value in START.items()})
     np.testing.assert_array_equal(other.x, 8 * one.x)
@@ -170,7 +170,7 @@ def test_the_damping_is_that_of_the_decrement():
 
 
 def test_an_oscillation_that_ends():
-    """A strongly damped oscillation falls below the smallest numbers; the peaks until then are kept."""
+    """A strongly damped oscillation falls below the smallest numbers; the peaks before that are kept."""
     found = vi.decay(vi.Oscillator(xi=0.99, mu=0.1, restitution=0.75), 6.0, cycles=40)
     assert 10 < found.x.size < 81
     assert found.status[0] == 0
@@ -180,7 +180,7 @@ def test_an_oscillation_that_ends():
 
 @pytest.mark.parametrize("form", ["json", "nc", "mat"])
 def test_files_and_namelist_give_it_again(form, tmp_path):
-    """Each file form and the namelist give the result again, to the last bit."""
+    """Each file format and the namelist reproduce the result to the last bit."""
     found = vi.decay(UNEVEN, [0.4, 0.9], **START, cycles=6)
     found.save(tmp_path / f"one.{form}")
     again = vi.load(tmp_path / f"one.{form}")
@@ -250,7 +250,7 @@ def test_picture(clearances):
 
 
 def test_interrupted(monkeypatch):
-    """After Ctrl-C the runs that are kept are complete, and have the same bits as without the interrupt."""
+    """After Ctrl-C the runs that are kept are complete, and have the same bits as an undisturbed call."""
     monkeypatch.setattr(importlib.import_module("vibroimpact.base.interrupt"), "INTERVAL", 0.001)
     clearances = np.linspace(0.1, 2, 200)
 
@@ -284,7 +284,7 @@ def of_structure(osc, clearance):
     (DAMPER, 0.7, {}), (UNEVEN, 0.9, START), (STICKY, 0.5, {}),
 ])  # fmt: skip
 def test_a_structure_is_the_oscillator(osc, clearance, start):
-    """The peaks of the oscillator's closed form and of a structure of two masses are the same."""
+    """The peaks by the closed form of the oscillator and those of a structure of two masses are the same."""
     own = vi.decay(osc, clearance, **start, cycles=8)
     s = {"amplitude": 1.0, "x_dot": 0.0, "y": 0.0, "z_dot": 0.0} | start
     state = ([s["amplitude"], s["amplitude"] + s["y"]], [s["x_dot"], s["z_dot"]])
@@ -299,7 +299,7 @@ def test_a_structure_is_the_oscillator(osc, clearance, start):
 @pytest.mark.parametrize("zeta", [0.0, 0.004, 0.2])
 @pytest.mark.parametrize("f", [0.0, 0.013])
 def test_damping_and_friction(zeta, f):
-    """Between reversals x decays towards the place where the spring balances friction, until the mass sticks."""
+    """Between reversals x decays towards the equilibrium of spring and friction, until the mass sticks."""
     s = vi.Structure([2.0], [2 * zeta * math.sqrt(2 * 3.0)], [3.0], [FAR],
                      [vi.Friction([1.0], f)] if f else [])  # fmt: skip
     found = vi.decay(s, state=([0.85], [0.0]), cycles=25)
@@ -324,7 +324,7 @@ def test_damping_and_friction(zeta, f):
 
 
 def test_a_stop_without_loss():
-    """Half oscillations on the spring alone and on both springs, of one energy."""
+    """Half oscillations on one spring and on both springs, with the same energy."""
     s = vi.Structure([100.0], [0.0], [1e4], [vi.Stop([1.0], 0.0, stiffness=1e6)])
     found = vi.decay(s, state=([0.0], [1.0]), cycles=10)
     assert found.x[::2] == pytest.approx(1 / math.sqrt(10100), rel=1e-11)
@@ -335,7 +335,7 @@ def test_a_stop_without_loss():
 
 
 def test_energy_of_a_structure():
-    """From peak to peak the energy falls by what impacts, dashpots, stops and friction take in `simulate`."""
+    """From peak to peak the energy falls by the losses in impacts, dashpots, stops and friction of `simulate`."""
     s = vi.Structure(
         [1.0, 0.4, 0.7], [[0.03, -0.01, 0], [-0.01, 0.02, 0], [0, 0, 0.01]],
         [[3.0, -1, 0], [-1, 2.5, -1], [0, -1, 1.5]],
@@ -368,12 +368,12 @@ def test_energy_of_a_structure():
 
 
 def losses(balance):
-    """Losses of all kinds in a window."""
+    """Losses of all kinds within a window."""
     return balance.damping_loss + balance.impact_loss + balance.friction_loss
 
 
 def test_a_constant_load():
-    """Weight shifts the place about which a mass oscillates, but zeros are those of the displacement."""
+    """Weight shifts the equilibrium about which a mass oscillates, but zeros are those of the displacement."""
     s = vi.Structure([1.0], [0.02], [1.0], [FAR])
     found = vi.decay(s, vi.Load(constant=[-0.3]), state=([0.7], [0.0]), cycles=3)
     free = vi.decay(s, state=([1.0], [0.0]), cycles=3)
@@ -399,7 +399,7 @@ def test_a_structure_that_nothing_pulls_back():
 
 
 def test_a_structure_again(tmp_path):
-    """Files and the namelist give the decay of a structure again; it is drawn."""
+    """Files and the namelist reproduce the decay of a structure; it can be drawn."""
     pytest.importorskip("matplotlib")
     found = vi.decay(one_stop(0.5, stiffness=4, damping=0.2), state=([1.0], [0.0]), cycles=4)
     assert repr(found).startswith("<Decay of a structure: 9 peaks, damping ratio of a cycle from")

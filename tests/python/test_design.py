@@ -1,4 +1,4 @@
-"""Designs: the search against brute force and the paper, quantiles, limits, and reports."""
+"""Designs: the search compared with brute force and the paper, quantiles, limits, and reports."""
 
 import math
 
@@ -25,7 +25,7 @@ def test_results_do_not_depend_on_the_number_of_threads():
 
 
 def test_the_search_is_as_good_as_brute_force():
-    """A grid of clearances, judged by `response`, another study: no clearance is better by more than 1 %."""
+    """On a grid of clearances, judged by the study `response`, no clearance is better by more than 1 %."""
     band = (1.0, 1.03)
     found = vi.design(
         OSC,
@@ -40,7 +40,7 @@ def test_the_search_is_as_good_as_brute_force():
         return swept.highest.max()
 
     brute = min(level(clearance) for clearance in np.linspace(12, 40, 57))
-    # few initial states may miss an attractor, so that its own level is only a lower bound
+    # few initial states may miss an attractor, so that the level is only a lower bound
     assert found.level <= 1.01 * brute
     assert level(found.values["clearance"]) <= 1.05 * brute
 
@@ -114,7 +114,7 @@ def test_the_best_motion_at_resonance_is_equispaced():
 
 
 def test_just_below_resonance_is_dangerous():
-    """Section 5 of the paper: there the impacts increase the motion, so that no clearance keeps max|X| below A."""
+    """Section 5 of the paper: there impacts increase the motion, and no clearance keeps max|X| below A."""
     found = vi.design(
         OSC, r=(0.965, 0.975), free={"clearance": (10, 60)}, limit=1.0, **{**QUICK, "samples": 500}
     )
@@ -124,7 +124,7 @@ def test_just_below_resonance_is_dangerous():
 
 
 def test_quantile_and_penalty_of_candidates():
-    """Levels against a plain loop over units and frequencies."""
+    """Levels equal those of a plain loop over units and frequencies."""
     host = OscillatorHost(OSC, None, "displacement", {"speed": 30.0}, 120, 16, None)
     spread = {"restitution": uncertain((0.6, 0.8), "R"), "clearance": uncertain((-1, 1), "d")}
     problem = Problem(
@@ -162,7 +162,7 @@ def test_quantile_and_penalty_of_candidates():
 
 
 def test_steps_are_judged_as_candidates_are():
-    """A step that is left out after some frequencies is worse than the best; others have all their figures."""
+    """A step abandoned after some frequencies is worse than the best one; others have all their figures."""
     host = OscillatorHost(OSC, None, "attenuation", {}, 120, 16, None)
     free = {"clearance": (12.0, 45.0)}
     problem = Problem(
@@ -175,7 +175,7 @@ def test_steps_are_judged_as_candidates_are():
     archive = Archive()
     _judge(problem, fine, candidates[falling[:1]], archive)
     kept = [falling[0]]
-    # one that is better, then the one before it
+    # a step that is better, then the step before it
     for number in np.column_stack([falling[1:], falling[:-1]]).ravel():
         better = levels[number] < min(archive.level)
         before = len(archive.level)
@@ -192,7 +192,7 @@ def test_steps_are_judged_as_candidates_are():
 
 
 def test_steps_are_left_out_by_their_worst_units(monkeypatch):
-    """What the worst units alone tell of a step is what all units of these frequencies tell."""
+    """The verdict on a step from the worst units alone equals that from all units at these frequencies."""
     host = OscillatorHost(OSC, None, "attenuation", {"speed": 60.0}, 120, 16, None)
     free = {"clearance": (12.0, 45.0)}
     problem = Problem(
@@ -268,7 +268,7 @@ def test_slopes_are_those_of_differences():
 
 
 def test_steps_down_the_gradient_lower_the_level():
-    """A start near the best clearance: the steps reach the lower end of a range in which the level only rises."""
+    """From a start near the best clearance the steps reach the lower end of a range with a rising level."""
     kwargs = {**QUICK, "specimens": 1, "nodes": 2, "evaluations": 8}
     found = vi.design(OSC, r=1.0, free={"clearance": (50.0, 60.0)}, **kwargs)
     coarse = [row["level"] for row in found.front]
@@ -341,7 +341,7 @@ def test_any_seed_gives_the_level_or_says_that_it_has_not_converged(job):
 
 
 def test_searches_agree_where_they_converge():
-    """Searches that disagree are called so."""
+    """Searches that disagree are reported as such."""
     kwargs = {"r": (1.0, 1.02), "free": {"clearance": (20, 45)}, **QUICK, "evaluations": 64}
     one = vi.design(OSC, **kwargs)
     assert one.converged
@@ -349,7 +349,7 @@ def test_searches_agree_where_they_converge():
     assert one.level == best[0]
     assert best[2] - best[0] <= 0.02 * best[0]
     assert one.searches["candidates"].sum() == len(one.candidates)
-    # of a single search nothing is known; three that stop at once need not agree
+    # a single search gives no evidence; three that stop at once need not agree
     assert vi.design(OSC, **{**kwargs, "searches": 1}).converged is None
     rough = {
         "r": (0.98, 1.03),
@@ -362,7 +362,7 @@ def test_searches_agree_where_they_converge():
 
 
 def test_units_and_ctrl_c_in_the_first_search():
-    """A rig's frequencies, clearances and limits may have units; what a first search has found is not lost."""
+    """A rig's frequencies, clearances and limits may have units; the result of a first search is not lost."""
     rig = vi.Oscillator.from_dimensional(
         M="2.7 kg", K="42 kN/m", xi="1.1 %", m="110 g", restitution=0.75, F0="6 N"
     )
@@ -405,7 +405,7 @@ def test_units_and_ctrl_c_in_the_first_search():
 
 
 def test_ctrl_c_keeps_the_best_design(monkeypatch):
-    """An interrupt after a search leaves what it has found, without samples."""
+    """An interrupt after a search keeps its result, without samples."""
     asked = {"r": (1.0, 1.02), "free": {"clearance": (20, 45)}, **{**QUICK, "samples": 1000}}
     calls = []
 

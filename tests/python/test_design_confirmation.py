@@ -1,4 +1,4 @@
-"""Shares of units that meet a limit, and their intervals, against binomial laws, known shares and basins."""
+"""Shares of units that meet a limit, and their intervals, compared with binomial laws, known shares and basins."""
 
 import math
 
@@ -13,7 +13,7 @@ from vibroimpact.systems.distribution import interval, uncertain
 
 
 def test_probability_is_that_of_a_known_share():
-    """One uncertain parameter that matters in a known way: without impacts max|X| is the load times A."""
+    """One uncertain parameter with a known effect: without impacts max|X| is the load times A."""
     osc = vi.Oscillator(xi=0.2, mu=1e-9, restitution=0.75)
     found = vi.design(
         osc, r=2.0, free={"clearance": (5, 6)}, load=(0.5, 1.5), target="displacement", quantile=0.5,
@@ -32,7 +32,7 @@ def test_probability_is_that_of_a_known_share():
 
 @pytest.mark.parametrize(("good", "samples"), [(0, 10), (3, 10), (10, 10), (990, 1000)])
 def test_interval_is_that_of_scipy(good, samples):
-    """Clopper and Pearson, as in scipy.stats.binomtest."""
+    """The interval of Clopper and Pearson, as in scipy.stats.binomtest."""
     expected = stats.binomtest(good, samples).proportion_ci(0.95, method="exact")
     assert interval(good, samples) == pytest.approx((expected.low, expected.high), abs=1e-12)
 
@@ -78,7 +78,7 @@ def test_a_tolerance_of_a_chosen_value_is_a_deviation_or_a_factor():
 
 
 def test_parts_of_a_band_without_samples_have_no_share():
-    """Ten samples leave parts of the band empty; the answer is said of one that has some."""
+    """With ten samples, parts of the band are empty; the answer is for a part that has samples."""
     found = vi.design(OSC, **GOOD, **QUICK | {"samples": 10}, limit=5.0)
     empty = found.bands["samples"] == 0
     assert empty.any()
@@ -110,9 +110,9 @@ def test_over_basins_each_attractor_counts_by_its_share():
         ("worst", 3, share**3),
     ):
         found = vi.design(osc, over=over, states=states, quantile=0.5, **kwargs)
-        # the difference of two shares of independent samples, 5 times its standard error
+        # the difference of two shares of independent samples, within 5 standard errors
         assert found.probability == pytest.approx(expected, abs=0.05)
-    # the level of the search is a quantile of the states: of either attractor, beside the share of the lower
+    # the level of the search is a quantile of the states: that of either attractor near the share of the lower one
     kwargs |= {"samples": 0, "states": 64}
     quantiles = 0.5, 0.9
     lower, upper = (vi.design(osc, over="basins", quantile=q, **kwargs).level for q in quantiles)
@@ -121,7 +121,7 @@ def test_over_basins_each_attractor_counts_by_its_share():
 
 
 def test_a_later_confirmation_is_the_same():
-    """Without samples the chosen values are checked by the same few samples; a confirmation may come later."""
+    """Without samples the same few samples check the chosen values; a confirmation may follow later."""
     kwargs = QUICK | {"r": (1.0, 1.02), "free": {"clearance": (20, 45)}, "limit": 0.5, "rng": 3}
     at_once = vi.design(OSC, **kwargs | {"samples": 100})
     later = vi.design(OSC, **kwargs | {"samples": 0}).confirm(100, rng=4)

@@ -1,4 +1,4 @@
-"""Figures of the motions that a design compares: closed forms against exact motions, samples and linear theory."""
+"""Figures of motions that a design compares: closed forms, exact motions, samples and linear theory."""
 
 import math
 
@@ -30,13 +30,13 @@ def sampled_gap(motion, amounts):
         (sign * here > sign * before) & (sign * here >= sign * after) for sign in (1, -1)
     )
     gaps = np.append(0.5 * motion.clearance - here[upper], 0.5 * motion.clearance + here[lower])
-    # the samples beside an impact
+    # samples next to an impact
     near = 2 * amounts.impacts["speed"].max() * times[1]
     return gaps[gaps > near].min(initial=math.inf)
 
 
 def test_figures_are_those_of_exact_motions():
-    """Two routes: the closed form of the core over a period, and `quantities` of the exact motion."""
+    """Two calculations agree: the closed form of the core over a period, and `quantities` of the exact motion."""
     parameters, places = random_systems(60, 3, (0.5, 0.8))
     found = perform(parameters, places)
     assert (found.status == 0).all()
@@ -69,7 +69,7 @@ def test_figures_are_those_of_exact_motions():
 
 
 def test_figures_with_rest_are_those_of_samples():
-    """With accumulation and rest the second route is dense samples of a long simulation."""
+    """With accumulation and rest, dense samples of a long simulation are the second calculation."""
     parameters, places = random_systems(30, 5, (0.05, 0.2))
     found = perform(parameters, places)
     rests = 0
@@ -101,7 +101,7 @@ def test_motions_without_impacts_have_the_amplitude_of_linear_theory():
     found = perform(parameters, 0 * places)
     assert (found.impacts == 0).all()
     np.testing.assert_allclose(found.displacement, found.amplitude, rtol=2e-4)
-    # whatever the settling: without impacts a motion has settled when the dashpot has ended the transient
+    # for any settling time: without impacts a motion has settled when damping has ended the transient
     early = perform(parameters, 0 * places, settling=16)
     np.testing.assert_allclose(early.displacement, found.amplitude, rtol=2e-4)
     np.testing.assert_allclose(found.rms, found.amplitude / math.sqrt(2), rtol=2e-4)
@@ -117,7 +117,7 @@ def test_figures_do_not_depend_on_the_number_of_threads():
 
 
 def test_runs_are_as_each_of_them_alone():
-    """Runs with the r and xi of the one before them take its tables; only D, mu and R are theirs."""
+    """Runs with the r and xi of the previous run reuse its tables; only D, mu and R differ."""
     parameters, places = random_systems(16, 4, (0.1, 0.9))
     parameters[[0, 2], 8:] = parameters[[0, 2], 7:8]
     whole = perform(parameters, places, 100, 8, threads=1)
@@ -129,7 +129,7 @@ def test_runs_are_as_each_of_them_alone():
 
 
 def test_runs_of_one_system_share_its_motions():
-    """A run that comes near a motion of a run before it takes its figures, as it has alone but for rounding."""
+    """A run that approaches a motion of a previous run takes its figures, equal to its own but for rounding."""
     systems, places = random_systems(48, 6, (0.3, 0.9))
     whole = perform(np.repeat(systems, 4, axis=1)[:, :48], places, 200, 8)
     shared = 0
@@ -163,7 +163,7 @@ def test_some_figures_are_as_with_all_others():
 
 @pytest.mark.parametrize("name", ["least_speed", "least_gap"])
 def test_distances_to_boundaries_have_limits(name):
-    """Least allowed figures: the excess is the limit over the least figure, that of the units over the load."""
+    """Limits from below: the excess is the limit over the least figure; units are exceeded in the same way."""
     host = OscillatorHost(OSC, None, "displacement", {name: 2.0}, 200, 16, None)
     values = {"clearance": np.array([8.0, 20.0, 30.0, 1e6])}
     load, r = np.array([0.5, 1.0, 2.0, 1.0]), np.full(4, 1.01)

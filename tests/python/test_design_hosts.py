@@ -1,4 +1,4 @@
-"""Designs of other hosts than the oscillator under a harmonic load: structures, and free vibration."""
+"""Designs for hosts other than the oscillator under a harmonic load: structures, and free vibration."""
 
 import math
 
@@ -11,7 +11,7 @@ from vibroimpact.designs.problem import OscillatorHost
 
 
 def test_the_oscillator_as_a_structure_has_the_same_figures():
-    """Two routes: the kernel of the oscillator, and samples of the structure with cubics between them."""
+    """Two calculations agree: the kernel of the oscillator, and interpolated samples of the structure."""
     osc = vi.Oscillator(xi=0.02, mu=0.05, restitution=0.7)
 
     def build(r, load, clearance):
@@ -33,7 +33,7 @@ def test_the_oscillator_as_a_structure_has_the_same_figures():
 
 
 def test_extent_of_a_harmonic_motion():
-    """Fourth order: with half the step the error falls sixteen times."""
+    """The order is four: with half the step the error falls by a factor of sixteen."""
     free = vi.Structure([1.0], [0.0], [1.0], gaps=[])
     run = vi.simulate(free, duration=20.0, state=([0.3], [1.0]))
     amplitude = math.hypot(0.3, 1.0)
@@ -47,7 +47,7 @@ def test_extent_of_a_harmonic_motion():
 
 @pytest.mark.slow
 def test_design_of_a_structure_chooses_the_number_of_units():
-    """More free masses reduce the motion: the search chooses the largest number that is offered."""
+    """More free masses reduce the motion: the search chooses the largest number allowed."""
 
     def build(r, load, units, clearance):
         n, mu = 1 + units, 0.02
@@ -55,7 +55,7 @@ def test_design_of_a_structure_chooses_the_number_of_units():
         for i in range(1, n):
             direction = np.zeros(n)
             direction[[0, i]] = -1, 1
-            # unlike clearances, since equal units would end in step, with coupled impacts at one instant
+            # different clearances, since equal units would synchronise, with coupled impacts at one instant
             half = 0.5 * clearance * (1 + 0.2 * i)
             gaps += [vi.Gap(direction, half, 0.7), vi.Gap(-direction, half, 0.7)]
         host = np.zeros((n, n))
@@ -78,7 +78,7 @@ def test_design_of_a_structure_chooses_the_number_of_units():
 
 
 def test_damping_of_free_decay_is_a_target():
-    """The target against `decay` itself, on a grid of clearances."""
+    """The target equals `decay` itself on a grid of clearances."""
     osc = vi.Oscillator(xi=0.005, mu=0.1, restitution=0.75)
     host = DecayHost(osc, None, 5, None)
     clearances = np.array([0.3, 0.7, 1.5, 6.0])
@@ -108,7 +108,7 @@ def test_damping_of_free_decay_is_a_target():
 
 
 def test_errors_of_a_host_are_its_own():
-    """SciPy replaces errors of values and types that a function raises; the caller sees the first one."""
+    """SciPy replaces value and type errors that a function raises; the caller sees the original error."""
     with pytest.raises(vi.ParameterTypeError, match="host returned 3"):
         vi.design(lambda r, load, clearance: 3, **GOOD, **QUICK)
     with pytest.raises(TypeError, match="unexpected keyword argument 'clearance'"):

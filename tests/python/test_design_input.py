@@ -1,4 +1,4 @@
-"""Arguments of a design that are refused, each with one message."""
+"""Invalid arguments of a design are refused, each with one message."""
 
 import math
 import sys
@@ -8,7 +8,7 @@ import vibroimpact as vi
 from scipy import stats
 from shared_design import GOOD, OSC, QUICK
 
-#: Arguments without a meaning for free vibration, at their defaults.
+#: Arguments that have no meaning for free vibration, at their defaults.
 FREE = {"load": 1.0, "settling": 400, "keep": 32}
 
 
@@ -134,7 +134,7 @@ def test_without_scipy_the_extra_is_named(monkeypatch):
 
 
 def wall(r, load, m=0.1):
-    """A host that is a function."""
+    """A host given as a function."""
     return vi.Structure([1, m], [0.1, 0], [1, 0], [vi.Gap([-1, 1], 5.0, 0.7)]), vi.Load(
         r, sine=[load, 0]
     )
@@ -143,7 +143,7 @@ def wall(r, load, m=0.1):
 @pytest.mark.parametrize("group", ["free", "tolerance"])
 @pytest.mark.parametrize("name", ["r", "load", "", " ", "a b", "=1+1", 3, None])
 def test_names_of_parameters_of_a_function(group, name):
-    """They are those of its arguments, and none that it gets anyway; the function is not called."""
+    """The parameters are those of its arguments, without those that it always gets; the function is not called."""
     words = {"free": {"m": (0.1, 0.2)}} | {group: {name: (0.1, 0.2)}}
     with pytest.raises(
         vi.ParameterError,
@@ -153,7 +153,7 @@ def test_names_of_parameters_of_a_function(group, name):
 
 
 def test_a_function_without_a_parameter():
-    """One that does not take what is free is refused before the search."""
+    """A function that does not take a free parameter is refused before the search."""
     with pytest.raises(
         vi.ParameterTypeError, match="must take the arguments k, load, r; got an unexpected"
     ):

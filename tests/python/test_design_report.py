@@ -1,4 +1,4 @@
-"""The page of a design: what it says, and that its texts have room."""
+"""The page of a design: its contents, and the room for its texts."""
 
 import itertools
 
@@ -28,7 +28,7 @@ LONG = "_of_the_absorber_below_the_upper_floor"
 
 
 def full():
-    """A design of an oscillator with all that can be asked."""
+    """A design of an oscillator with all options."""
     free = {
         "clearance": (20, 40),
         "mu": (0.03, 0.05),
@@ -50,7 +50,7 @@ def full():
 
 
 def chain(r, load, **values):
-    """A mass with a free mass between walls, whatever its parameters are called."""
+    """A mass with a free mass between walls; its parameters may have any names."""
     osc = vi.Oscillator(xi=0.02, mu=0.05, restitution=0.7)
     return osc.structure(10 + sum(values.values())), vi.Load(r, sine=[load, 0])
 
@@ -66,7 +66,7 @@ def named():
 
 @pytest.mark.parametrize("ask", [full, named])
 def test_no_text_leaves_the_page_or_covers_another(ask, tmp_path, monkeypatch):
-    """The boxes of all drawn texts, against the page and each other."""
+    """The boxes of all drawn texts, compared with the page and each other."""
     found, boxes, draw = ask(), {}, Text.draw
 
     def spied(text, renderer, *args, **kwargs):

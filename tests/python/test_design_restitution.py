@@ -8,7 +8,7 @@ from vibroimpact.results.performance import perform
 
 
 def levels_of(clearance, right, left):
-    """The greatest max|X|/A over the attractors that 12 states reach at r = 1, load cycles, impacts; (n,) each."""
+    """Greatest max|X|/A over the attractors that 12 states reach at r = 1; load cycles and impacts; each (n,)."""
     columns = np.broadcast_arrays([1.0], clearance, OSC.xi, OSC.mu, right, left)
     n = columns[0].size
     places = np.random.default_rng(0).uniform(-1, 1, (4, 12 * n))
@@ -21,7 +21,7 @@ def levels_of(clearance, right, left):
 @pytest.mark.parametrize("middle", [0.6, 0.68, 0.75])
 @pytest.mark.parametrize("clearance", [50.0, 60.0, 70.0, 78.0])
 def test_equal_restitution_is_best_where_the_motion_is_equispaced(middle, clearance):
-    """Section 4 of the paper: at r = 1, among coefficients with one mean, or with one product."""
+    """Section 4 of the paper: equal coefficients are best at r = 1 among those with the same mean or product."""
     off = np.array([0, 0.01, 0.03, 0.06, 0.1])
     factors = np.exp(off / middle)
     for right, left in ((middle - off, middle + off), (middle / factors, middle * factors)):
@@ -35,7 +35,7 @@ def test_equal_restitution_is_best_where_the_motion_is_equispaced(middle, cleara
 
 
 def test_equal_restitution_is_not_best_elsewhere():
-    """Without a stable equispaced motion, and where the other wall has less restitution than both equal ones."""
+    """Exceptions: no stable equispaced motion, or the other wall has less restitution than both equal ones."""
     for right, left in ((0.575, 0.775), (0.675 * 0.86, 0.675 / 0.86)):
         unequal, cycles, impacts = levels_of(40.0, right, left)
         assert unequal[0] < 0.85 * levels_of(40.0, 0.675, 0.675)[0][0]

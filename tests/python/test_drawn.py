@@ -17,13 +17,13 @@ from vibroimpact.plot.zone import covered  # noqa: E402
 
 @pytest.fixture(autouse=True)
 def _closed():
-    """Each test ends without open figures."""
+    """Close all figures after each test."""
     yield
     plt.close("all")
 
 
 def words(ax):
-    """The line above a figure, without the signs of mathematics."""
+    """The line above a figure, without mathematical markup."""
     return ax.figure.get_suptitle().replace("$", "").replace("\\", "")
 
 
@@ -95,7 +95,7 @@ def test_zones_in_one_picture_differ_in_fill(results):
 
 
 def test_shared_boundaries_are_drawn_once(results):
-    """The pitchfork between two zones is drawn as one line; all other vertices are drawn."""
+    """The pitchfork between two zones is drawn as a single line; all other vertices are drawn."""
     atlas = results["atlas"]
     ax = atlas.plot()
     for line in lines_of(ax):
@@ -110,7 +110,7 @@ def test_shared_boundaries_are_drawn_once(results):
 
 
 def test_points_that_no_zone_explains_are_marked():
-    """Each point has one mark, each outcome its own shape, and the legend gives their numbers."""
+    """Each point has one mark, each outcome a different shape, and the legend gives their numbers."""
     atlas = vi.atlas(FIGURE6, (0.8, 1.2), (2, 200), max_impacts=2, survey=60, guesses=0)
     ax = atlas.plot()
     legend = [text.get_text() for text in ax.get_legend().get_texts()]
@@ -127,7 +127,7 @@ def test_points_that_no_zone_explains_are_marked():
 
 
 def lines_of(ax):
-    """Lines with points."""
+    """The lines that have points."""
     return [line for line in ax.get_lines() if len(line.get_xdata())]
 
 

@@ -1,4 +1,4 @@
-"""Elastic stops and dry friction: what is refused where, and files."""
+"""Elastic stops and dry friction: where they are refused, and files."""
 
 import numpy as np
 import pytest
@@ -47,7 +47,7 @@ SLIDING = [vi.Friction([1.0], 0.2, 0.3), vi.Friction([1.0], 0.05, speed=0.4)]
     (0.5, [], SLIDING, {"slip_up"}),
 ])  # fmt: skip
 def test_files(tmp_path, frequency, gaps, friction, kinds, ending):
-    """Elements, their numbers and their events are kept by each format."""
+    """Each format keeps elements, their numbers and their events."""
     s = vi.Structure([1.0], [0.1], [1.0], gaps, friction)
     run = vi.simulate(s, vi.Load(frequency, cosine=[1.0]), cycles=5)
     assert kinds <= set(run.events["kind"])

@@ -1,4 +1,4 @@
-"""[P] of random structures with elements of all kinds, against an independent simulation in complex arithmetic.
+"""[P] of random structures with all kinds of elements, compared with a simulation in complex arithmetic.
 
 `--audit-structures` sets the number of structures; `--audit-seed` draws others.
 """
@@ -57,7 +57,7 @@ def sticking(structure, rate):
 
 
 def compare(structure, load, step=2e-3):
-    """What became of a structure, and the relative difference of its [P]."""
+    """The outcome for a structure, and the relative difference of its [P]."""
     try:
         motion = vi.exact(structure, load, vi.simulate(structure, load, cycles=600, discard=500))
     except vi.VibroimpactError as error:
@@ -67,7 +67,7 @@ def compare(structure, load, step=2e-3):
     if np.isnan(motion.multipliers).any():
         return "no multipliers", 0.0
     start, parts = motion._run()._between_events()
-    # disturbances that leave what sticks at rest
+    # perturbations that keep sticking elements at rest
     n, held = structure.coordinates, sticking(structure, parts[1])
     _, size, rows = np.linalg.svd(held)
     free = rows[np.sum(size > 1e-9) :].T
@@ -81,7 +81,7 @@ def compare(structure, load, step=2e-3):
     P = basis.T @ reference.derivative
     powers = [np.linalg.matrix_power(P, k) for k in range(1, len(P) + 1)]
     sums = [np.sum(motion.multipliers**k) for k in range(1, len(P) + 1)]
-    # the size of a power tells what rounding may do to its trace
+    # the size of a power shows how much rounding may change its trace
     differences = [
         abs(s - np.trace(p)) / max(1, np.abs(p).max()) for s, p in zip(sums, powers, strict=True)
     ]
@@ -91,7 +91,7 @@ def compare(structure, load, step=2e-3):
 
 @pytest.mark.parametrize("number", [364, 424, 501])
 def test_structures_in_which_impacts_change_stops(number):
-    """Of the large run: dashpots that pull or push anew at an impact let go or press at that instant."""
+    """Structures from the large run in which an impact makes a stop press or release at that instant."""
     what, difference = compare(*of_all_kinds(np.random.default_rng([1, number])))
     assert what == "compared"
     assert difference < 1e-10
@@ -99,7 +99,7 @@ def test_structures_in_which_impacts_change_stops(number):
 
 @pytest.mark.slow
 def test_multipliers_are_those_of_an_independent_program(request, share):
-    """Traces of [P] and its powers are those of the complex step through a period of matrix exponentials."""
+    """Traces of [P] and its powers equal those of the complex step through a period of matrix exponentials."""
     many, seed = (request.config.getoption(f"--audit-{name}") for name in ("structures", "seed"))
     counts, worst, found = collections.Counter(), 0.0, []
     for number in range(max(10, share(many))):

@@ -119,7 +119,7 @@ def assert_equispaced(xi, mu, restitution, r, cycles, ratio):
         assert defect < 50 * EPS / 1e-6 * (1 + r)
         return
     if bool(found) != bool(expected):
-        # The two may disagree only where the line nearly touches the circle.
+        # the two may disagree only where the line nearly touches the circle
         near = (
             fp.equispaced(system, clearance * (1 - 1e-9)),
             fp.equispaced(system, clearance * (1 + 1e-9)),
@@ -135,7 +135,7 @@ def assert_equispaced(xi, mu, restitution, r, cycles, ratio):
         assert np.abs(value).max() <= 1e-12 * np.linalg.norm(unknowns_of(motion)) * (1 + r)
     if len(found) == len(expected) == 2:
         gap = abs(expected[0].tau - expected[1].tau) % TURN
-        # half a period is rounded, which near a resonance is relative to the distance from it
+        # half a period is rounded; near a resonance this counts relative to the distance from it
         lost = EPS * np.pi * cycles / r / defect
         near = max(1e-9, 100 * lost) / max(min(gap, TURN - gap, 1.0), 1e-9)
         for motion in found:

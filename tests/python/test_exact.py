@@ -93,7 +93,7 @@ def test_both_halves_agree(point):
         assert motion.residual <= 1e-12
         half = math.pi * motion.pattern.cycles
         if len(motion.pattern) == 2 and abs(motion.alpha[1] - half) < 1e-9:
-            continue  # equispaced: the amplitude is free there
+            continue  # equispaced: the amplitude is free
         linear = vi.periodic(motion.osc, motion.r, motion.alpha, motion.pattern)
         assert linear.residual <= 1e-12
         assert linear.clearance == pytest.approx(motion.clearance, rel=1e-8)
@@ -129,7 +129,7 @@ def test_reference_agrees(point):
 
 
 def test_every_kind_of_guess_leads_to_the_same_motion():
-    """Phases and pattern, a nearby motion, and a trajectory lead to the same exact motion, at Table 1's d = 37."""
+    """Phases and pattern, a nearby motion, and a trajectory give the same exact motion, at d = 37 of Table 1."""
     first = vi.exact(TABLE, 0.94, 37.0, COLUMN)
     near = vi.exact(TABLE, 0.94, 37.0, vi.exact(TABLE, 0.945, 36.0, COLUMN))
     paper = vi.exact(TABLE, 0.94, 37.0, vi.periodic(TABLE, 0.94, *COLUMN))
@@ -160,7 +160,7 @@ def test_a_trajectory_may_end_at_an_impact(impact, part):
 
 
 def test_a_rest_at_the_start_of_a_trajectory_is_none_of_its_end():
-    """A release at the start of a trajectory does not count for the motion without rest on which it settles."""
+    """A release at the start of a trajectory does not prevent its motion without rest from being found."""
     start = state(0.0, 11.1, 0.0, 11.1 + 18.5, 0.0)
     run = vi.simulate(TABLE, 0.94, 37.0, 1500, start)
     kinds = run.events["kind"].tolist()
@@ -199,7 +199,7 @@ def test_the_period_of_a_doubled_motion(most):
 
 @pytest.mark.parametrize("factor", [2.0, 10.0, 0.01])
 def test_load_scales_the_motion(factor):
-    """With f and the clearance times a factor phases and multipliers do not change, and lengths scale."""
+    """Scaling f and the clearance by a factor leaves phases and multipliers unchanged, and scales lengths."""
     one = vi.exact(TABLE, 0.94, 37.0, COLUMN)
     other = vi.exact(TABLE, 0.94, 37.0 * factor, COLUMN, load=factor)
     assert other.load == factor
@@ -250,7 +250,7 @@ def test_no_convergence_says_so():
 
 @pytest.mark.parametrize("guess", [None, 3, "RL", [0.0, 4.0], ([0.0, 4.0], 7), (1, 2, 3), {}])
 def test_guess_types(guess):
-    """An argument that is not a guess is refused; the message lists what is allowed."""
+    """An argument that is not a guess is refused; the message lists the allowed ones."""
     with pytest.raises(vi.errors.ParameterTypeError, match="guess") as caught:
         vi.exact(TABLE, 0.94, 37.0, guess)
     assert repr(guess) in str(caught.value)

@@ -1,4 +1,4 @@
-"""Exact motions of structures with elastic stops and friction, against closed forms and known numbers."""
+"""Exact motions of structures with elastic stops and friction, compared with closed forms and known numbers."""
 
 import math
 
@@ -20,7 +20,7 @@ def settled(structure, load, cycles=150):
     (1e8, None, .0758360073610025, 3.14950821512081e-4, -.5842934483009 + .0057887487234j),
 ])  # fmt: skip
 def test_one_stop(k, c, phase, duration, multiplier):
-    """Instants and multipliers; a dashpot adds exp(-c t) of the contact to the determinant."""
+    """Times and multipliers; a dashpot adds a factor exp(-c t) of the contact to the determinant."""
     if c is None:
         c = 2 * -math.log(0.8) / math.hypot(math.pi, math.log(0.8)) * math.sqrt(k)
     motion = settled(one_stop(1.0, stiffness=k, damping=c), vi.Load(1.0, cosine=[1.0]))
@@ -58,7 +58,7 @@ def test_den_hartog(b, f, x, modulus):
 
 
 def test_with_stick():
-    """Friction that sticks makes one multiplier 0."""
+    """Sticking friction makes one multiplier 0."""
     s = vi.Structure([1.0], [0.02], [1.0], friction=[vi.Friction([1.0], 0.6)])
     motion = settled(s, vi.Load(0.4, cosine=[1.0]), 60)
     expected = [1.14911242025, 3.12341231585, 4.29070507384, 3.12341231585 + math.pi]
@@ -89,7 +89,7 @@ def test_damper(xi, mu, r, d, f, moduli):
 
 @pytest.mark.parametrize("b", [0.5, 1 / 4])
 def test_a_continuum_is_only_marginally_stable(b):
-    """Without damping, at b = 1/(2n): one multiplier is 1, or the motion sticks."""
+    """Without damping, at b = 1/(2n), one multiplier is 1, or the motion sticks."""
     s = vi.Structure([1.0], [0.0], [1.0], friction=[vi.Friction([1.0], 0.1)])
     motion = settled(s, vi.Load(b, cosine=[1.0]), 400)
     if abs(motion.multipliers[0] - 1) < 1e-6:
@@ -99,7 +99,7 @@ def test_a_continuum_is_only_marginally_stable(b):
 
 
 def wall_of(direction, opening, restitution, mass, stiffness):
-    """A rigid wall, or one with a spring and the dashpot that loses as much."""
+    """A rigid wall, or a wall with a spring and a dashpot with the same loss."""
     if stiffness is None:
         return vi.Gap(direction, opening, restitution)
     effective = 1 / (direction @ np.linalg.solve(mass, direction))
@@ -109,7 +109,7 @@ def wall_of(direction, opening, restitution, mass, stiffness):
 
 
 def damper(k):
-    """The pair of 1983 with walls of a stiffness."""
+    """The pair of 1983 with elastic walls."""
     mass = np.diag([1.0, 0.028])
     walls = [wall_of(np.array(g), 12.5, 0.75, mass, k) for g in ([-1.0, 1.0], [1.0, -1.0])]
     return vi.Structure(mass, [0.0228, 0], [1, 0], walls), vi.Load(1.04, sine=[1, 0])
@@ -125,7 +125,7 @@ def chain(k):
 
 
 def beam(k):
-    """A cantilever by four modes, the tip of which hits a wall, five times a cycle."""
+    """A cantilever of four modes whose tip hits a wall five times per cycle."""
     w = (np.array([1.8751, 4.6941, 7.8548, 10.9955]) / 1.8751) ** 2
     tip = np.array([2.0, -2, 2, -2])
     wall = wall_of(tip, 0.8, 0.6, np.eye(4), k)
@@ -145,7 +145,7 @@ def test_stiff_stops_tend_to_rigid_walls(system):
         assert stiff.stable == rigid.stable
         assert len(stiff.gaps) == 2 * len(rigid.gaps)
         assert stiff.determinant == pytest.approx(stiff.law, rel=1e-8)
-        # the touch of a stop is at the time of the impact, and its end half a period of the contact later
+        # a stop is touched at the time of the impact, and left half a period of the contact later
         touch, wall = (np.sort(m.phases % (TURN * m.cycles)) for m in (stiff, rigid))
         distances.append([
             np.abs(np.sort(np.abs(stiff.multipliers)) - np.sort(np.abs(rigid.multipliers))).max(),
@@ -158,7 +158,7 @@ def test_stiff_stops_tend_to_rigid_walls(system):
 
 
 def test_grazing_has_no_verdict():
-    """An impact without a speed beside friction: the period has no derivative there."""
+    """At an impact without speed, combined with friction, the period has no derivative."""
     s, load = of_chance(1)
     w = load.frequency
     branch = vi.branch(settled(s, load, 600), "frequency", bounds=(0.8 * w, 1.2 * w))
@@ -169,7 +169,7 @@ def test_grazing_has_no_verdict():
 
 
 def test_friction_in_the_slot_of_an_oscillator():
-    """A point with friction is the structure that it stands for; it finds what simulations settle on."""
+    """A point with friction equals the equivalent structure; it finds the motions on which simulations settle."""
     point = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75).at(1.04, 25, friction=0.05)
     gaps = [vi.Gap([-1, 1], 12.5, 0.75), vi.Gap([1, -1], 12.5, 0.75)]
     s = vi.Structure([1, 0.028], [0.0228, 0], [1, 0], gaps, [vi.Friction([-1, 1], 0.05)])
@@ -187,7 +187,7 @@ def test_friction_in_the_slot_of_an_oscillator():
 
 
 def test_walls_of_an_oscillator_that_give():
-    """Stiff walls whose dashpots have the losses of R move as the rigid ones."""
+    """Stiff walls whose dashpots have the losses of R give the motion of the rigid walls."""
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
     m, k, R = 0.028 / 1.028, 1e7, 0.75
     c = 2 * -math.log(R) / math.hypot(math.pi, math.log(R)) * math.sqrt(k * m)
@@ -204,7 +204,7 @@ def test_walls_of_an_oscillator_that_give():
 
 
 def test_one_wall_of_an_oscillator_gives():
-    """A rigid wall beside a compliant one whose numbers have units: the same as the structure of the rig."""
+    """A rigid wall and a compliant one whose numbers have units equal the structure of the rig."""
     rig = vi.Oscillator.from_dimensional(
         M="2.7 kg", K="42 kN/m", xi="1.1 %", m="0.11 kg", restitution=(0.75, 0.61), F0="6 N"
     )
@@ -227,7 +227,7 @@ def test_one_wall_of_an_oscillator_gives():
 
 
 def test_find_settles_on_several_motions():
-    """Two motions of a mass on a stop, each found by several states, equal to those of simulations."""
+    """Two motions of a mass on a stop, each found from several states, equal those of simulations."""
     s, load = one_stop(1.0, stiffness=100, damping=1), vi.Load(1.5, cosine=[1.0])
     found = vi.find(s, load, states=16)
     assert sum(found.settled) == 16 - found.unsettled - found.without_impacts
@@ -248,7 +248,7 @@ def test_saved_and_loaded(tmp_path):
 
 
 def test_namelist_of_a_motion(tmp_path):
-    """The case of a motion gives it again; other kinds of &motion need the kinds of the events."""
+    """The case of a motion reproduces it; other kinds of &motion need the kinds of the events."""
     s = one_stop(0.5, stiffness=4)
     motion = settled(s, vi.Load(0.7, cosine=[1.0]))
     case = tmp_path / "motion.nml"
@@ -304,7 +304,7 @@ def of_chance(seed):
 
 
 def test_multipliers_are_those_of_differences():
-    """Traces of [P] and of its square are those of differences of simulations over a period."""
+    """Traces of [P] and of its square equal those of differences of simulations over a period."""
     judged = 0
     for seed in range(16):
         s, load = of_chance(seed)
@@ -312,7 +312,7 @@ def test_multipliers_are_those_of_differences():
         try:
             motion = vi.exact(s, load, run)
         except (vi.ParameterError, vi.SingularError):
-            continue  # it has no impacts, rests for ever or is not periodic
+            continue  # it has no impacts, rests permanently or is not periodic
         state = np.concatenate(run.final_state)
         duration = motion.cycles * TURN / load.frequency
 
@@ -334,7 +334,7 @@ def test_multipliers_are_those_of_differences():
 
 @pytest.mark.parametrize("name", with_elements())
 def test_kinds_of_events(name):
-    """Each event of a motion is one of a simulation from its start, with the same phase and gap."""
+    """Each event of a motion is an event of a simulation from its start, with the same phase and gap."""
     s, load = with_elements()[name]
     motion = settled(s, load, 400)
     assert len(motion.kinds) == len(motion.phases)
@@ -355,7 +355,7 @@ def test_kinds_of_events(name):
 
 
 def test_a_stop_lets_go_at_an_impact():
-    """An impact makes a dashpot pull, so that its stop lets go at once: [P] is that of differences."""
+    """An impact makes a dashpot pull, so that its stop releases at once: [P] equals that of differences."""
     stop = vi.Stop([1.0], 0.25, stiffness=50.0, damping=1.9, release="force")
     s = vi.Structure([1.0], [0.1], [1.0], [stop, vi.Gap([1.0], 0.32, 0.7)])
     load = vi.Load(0.9, cosine=[1.5])

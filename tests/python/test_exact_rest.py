@@ -149,7 +149,7 @@ def test_rest_motion_has_no_impact_maps():
 
 
 def starts_near(zone, kind, offset):
-    """Motions from many guesses near a vertex of a piece, at a clearance that differs from its own by a share."""
+    """Motions from many guesses near a vertex of a piece; the clearance differs from the vertex by a fraction."""
     piece = max((p for p in zone.boundary if p.type == kind), key=len)
     i = len(piece) // 2
     r, edge = float(piece.r[i]), float(piece.clearance[i])

@@ -10,7 +10,7 @@ from shared_systems import TABLE, TURN
 
 
 def by_period(run, motion, cycles):
-    """Impacts of a run in rows of one period of a motion."""
+    """Impacts of a run, one row for each period of a motion."""
     events, n = run.events, len(motion.pattern)
     rows = events[: cycles * n].reshape(cycles, n)
     assert set(rows["kind"].ravel()) == {"impact"}
@@ -31,7 +31,7 @@ def test_stays_on_a_stable_motion_for_ten_thousand_cycles():
 
 @pytest.mark.parametrize("which", [0, 1])
 def test_leaves_an_unstable_motion_at_the_rate_of_its_multiplier(which):
-    """A departure of 1e-9 grows period by period by the leading multiplier, to 1 %."""
+    """A perturbation of 1e-9 grows from period to period by the leading multiplier, to 1 %."""
     motion = vi.equispaced(TABLE, 0.94, 37.0)[which]
     motion = vi.exact(TABLE, 0.94, 37.0, motion)
     assert not motion.stable
@@ -114,7 +114,7 @@ def test_period_that_has_just_doubled():
     half = (motion.alpha[:n], vi.Pattern(motion.pattern.sides[:n], 1))
     short = vi.exact(osc, r, clearance, half)
     assert short.stable is False
-    # a trajectory that approaches a motion of one cycle with alternating sign is not taken for one of two cycles
+    # a trajectory that approaches a one-cycle motion with alternating sign is not mistaken for a two-cycle one
     low = vi.simulate(osc, r, 1.9, 24, discard=20)
     assert vi.exact(osc, r, 1.9, low).pattern.cycles == 1
 

@@ -1,4 +1,4 @@
-"""Shocks, swept sines and motions of the base in physical units, against the oscillator and first principles."""
+"""Shocks, swept sines and base motions in physical units, compared with the oscillator and first principles."""
 
 import math
 
@@ -36,7 +36,7 @@ def test_structure_of_a_rig():
 
 @pytest.mark.parametrize("kind", ["displacement", "velocity", "acceleration"])
 def test_motion_of_the_base(kind):
-    """The load of a moving base is that of the spring and the dashpot."""
+    """The load of a moving base acts through the spring and the dashpot."""
     f, amplitude = 19.5, 0.3
     omega = 2 * np.pi * f
     y = amplitude / omega ** ["displacement", "velocity", "acceleration"].index(kind)
@@ -70,7 +70,7 @@ SWEEPS = [
 
 @pytest.mark.parametrize(("spacing", "f"), SWEEPS)
 def test_swept_sine(spacing, f):
-    """The number of turns between two times is the integral of the frequency."""
+    """The number of cycles between two times is the integral of the frequency."""
     step, duration = 1e-4, 8.0
     signal = vi.swept_sine(-2.0, f, duration, step, spacing)
     assert len(signal) == 80_001
@@ -104,6 +104,6 @@ REFUSED = [
 
 @pytest.mark.parametrize(("call", "name"), REFUSED)
 def test_refused(call, name):
-    """Errors name the parameter first."""
+    """Error messages start with the name of the parameter."""
     with pytest.raises((ParameterError, ParameterTypeError), match=rf"^{name}\b"):
         call()

@@ -32,7 +32,7 @@ from vibroimpact.studies.geometry import signed_area
 
 @pytest.mark.parametrize("state", STATES.values(), ids=STATES)
 def test_a_link_holds_the_whole_state(state):
-    """Every field comes back, bit for bit, also the chosen motion."""
+    """Every field is restored bit for bit, including the chosen motion."""
     explorer = Explorer(state)
     explorer.choose(len(explorer.shown) - 1)
     explorer.let_run(RUN)
@@ -58,7 +58,7 @@ def test_a_link_holds_the_whole_state(state):
     ("colour=red", "colour = 'red'"), ("motion=RL/1/phases/0", "motion = 'RL/1/phases/0'"),
     ("motion=RL/2/equispaced/0", "number 0 or 1"), ("xi=0", "xi = 0")])  # fmt: skip
 def test_a_bad_part_of_a_link_is_named_and_the_rest_kept(query, word):
-    """A bad part of a link gives one message, and every other part is kept."""
+    """An invalid part of a link gives one message, and every other part is kept."""
     state, faults = State.read(
         f"{query}&mu=0.05&R2=0.5" if "mu" not in query else f"{query}&R2=0.5"
     )
@@ -93,7 +93,7 @@ def test_a_change_that_is_refused_changes_nothing():
     (0.94, 37.0, (0.75, 0.75)), (1.04, 25.0, (0.75, 0.75)), (0.9, 6.0, (0.75, 0.61)),
     (1.1, 9.0, (0.6, 0.6))])  # fmt: skip
 def test_definitions_give_the_same_bits(r, clearance, walls):
-    """Each motion shown is computed again from its definition bit for bit; all motions of `find` are shown."""
+    """Recomputing each displayed motion from its definition gives the same bits; all motions of `find` appear."""
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=walls)
     found = vi.find(osc, r, clearance)
     shown = fuller(osc, r, clearance, quick(osc, r, clearance))
