@@ -13,7 +13,7 @@ STEP = mpf(10) ** -20
 
 
 def flight(xi, r, amplitude, theta, x, v, t):
-    """Position and velocity of M, with the forced motion A sin(theta), a time t after it was at x with velocity v."""
+    """Position and velocity of M a time t after it was at x with velocity v; the forced motion is A sin(theta)."""
     eta = mp.sqrt(1 - xi**2)
     a, b = x - amplitude * mp.sin(theta), v - amplitude * r * mp.cos(theta)
     shrink, sine, cosine = mp.exp(-xi * t), mp.sin(eta * t) / eta, mp.cos(eta * t)

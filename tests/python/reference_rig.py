@@ -1,9 +1,9 @@
 """Records of a rig that are not made by the package, for tests of identification.
 
 Flights of both masses are exact, by matrix exponentials of SciPy. An impact is a pulse of finite duration whose
-area is the jump of the velocity of the primary mass, and a second mode rings after it. The motion sensor may have a
-low-pass, which the load sensor does not have, and an offset. Or both sensors have a known low-pass, through which
-an impact is the response to an ideal impulse.
+area is the jump of the velocity of the primary mass, and a second mode rings after it. The motion sensor may have
+a low-pass, which the load sensor does not have, and an offset. Or both sensors have a known low-pass, through
+which an impact is the response to an ideal impulse.
 """
 
 import functools

@@ -102,7 +102,7 @@ def random_states(systems, seed):
 
 
 def letters_of(kind, side):
-    """Letters of events, and the event that starts each letter; a run of impacts that ends in rest is one letter."""
+    """Letters of events, and the event that starts each letter; impacts that end in rest are one letter."""
     letters, first, run = [], [], 0
     for i, (what, where) in enumerate(zip(kind.tolist(), side.tolist(), strict=True)):
         name = "R" if where > 0 else "L"

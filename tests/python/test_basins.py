@@ -181,7 +181,7 @@ def test_motion_with_rest_and_chaos_are_told():
 
 
 def test_a_long_chaotic_transient_with_slow_phases_is_no_attractor():
-    """The transient ends at random after some 70,000 load cycles, as did an independent simulation of 14 states."""
+    """The transient ends at random after about 70,000 load cycles, as did independent simulations of 14 states."""
     result = vi.basins(TABLE, 0.8432, 52.211, states=20)
     assert [item.kind for item in result.attractors] == ["periodic"]
     assert (result.labels == 0).all()

@@ -29,7 +29,7 @@ CROSSING = {"fold": 1, "pitchfork": 1, "flip": 1, "neimark_sacker": 2}
 
 
 def multipliers_of(motion):
-    """Eigenvalues of the product of the derivatives of all impact maps, with more digits if the product is large."""
+    """Eigenvalues of the product of the derivatives of all impact maps, with extra digits if it is large."""
     maps = fp.impact_jacobians(
         system_of(motion), motion.alpha, motion.X, motion.X_dot_after, motion.Z_dot_after,
         motion.A * math.cos(motion.tau), motion.A * math.sin(motion.tau),

@@ -163,7 +163,7 @@ def test_some_figures_are_as_with_all_others():
 
 @pytest.mark.parametrize("name", ["least_speed", "least_gap"])
 def test_distances_to_boundaries_have_limits(name):
-    """Limits from below: the excess is the limit over the least figure; units are exceeded in the same way."""
+    """For lower limits the excess is the limit over the least figure, scaled by the load of each unit."""
     host = OscillatorHost(OSC, None, "displacement", {name: 2.0}, 200, 16, None)
     values = {"clearance": np.array([8.0, 20.0, 30.0, 1e6])}
     load, r = np.array([0.5, 1.0, 2.0, 1.0]), np.full(4, 1.01)

@@ -142,7 +142,7 @@ def test_a_chosen_motion_is_followed():
 
 
 def test_a_motion_that_has_gone_is_not_chosen():
-    """A click on a motion of an earlier point, which does not exist here, chooses no motion at all."""
+    """A click on a motion of an earlier point, which does not exist at this point, chooses no motion."""
     message = []
     session = Session("", lambda text, _: message.append(json.loads(text)), lambda work: work())
     before = session.explorer.state
@@ -159,7 +159,7 @@ def test_a_motion_that_has_gone_is_not_chosen():
     ("name", "text"), [("z_dot", "abc"), ("x", "1,5"), ("t", ""), ("cycles", "1e400")]
 )
 def test_a_field_of_a_run_that_is_no_number_is_named(name, text):
-    """The message has the field and its text, also with a comma in it; no simulation runs."""
+    """The message has the field and its text, even with a comma in it; no simulation runs."""
     message = []
     session = Session("", lambda text, _: message.append(json.loads(text)), lambda work: work())
     session.heard(
@@ -170,7 +170,7 @@ def test_a_field_of_a_run_that_is_no_number_is_named(name, text):
 
 
 def test_a_run_settles_on_a_motion_of_the_table():
-    """A run names the stable motion that it settles on as the table does, whichever impact comes first."""
+    """A run names its stable motion as the table does, whichever impact comes first."""
     explorer = Explorer(State(R2=0.61, r=0.9, clearance=30.0))
     for discard in (0.0, 0.4, 0.8):
         run = explorer.let_run(replace(explorer.start(), discard=200.0 + discard))
@@ -179,7 +179,7 @@ def test_a_run_settles_on_a_motion_of_the_table():
 
 
 def test_coarse_zones_are_nearly_the_fine_ones():
-    """Coarse and fine zones with loops have nearly equal areas; the drawn outline has the area of the zone."""
+    """Coarse and fine zones with loops have nearly equal areas; the outline has the area of the zone."""
     state = State()
     for family in families(state.osc, state.patterns):
         coarse, fine = (compute(state.osc, family, state.window, n) for n in (COARSE, FINE))
@@ -206,7 +206,7 @@ def test_holes_stay_empty():
 
 
 def test_what_is_known_is_kept():
-    """At the same point known motions are kept; at a neighbouring point they are followed."""
+    """At the same point known motions are kept; at a neighbouring point they are continued."""
     explorer = Explorer(State())
     explorer.learn(fuller(explorer.state.osc, 1.04, 25.0, explorer.shown))
     before = explorer.shown
@@ -217,7 +217,7 @@ def test_what_is_known_is_kept():
 
 
 def test_lines_snap_and_are_clipped():
-    """A line nearly along an axis is made exactly so; a line that leaves the window ends at its edge."""
+    """A line nearly parallel to an axis is made parallel; a line that leaves the window ends at its edge."""
     explorer = Explorer(State())
     explorer.draw_line((0.9, 10.0, 1.1, 10.1))
     assert explorer.state.line == (0.9, 10.0, 1.1, 10.0)
@@ -257,7 +257,7 @@ def test_bad_options_are_named(capsys):
         taken.bind(("127.0.0.1", 0))
         taken.listen()
         port = str(taken.getsockname()[1])
-        # the last one is reserved for documentation, so that no machine has it
+        # the last address is reserved for documentation, so no machine has it
         for words in (
             ["--port", port], ["--port", "70000"], ["--address", "0.0.0.0"], ["--address", "192.0.2.1"]
         ):  # fmt: skip
@@ -304,7 +304,7 @@ behind.motions(None, None, None)
 
 
 def test_threads_end_before_the_interpreter():
-    """At exit threads are stopped and joined: one still in C++ would abort the process."""
+    """At exit threads are stopped and joined: a thread still in C++ would abort the process."""
     done = subprocess.run(
         [sys.executable, "-c", ENDS], capture_output=True, text=True, timeout=100, check=False
     )
@@ -313,7 +313,7 @@ def test_threads_end_before_the_interpreter():
 
 @pytest.mark.slow
 def test_interrupt_ends_it():
-    """Ctrl-C ends the explorer with status 0 and nothing on stderr; it listens on loopback alone.
+    """Ctrl-C ends the explorer with status 0 and an empty stderr; it listens on loopback only.
 
     It is started by the example of the help, except for the port.
     """
@@ -348,7 +348,7 @@ print(family.name, zone.closed, undecided, words.open_zones(explorer.zones), sep
 
 
 def test_an_open_boundary_is_reported_on_the_page_alone():
-    """The page names the zone; the terminal on which the server runs gets no OpenBoundaryWarning."""
+    """The page names the zone; the terminal of the server gets no OpenBoundaryWarning."""
     done = subprocess.run(
         [sys.executable, "-c", OPEN], capture_output=True, text=True, check=True, timeout=300
     )

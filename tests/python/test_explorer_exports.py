@@ -18,7 +18,7 @@ from vibroimpact.motions.likeness import same_motion
 
 
 def filled(state):
-    """An explorer with its fuller search and zones complete."""
+    """An explorer after its full search, with complete zones."""
     explorer = Explorer(state)
     explorer.learn(fuller(state.osc, state.r, state.clearance, explorer.shown))
     explorer.zones = {
@@ -31,7 +31,7 @@ def filled(state):
 @pytest.mark.slow
 @pytest.mark.parametrize("state", STATES.values(), ids=STATES)
 def test_python_gives_what_is_shown(state, capsys):
-    """The exported Python computes every number of the motions, run, diagram and zones, to the last bit."""
+    """The exported Python computes every number of the motions, run, diagram and zones to the last bit."""
     explorer, names = filled(state), {}
     exec(as_python(explorer), names)
     assert len(capsys.readouterr().out.splitlines()) == len(explorer.shown)
@@ -49,7 +49,7 @@ def test_python_gives_what_is_shown(state, capsys):
 @pytest.mark.slow
 @pytest.mark.parametrize("state", STATES.values(), ids=STATES)
 def test_namelist_gives_what_is_shown(state, tmp_path):
-    """The file's cases are the motions (with rest: their events), the run and the zones, bit for bit."""
+    """The cases of the file are the motions (with rest: their events), the run and the zones, bit for bit."""
     explorer = filled(state)
     (tmp_path / "explorer.nml").write_text(as_namelist(explorer), encoding="utf-8")
     log = vi.run_namelists([tmp_path / "explorer.nml"], tmp_path)
@@ -78,7 +78,7 @@ def test_namelist_gives_what_is_shown(state, tmp_path):
     (1.04, 5.0, 1.04, 60.0), (1.01, 60.0, 1.01, 5.0), (0.96, 20.0, 1.06, 20.0),
     (1.06, 7.0, 0.96, 7.0)])  # fmt: skip
 def test_the_batch_program_gives_the_diagram(line, tmp_path):
-    """The program computes each impact of the diagram shown from the namelist, also at another r."""
+    """From the namelist the program computes each impact of the displayed diagram, also at another r."""
     explorer = Explorer(State(line=line))
     (tmp_path / "explorer.nml").write_text(as_namelist(explorer), encoding="utf-8")
     program = [Path(sys.executable).with_name("vibroimpact-batch"), "explorer.nml", "-o", "out"]
@@ -101,7 +101,7 @@ def test_an_oblique_line_is_left_to_python():
 
 
 def test_motions_without_phases_have_a_definition():
-    """A motion with rest is defined by a state on it."""
+    """A motion with rest is defined by one of its states."""
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
     motion = vi.exact(osc, 0.9, 6.0, vi.simulate(osc, 0.9, 6.0, cycles=8, discard=200))
     definition, made = definition_of(motion)

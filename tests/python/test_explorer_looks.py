@@ -9,7 +9,7 @@ import pytest
 
 
 def test_keyboard(page):
-    """Tab reaches the chart and shows its focus, arrows move the point, L draws a line."""
+    """Tab reaches the chart and shows its focus, arrow keys move the point, and L draws a line."""
     page.open()
     for _ in range(40):
         page.page.keyboard.press("Tab")
@@ -29,7 +29,7 @@ def test_keyboard(page):
     page.page.wait_for_selector("#along:not([hidden])")
     page.page.keyboard.press("Escape")
     page.page.wait_for_selector("#along", state="hidden")
-    # keys faster than the answers: every step counts, and the line goes through the last point
+    # keys are faster than the answers: every step counts, and the line goes through the last point
     page.page.evaluate(
         """() => {
           const press = (key, shiftKey) => document.getElementById("chart").dispatchEvent(
@@ -55,7 +55,7 @@ def test_keyboard(page):
 
 
 def test_names_for_screen_readers(page):
-    """All controls have accessible names, and texts that change are announced."""
+    """All controls have accessible names, and changing texts are announced."""
     page.open("patterns=RL&line=0.9,10,1.1,10")
     nameless = page.page.evaluate(
         """[...document.querySelectorAll('input, button, textarea, summary, [role=img], #chart')]
@@ -73,7 +73,7 @@ def test_names_for_screen_readers(page):
 
 
 def test_tab_reaches_everything_in_order(page):
-    """Tab visits all controls, from top to bottom of each part, with a visible focus."""
+    """Tab visits all controls, from top to bottom in each part, with a visible focus."""
     page.open("patterns=RL&line=0.9,10,1.1,10")
     page.page.evaluate("document.querySelector('details').open = true")
     wanted = page.page.evaluate(
@@ -108,7 +108,7 @@ def test_tab_reaches_everything_in_order(page):
 
 
 def test_nothing_is_told_by_colour_alone(page, tmp_path):
-    """In shades of grey the patterns and lines of the legends differ; the figures have the same ones."""
+    """In shades of grey the patterns and lines of the legends differ, and the figures use the same ones."""
     page.open("r=1.04&clearance=20&patterns=RL,RRL,RRLL,RRRL")
     hatches = page.page.locator("#families .swatch").evaluate_all(
         "all => all.map(one => one.dataset.hatch)"
@@ -149,7 +149,7 @@ def test_nothing_is_told_by_colour_alone(page, tmp_path):
 
 
 def test_names_keep_off_the_point_and_each_other(page):
-    """No zone's name covers the chosen point, another name or the frame, on a phone too."""
+    """No zone name covers the chosen point, another name or the frame, including on a phone."""
     page.page.set_viewport_size({"width": 390, "height": 844})
     page.open()
     for right, down in ((0.55, 0.4), (0.7, 0.35), (0.3, 0.4)):
@@ -179,7 +179,7 @@ def test_names_keep_off_the_point_and_each_other(page):
 
 @pytest.mark.parametrize("width", [1280, 390])
 def test_it_fits(page, width, tmp_path):
-    """Nothing is wider than the window, every figure is drawn, and controls are large enough for a finger."""
+    """Nothing is wider than the window, every figure is drawn, and controls are large enough to touch."""
     page.page.set_viewport_size({"width": width, "height": 844})
     page.open("patterns=RL,RRL&line=0.9,10,1.1,30")
     assert page.page.evaluate("document.documentElement.scrollWidth") == width
@@ -221,7 +221,7 @@ def test_a_long_table_shows_that_it_scrolls(page):
 
 
 def test_a_swipe_over_the_chart_scrolls(browser, page):
-    """A swipe scrolls the page and draws nothing; after the button it draws a line and does not scroll."""
+    """A swipe scrolls the page and draws nothing; after a press of the button it draws a line instead."""
     page.page.set_viewport_size({"width": 390, "height": 844})
     page.open("patterns=RL")
     touch = browser.new_cdp_session(page.page)
@@ -254,7 +254,7 @@ def test_a_swipe_over_the_chart_scrolls(browser, page):
 
 
 def test_a_swipe_that_begins_on_a_slider_scrolls(browser, page):
-    """A swipe across a slider scrolls the page and keeps the value; a swipe along it changes the value."""
+    """A swipe across a slider scrolls the page and keeps the value; a swipe along the slider changes the value."""
     page.page.set_viewport_size({"width": 390, "height": 500})
     page.open("patterns=RL")
     touch = browser.new_cdp_session(page.page)

@@ -24,7 +24,7 @@ def whole_map(osc, window):
 
 
 def test_the_parts_make_up_the_map():
-    """Each point is computed once, at its own place, and gives the value that it has alone."""
+    """Each point is computed once, at its own position, and has the value that it has alone."""
     picture, r, clearance = whole_map(OSC, WINDOW)
     assert (np.ptp(r, axis=0) == 0).all()
     assert (np.ptp(clearance, axis=1) == 0).all()
@@ -36,7 +36,7 @@ def test_the_parts_make_up_the_map():
 
 
 def test_values_are_those_of_motions():
-    """Where only one motion is stable, its max|X|/A and stability are found by simulations alone."""
+    """Where only one motion is stable, simulations alone give its max|X|/A and stability."""
     compared = 0
     for r, clearance in ((1.04, 25.0), (1.02, 30.0), (1.0, 20.0), (1.08, 12.0)):
         stable = [m for m in vi.find(OSC, r, clearance) if m.stable]
@@ -49,7 +49,7 @@ def test_values_are_those_of_motions():
 
 
 def test_points_of_a_box_are_spread_evenly():
-    """Each of as many strips as points has one point, in both directions; the box moves them all alike."""
+    """Each strip, in both directions, has exactly one point; the box moves all points alike."""
     box = Box(1.0, 20.0, 0.02, 4.0)
     r, clearance = box_points(box)
     for values, (low, high) in zip((r, clearance), box.ends, strict=True):
@@ -78,7 +78,7 @@ def visible(page, name):
 
 
 def test_the_map_on_the_page(page):
-    """The button shows the map that the library computes, with its colour bar; a slider makes another one."""
+    """The button shows the map that the library computes, with its colour bar; a slider makes a new map."""
     query = "r_min=0.95&r_max=1.1&clearance_min=10&clearance_max=60&patterns=RL"
     page.open(query)
     assert not visible(page, "image")
@@ -93,7 +93,7 @@ def test_the_map_on_the_page(page):
     np.testing.assert_array_equal(picture_of(page), whole_map(OSC, WINDOW)[0])
     place = {name: page.data("zones.map", name)[0] for name in ("x", "y", "dw", "dh")}
     assert list(place.values()) == pytest.approx([0.95, 10, 0.15, 50])
-    # two changes, one right after the other: the map is that of the last one
+    # two changes in quick succession: the map is that of the last one
     for value in ("0.5", "0.6"):
         page.page.fill("#R1", value)
         page.page.keyboard.press("Enter")
@@ -111,7 +111,7 @@ def test_the_box_is_dragged(page):
     library."""
     page.open("box=1.02,25,0.02,5&limit=0.6&patterns=RL")
     mouse, seen = page.page.mouse, []
-    for part in (0.3, 0.7):  # two points whose pixels are known; two quick clicks are two points
+    for part in (0.3, 0.7):  # two points with known pixels; two quick clicks give two points
         pixel = page.place(part, part)
         address = page.page.url
         mouse.click(*pixel)
@@ -120,7 +120,7 @@ def test_the_box_is_dragged(page):
         seen.append((pixel, float(page.field("r")), np.log(float(page.field("clearance")))))
 
     def at(r, clearance):
-        """A place in the chart, in pixels of the window."""
+        """A position in the chart, in pixels of the window."""
         ((x0, y0), r0, d0), ((x1, y1), r1, d1) = seen
         return (
             x0 + (r - r0) / (r1 - r0) * (x1 - x0),
@@ -154,12 +154,12 @@ def test_the_box_is_dragged(page):
     )
     assert page.text("boxed") != before
     np.testing.assert_array_equal(page.data("zones.bad", "x"), found.r[~good])
-    # another limit judges the same points
+    # another limit applies to the same points
     limit = float(np.quantile(found.attenuation, 0.3))
     page.page.fill("[data-field=limit]", f"{limit:.4g}")
     page.page.keyboard.press("Enter")
     page.page.wait_for_function("document.getElementById('boxed').textContent.startsWith('30')")
-    # a drag from outside draws a line
+    # a drag from outside the box draws a line
     mouse.move(*at(0.85, 10.0))
     mouse.down()
     mouse.move(*at(0.95, 30.0), steps=4)
@@ -172,7 +172,7 @@ def test_the_box_is_dragged(page):
 
 
 def test_the_fields_of_the_box(page):
-    """The button shows a box around the point; its fields change it, and what is wrong is named."""
+    """The button shows a box around the point; its fields change it, and invalid values are named."""
     page.open("patterns=RL")
     page.page.click("#box")
     page.page.wait_for_selector("#tolerances:not([hidden])")

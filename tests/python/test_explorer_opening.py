@@ -1,4 +1,4 @@
-"""The explorer begins with a saved result: a motion at its point, a design with the box of its tolerances."""
+"""The explorer starts from a saved result: a motion at its point, or a design with its box of tolerances."""
 
 import signal
 from urllib.parse import urlsplit
@@ -26,7 +26,7 @@ def motion():
 
 @pytest.fixture(scope="module")
 def made():
-    """A design of the rig, whose clearance and restitution have tolerances, for loads that vary."""
+    """A design of the rig with tolerances of clearance and restitution, and loads that vary."""
     return vi.design(
         RIG, r=(1.0, 1.02), free={"clearance": (25, 40)}, load=(0.9, 1.1), limit=0.5, evaluations=8,
         tolerance={"clearance": (-2, 3), "restitution": (0.7, 0.8)}, specimens=4, nodes=3, samples=0,
@@ -34,7 +34,7 @@ def made():
 
 
 def shown(state):
-    """The explorer at a state that has gone through a link."""
+    """The explorer in a state that was passed through a link."""
     again, faults = State.read(state.query)
     explorer = Explorer(again)
     assert faults + explorer.restore() == []
@@ -53,7 +53,7 @@ def test_a_motion_is_chosen_at_its_point(motion):
 
 
 def test_a_motion_outside_the_window_or_with_rest_is_shown():
-    """The window contains the point, with a margin; a motion with rest is shown by a state of it."""
+    """The window contains the point, with a margin; a motion with rest is shown by one of its states."""
     far = vi.equispaced(vi.Oscillator(xi=0.02, mu=0.05, restitution=0.8), 2.5, 0.5)[0]
     state = state_of(far)
     assert state.r_min < 2.2 < 2.8 < state.r_max
@@ -77,7 +77,7 @@ def test_a_load_is_part_of_the_units(motion):
 
 
 def test_a_design_has_its_box(made):
-    """The box is the band and the clearances of all units and loads; other parameters are their middle."""
+    """The box is the band and the clearances of all units and loads; other parameters have their middle value."""
     state = state_of(made)
     chosen = made.values["clearance"]
     (r0, r1), (low, high) = state.box.ends
@@ -118,7 +118,7 @@ def test_what_cannot_be_shown_is_named(motion, capsys):
      ({}, "table", "law = 'table' of the identification: must be 'constant'")],
 )  # fmt: skip
 def test_what_an_identification_has_beyond_the_explorer_is_named(rig, law, message):
-    """A load with harmonics, and a law of restitution, are told apart."""
+    """A load with harmonics and a law of restitution have different messages."""
     pytest.importorskip("scipy")
     bench = vi.VirtualRig(
         M=2.7, K=42e3, m=0.11, d=0.006, xi=0.01143, restitution=0.7, F0=6.0, frequency=19.5, **rig
@@ -147,7 +147,7 @@ def test_the_command_opens_a_file(page, motion, tmp_path):
 
 
 def test_a_design_opens_with_its_box(page, made, tmp_path):
-    """The page of a saved design draws its box, and judges it by the limit of the design."""
+    """The page of a saved design draws its box, and applies the limit of the design."""
     path = tmp_path / "design.json"
     made.save(path)
     state = state_of(vi.load(path))
@@ -160,9 +160,9 @@ def test_a_design_opens_with_its_box(page, made, tmp_path):
 
 
 def test_an_identified_motion_opens_on_its_chart(page, tmp_path):
-    """The identified motion is chosen at its point, in the units of the rig whose record it is from."""
+    """The identified motion is chosen at its point, in the units of the rig of the record."""
     pytest.importorskip("scipy")
-    # with exact sensors lengths and loads have one scale
+    # with exact sensors, lengths and loads have the same scale
     rig = vi.VirtualRig(
         M=2.7, K=42e3, m=0.11, d=0.006, xi=0.01143, restitution=(0.75, 0.65), F0=6.0, frequency=19.5
     )  # fmt: skip
@@ -196,7 +196,7 @@ def test_an_identified_motion_opens_on_its_chart(page, tmp_path):
 
 
 def test_a_box_out_of_range_is_named():
-    """A box that reaches zero, or resonance without damping, is refused by name."""
+    """A box that reaches zero, or the resonance without damping, is refused by name."""
     for words in ((1, 20, 1, 1), (1, 20, 0.1, 20), (1, 20, -0.1, 1), (-1, 20, 0.1, 1)):
         with pytest.raises(ParameterError, match="of the box"):
             Box(*map(float, words))

@@ -130,7 +130,7 @@ def test_share_link_restores_everything(page):
 
 
 def test_saved_and_copied_give_the_digits_of_the_table(page, tmp_path):
-    """Saved and copied code gives every digit of the table when it is run."""
+    """The saved and the copied code give every digit of the table when run."""
     page.open("r=1.04&clearance=20")
     page.page.locator("#run").get_by_role("button", name="Simulate").click()
     page.page.wait_for_function("document.getElementById('ran').textContent.includes('impacts')")
@@ -145,7 +145,7 @@ def test_saved_and_copied_give_the_digits_of_the_table(page, tmp_path):
         if case.kind in ("exact", "equispaced")
     ]
     motions = [m for case in cases for m in case.motions()]
-    # both equispaced motions are one case, and the result says which is admissible
+    # both equispaced motions are one case, and the result shows which one is admissible
     assert sorted(shown_numbers(m for m in motions if m.admissible)) == table
     page.page.click("#python")
     page.page.wait_for_function("document.getElementById('done').textContent === 'Python copied'")
@@ -178,7 +178,7 @@ def test_a_run_from_the_portrait(page):
 
 
 def test_two_quick_clicks_are_two_points(page):
-    """A second click within the time of a double click chooses its own point."""
+    """A second click within the time of a double click chooses a separate point."""
     page.open()
     first, second = page.place(0.3, 0.3), page.place(0.7, 0.7)
     page.page.mouse.click(*first)

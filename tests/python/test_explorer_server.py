@@ -1,4 +1,4 @@
-"""The explorer's server: which requests it answers, and that no page blocks another."""
+"""The explorer's server: the requests that it answers, and that no page blocks another."""
 
 import asyncio
 import http.client
@@ -60,7 +60,7 @@ def answer(address, path="/", host=None, method="GET", **headers):
 
 
 def opened(address, token, **headers):
-    """The status of a websocket's first request: 101 if it is opened."""
+    """The status of the first request of a websocket: 101 if it is opened."""
 
     async def ask():
         words = {name.replace("_", "-"): value for name, value in headers.items()}
@@ -91,7 +91,7 @@ PATHS = ("/", "/autoload.js", "/static/js/bokeh.min.js", "/ws", "/metadata", "/n
     "evil.example:{}", "evil.example", "127.0.0.1.evil.example:{}", "localhost.evil.example:{}", "127.0.0.1:1",
     "127.0.0.1", "[::1]:{}", "0.0.0.0:{}"])  # fmt: skip
 def test_another_name_gets_nothing(address, host):
-    """A name of another site that leads to this machine (DNS rebinding): status 403, no token."""
+    """A foreign host name that leads to this machine (DNS rebinding) gets status 403 and no token."""
     host = host.format(address[1])
     for path in PATHS:
         status, _, body = answer(address, path, host, Origin=f"http://{host}")
@@ -101,7 +101,7 @@ def test_another_name_gets_nothing(address, host):
 
 
 def test_its_own_names_are_answered(address):
-    """By its address and as localhost the server gives page, files, and a websocket from its own origin."""
+    """By its address and as localhost the server gives page and files, and a websocket to its own origin."""
     for name in ("127.0.0.1", "localhost", "LOCALHOST"):
         host = f"{name}:{address[1]}"
         status, _, body = answer(address, "/", host)
@@ -149,13 +149,13 @@ def test_a_page_of_another_origin_gets_nothing(address, origin):
     ("cross-site", "navigate", "document", 200), ("cross-site", "navigate", "iframe", 403),
     ("cross-site", "no-cors", "script", 403), ("same-site", "no-cors", "image", 403)])  # fmt: skip
 def test_other_sites_may_only_link_to_it(address, site, mode, dest, status):
-    """By the Sec-Fetch headers a link from another site opens the page, but a frame or script is refused."""
+    """By the Sec-Fetch headers, a link from another site opens the page; frames and scripts are refused."""
     words = {"Sec_Fetch_Site": site, "Sec_Fetch_Mode": mode, "Sec_Fetch_Dest": dest}
     assert answer(address, "/", **words)[0] == status
 
 
 def test_no_page_may_frame_it(address):
-    """Every answer, refusals included, forbids frames."""
+    """Every answer, including refusals, forbids frames."""
     for path, host in (
         ("/", None),
         ("/static/js/bokeh.min.js", None),
@@ -167,12 +167,12 @@ def test_no_page_may_frame_it(address):
         assert "frame-ancestors 'none'" in headers["Content-Security-Policy"], path
 
 
-#: The server takes its address for one that other machines reach.
+#: Make the server take its address for one that other machines can reach.
 REACHED = "import vibroimpact.explorer.server as server; server.needs_token = lambda number: True"
 
 
 def test_addresses_that_other_machines_reach_need_a_token():
-    """Of this machine alone are loopback addresses; all addresses at once have no name to check requests by."""
+    """Addresses that other machines reach need a token; an address for all interfaces is refused."""
     assert not any(map(needs_token, map(interface, ("localhost", "127.0.0.1", "127.8.0.1", "::1"))))
     assert all(map(needs_token, map(interface, ("192.168.1.5", "10.0.0.1", "fe80::1"))))
     for text in ("0.0.0.0", "::", "224.0.0.1", "evil.example", "", "127.0.0.1:80"):
@@ -194,7 +194,7 @@ def test_with_a_token_nothing_is_answered_without_it():
             assert answer(place, path, Cookie=f"vibroimpact-{place[1]}={wrong}")[0] == 403, path
         assert answer(place, f"/static/js/bokeh.min.js?token={token}")[0] == 403
         assert answer(place, f"/?token={token}", "evil.example")[0] == 403
-        # the token leaves the address, and what else the link holds remains
+        # the token disappears from the address, and the rest of the link remains
         status, headers, _ = answer(place, f"/?token={token}&r=0.97&patterns=RL,RRL/2")
         assert (status, headers["Location"]) == (302, "/?r=0.97&patterns=RL%2CRRL%2F2")
         cookie, _, kind = headers["Set-Cookie"].partition(";")
@@ -211,14 +211,14 @@ def test_with_a_token_nothing_is_answered_without_it():
 
 
 def test_so_many_pages_are_open_at_most():
-    """One more is told so; it computes nothing."""
+    """At most a given number of pages are open; a page too many gets a message, and computes nothing."""
     with served("import vibroimpact.explorer.page as page; page.PLACES.most = 2") as (place, _):
         whole = ['id="history"' in answer(place)[2] for _ in range(4)]
     assert whole == [True, True, False, False]
 
 
 def test_a_large_message_closes_the_websocket(address):
-    """The server does not hold what a page never sends."""
+    """The server does not keep messages that a page never completes."""
 
     async def ask():
         token = token_of(answer(address)[2])
@@ -228,7 +228,7 @@ def test_a_large_message_closes_the_websocket(address):
         socket = await websocket_connect(request, subprotocols=["bokeh", token])
         await socket.write_message("x" * 1_000_000)
         while await asyncio.wait_for(socket.read_message(), 20) is not None:
-            pass  # the parts of the server's ACK
+            pass  # parts of the server's ACK
         return "closed"
 
     with ThreadPoolExecutor(1) as thread:
@@ -237,7 +237,7 @@ def test_a_large_message_closes_the_websocket(address):
 
 
 def test_a_flood_of_messages_is_not_kept():
-    """Behind a message that takes long so many wait; what the page's threads have found is never discarded."""
+    """At most so many messages wait behind a slow one; results of the page's threads are never discarded."""
     turns, go, ran = Turns(), threading.Event(), []
     turns.submit(go.wait)
     for _ in range(10 * MOST_WAITING):
@@ -266,13 +266,13 @@ LONG = "x" * (MOST_TEXT + 1)
     {"kind": "export", "number": 1, "form": "__class__"}, {"kind": "choose", "number": 1, "motion": {}},
 ])  # fmt: skip
 def test_messages_that_no_page_sends_are_refused(message):
-    """Each has one short message of what is allowed, and no fault of the explorer's own."""
+    """Each message gets one short answer with the allowed values, and no internal error of the explorer."""
     with pytest.raises(vi.ParameterError, match="must be") as caught:
         Run.read(checked(message)["words"])
     assert len(str(caught.value)) < 300 + MOST_SHOWN
 
 
-#: Numbers within what a message may hold that no window, box, line or simulation may have.
+#: Numbers allowed in a message, but not for any window, box, line or simulation.
 EXTREME = [
     {"kind": "point", "r": 1e300, "clearance": 1e-300}, {"kind": "peek", "r": -1.0, "clearance": 1e308},
     {"kind": "step", "right": 1e308, "up": 1e308}, {"kind": "step", "right": -1e308, "up": -1e308},
@@ -290,27 +290,26 @@ EXTREME = [
 
 @pytest.mark.parametrize("message", EXTREME)
 def test_extreme_messages_are_answered_soon(message, caplog):
-    """With an error that names what is not allowed, or with an answer; never with an internal error of the
-    explorer."""
+    """The answer is a result or an error that names the invalid part, but no internal error of the explorer."""
     sent, turns = [], []
     session = Session("", lambda text, numbers: sent.append(json.loads(text)), turns.append)
     session.background = Idle()
     begin = time.process_time()
     session.heard({"number": 7, **message})
-    assert time.process_time() - begin < 12  # the limit of a page, twice, on two processors
+    assert time.process_time() - begin < 12  # the time limit of a page, twice, on two processors
     assert sent[-1]["number"] == 7
     assert "own" not in sent[-1].get("fault", "")
     assert not caplog.records
 
 
 class Idle:
-    """Stands for the threads of a page, which are limited by their own tests."""
+    """Replaces the threads of a page, whose limits have separate tests."""
 
     def __getattr__(self, name):
         return self if name in ("rest", "map", "box") else lambda *_: None
 
 
-#: What a hostile link may ask for: a simulation of 10^10 oscillations, a motion of very many impacts.
+#: Requests of a hostile link: a simulation of 10^10 oscillations, a motion with very many impacts.
 HOSTILE = (
     "r=0.000001&r_min=0.0000005&r_max=0.000002&clearance=1e-12&clearance_min=1e-12"
     "&motion=RL/10000/state/0,0,0,0,0",
@@ -321,7 +320,7 @@ HOSTILE = (
 
 @pytest.mark.parametrize("query", HOSTILE)
 def test_a_hostile_link_stops_no_other_page(browser, query):
-    """Another page is computed meanwhile, the linked page names what was refused, and Ctrl-C ends the server."""
+    """Meanwhile another page is computed; the linked page names the refused parts, and Ctrl-C ends the server."""
     process, url = start()
     try:
         bad, good = browser.new_page(), browser.new_page()

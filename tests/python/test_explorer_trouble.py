@@ -1,4 +1,4 @@
-"""The explorer's page in a real browser: bad links, failures, long computations, several tabs."""
+"""The explorer's page in a real browser: invalid links, failures, long computations, several tabs."""
 
 import signal
 
@@ -8,7 +8,7 @@ from vibroimpact.explorer.process import start
 
 
 def test_bad_link_is_one_message(page):
-    """A bad link gives one message that names what is wrong; the rest is used, and the address is kept."""
+    """An invalid link gives one message that names the invalid part; the rest is used, and the address is kept."""
     query = "xi=lots&r=0.97&colour=%3Cb%3E&clearance=12"
     page.open(query)
     output = page.text("fault")
@@ -37,7 +37,7 @@ def test_the_page_tells_that_the_server_has_ended(browser):
     tab.close()
 
 
-#: Every computation that takes longer than a frame fails.
+#: Make every computation fail that takes longer than a frame.
 BROKEN = """
 from vibroimpact.explorer import background
 def broken(*_, **__):
@@ -79,7 +79,7 @@ LONG = "R1=0.5&R2=0.5&r_min=0.05&r_max=5&clearance_min=0.01&clearance_max=1000&p
 
 
 def test_newer_zones_replace_those_that_take_long(page):
-    """After moves of a slider and new patterns, too, slow zones are dropped and the new ones are soon shown."""
+    """After moves of a slider or new patterns, slow zones are dropped and the new ones are soon shown."""
     page.page.goto(f"{page.url}?{LONG}R*L*")
     page.page.wait_for_function("document.getElementById('status').textContent === 'computing …'")
     page.page.locator("[data-slider=xi]").focus()
@@ -97,7 +97,7 @@ def test_newer_zones_replace_those_that_take_long(page):
 
 
 def test_zones_that_take_too_long_are_given_up(browser):
-    """The page names the zones given up and shows the others; after a change of patterns it shows all."""
+    """The page names abandoned zones and shows the others; after a change of patterns it shows all."""
     process, url = start(
         prelude="from vibroimpact.explorer import background as b; b.LIMITS[b.COARSE] = 5"
     )
@@ -126,7 +126,7 @@ def test_no_zone_is_said(page):
 
 
 def test_two_tabs_do_not_know_of_each_other(page, browser, server):
-    """Two tabs compute at once; a change in one does not affect the other, and both show correct motions."""
+    """Two tabs compute at the same time; a change in one does not affect the other; both show correct motions."""
     other = Page(browser.new_page(), server)
     queries = (
         "R2=0.61&r=0.9&clearance=6&patterns=RL,RLL",
@@ -153,7 +153,7 @@ def test_two_tabs_do_not_know_of_each_other(page, browser, server):
 
 
 def test_reload_in_the_middle_of_computing(page):
-    """However often it is reloaded, the page shows the state in its address."""
+    """The page shows the state of its address however often it is reloaded."""
     page.page.goto(f"{page.url}?r=1.04&clearance=20&patterns=RL,RRL")
     for value in ("0.012", "0.013", "0.014"):
         page.page.wait_for_function(

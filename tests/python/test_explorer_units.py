@@ -1,4 +1,4 @@
-"""Physical units in the explorer: beside the dimensionless numbers, in texts, on axes, in links and exports."""
+"""Physical units in the explorer: next to dimensionless numbers, in texts, on axes, in links and exports."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ TEXT = "units=0.0027,42,6,mm,N,s"
 
 
 def test_units_are_part_of_the_link():
-    """A link has them, with or without the names of units; what is wrong is named."""
+    """A link has the units, with or without their names; invalid ones are named."""
     state = State(units=UNITS)
     assert state.query == TEXT
     assert State.read(TEXT) == (state, [])
@@ -30,7 +30,7 @@ def test_units_are_part_of_the_link():
 
 
 def test_exports_keep_the_units(tmp_path):
-    """The namelist and the Python of the page have a system that knows its units."""
+    """The namelist and the Python of the page have a system with units."""
     explorer = Explorer(State(units=UNITS))
     path = tmp_path / "explorer.nml"
     path.write_text(as_namelist(explorer))
@@ -41,7 +41,7 @@ def test_exports_keep_the_units(tmp_path):
 
 
 def test_numbers_are_those_of_the_physical_result():
-    """The text has the numbers that the motion in physical units has, and the second axes its scales."""
+    """The text has the numbers of the motion in physical units, and the second axes have its scales."""
     motion = next(m for m in vi.find(State(units=UNITS).osc, 1.04, 20.0) if m.stable)
     physical = motion.physical()
     found = physical.quantities()
@@ -64,7 +64,7 @@ def test_numbers_are_those_of_the_physical_result():
 
 
 def test_units_on_the_page(page):
-    """The field sets them: axes in Hz and mm, numbers of the chosen motion, and their removal."""
+    """The field sets the units: axes in Hz and mm, numbers of the chosen motion, and their removal."""
     page.open("r=1.04&clearance=20&patterns=RL")
     assert page.page.locator("#physical").is_hidden()
     page.page.evaluate("document.querySelector('details').open = true")

@@ -1,4 +1,4 @@
-"""Faults, tried for real: nothing is lost, no number is wrong, and a resumed store is the undisturbed one.
+"""Real faults: nothing is lost, no number is wrong, and a resumed store equals the undisturbed one.
 
 Programs are stopped at random instants: at a few with each run of the tests, at 200 with `--instants 200`.
 A failure shows the seed, with which `--seed` repeats it.
@@ -37,7 +37,7 @@ SWEEP = """&system
   low = 0, 0.9, 2, high = 0.02, 1.1, 200, counts = 2, 5, 8, spacing = 'linear', 'linear', 'geometric'
 /
 """
-#: Starts children that have all modules already, one for each line of words; gives their numbers and statuses.
+#: Forks child processes with all modules loaded, one for each line; gives their numbers and statuses.
 NURSERY = """
 import json, os, sys, signal
 import vibroimpact_start, vibroimpact.commands.command, vibroimpact.campaigns.run, zarr, numcodecs.zstd
@@ -62,7 +62,7 @@ for line in sys.stdin:
 
 
 class Nursery:
-    """Runs of `vibroimpact campaign` that start in milliseconds."""
+    """Runs of `vibroimpact campaign` that start within milliseconds."""
 
     def __init__(self, folder):
         self.output = folder / "output"
@@ -73,13 +73,13 @@ class Nursery:
         )  # fmt: skip
 
     def start(self, store, *words, file=None):
-        """Start a campaign; its process number."""
+        """Start a campaign; return its process number."""
         call = ["campaign", file or self.file, "--store", store, "--chunk", "8", *words]
         print(json.dumps([*map(str, (self.output, *call))]), file=self.process.stdin, flush=True)
         return int(self.process.stdout.readline())
 
     def end(self):
-        """Wait for its end; the exit status, and what it printed."""
+        """Wait for its end; return the exit status and the output."""
         return int(self.process.stdout.readline()), self.output.read_text()
 
     def run(self, store, *words, **options):
@@ -99,7 +99,7 @@ def nursery(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def undisturbed(nursery, tmp_path_factory):
-    """The files of a campaign that ran in one go, and its seconds."""
+    """The files of a campaign that ran without interruption, and its duration in seconds."""
     store = tmp_path_factory.mktemp("undisturbed") / "store"
     nursery.run(store)
     shutil.rmtree(store)
@@ -113,7 +113,7 @@ def undisturbed(nursery, tmp_path_factory):
 
 @pytest.fixture
 def random(request):
-    """Random numbers from the seed of this run, which a failure shows."""
+    """Random numbers from the seed of this run, which a failure reports."""
     seed = request.config.getoption("--seed")
     print(f"--seed {seed}")
     return np.random.default_rng(seed)
@@ -121,12 +121,12 @@ def random(request):
 
 @pytest.fixture
 def instants(request):
-    """At how many instants programs are stopped."""
+    """The number of instants at which programs are stopped."""
     return request.config.getoption("--instants")
 
 
 def whole(store, expected):
-    """Each finished file of a store is that of the undisturbed one."""
+    """Check that each finished file of a store equals that of the undisturbed one."""
     for name, content in files_of(store).items():
         if ".part" not in name and name != "lock":
             assert content == expected[name], name
@@ -139,7 +139,7 @@ def whole(store, expected):
 def test_campaigns_stopped_at_random_instants(
     nursery, undisturbed, random, instants, tmp_path, number
 ):
-    """After each stop all that is there is right, and the message is clear; in the end nothing is lost."""
+    """After each stop all existing files are right, and the message is clear; at the end nothing is lost."""
     expected, seconds = undisturbed
     store = tmp_path / "store"
     stopped = 0
@@ -159,7 +159,7 @@ def test_campaigns_stopped_at_random_instants(
             assert finished or "interrupted" in output
         if store.exists():
             whole(store, expected)
-        # in a store that is whole there is nothing to stop; the machine may have been slower when it was timed
+        # in a complete store there is nothing to stop; the machine may have been slower when it was timed
         if i % 4 == 3 or finished:
             nursery.run(store)
             assert files_of(store) == expected
@@ -171,7 +171,7 @@ def test_campaigns_stopped_at_random_instants(
 
 
 def test_killed_before_the_plan_was_written(nursery, undisturbed, tmp_path):
-    """What is left of the plan is removed; a file of another program, in a folder that is no store, is not."""
+    """A leftover temporary plan is removed; a file of another program, in a folder without a store, is kept."""
     store = tmp_path / "store"
     store.mkdir()
     (store / "lock").touch()
@@ -186,7 +186,7 @@ def test_killed_before_the_plan_was_written(nursery, undisturbed, tmp_path):
 
 
 def test_the_program_killed_at_random_instants(random, instants, tmp_path):
-    """Every result of vibroimpact-batch is whole or absent, and the next run gives all."""
+    """Every result of vibroimpact-batch is complete or absent, and the next run gives all."""
     point = (
         "&system xi = 0.0114, mu = 0.028, restitution = 0.75, r = {r} /\n"
         "&simulate clearance = 5, cycles = 300 /\n"
@@ -231,7 +231,7 @@ def test_links_in_a_store(nursery, tmp_path):
 
 @pytest.fixture
 def small_disk(tmp_path):
-    """A folder on a file system of 400 KiB, where the system lets us mount one."""
+    """A folder on a file system of 400 KiB, if the system permits mounting one."""
     disk = tmp_path / "disk"
     disk.mkdir()
     call = ["mount", "-t", "tmpfs", "-o", "size=400k", "tmpfs", str(disk)]
@@ -242,7 +242,7 @@ def small_disk(tmp_path):
 
 
 def test_full_disk(nursery, undisturbed, small_disk):
-    """One line says so; what was finished is kept; with more room the same call gives the undisturbed store."""
+    """One line reports the full disk; finished work is kept; with more room the same call completes the store."""
     store = small_disk / "store"
     for _ in range(2):
         status, output = nursery.run(store)
@@ -259,7 +259,7 @@ def test_full_disk(nursery, undisturbed, small_disk):
 
 
 def test_read_only_disk(nursery, undisturbed, small_disk):
-    """A finished or half-finished store can be read where nothing can be written, and is not touched."""
+    """A finished or half-finished store can be read on a read-only file system, and is not changed."""
     store = small_disk / "store"
     nursery.run(store)
     before = files_of(store)
@@ -283,11 +283,11 @@ def test_read_only_disk(nursery, undisturbed, small_disk):
 
 
 def test_a_folder_that_vanishes(tmp_path):
-    """A store that is removed while a campaign writes to it: one error, and it is not made again."""
+    """If a store is removed while a campaign writes to it, there is one error, and the store is not made again."""
     store = tmp_path / "store"
 
     def remove(share, note):
-        """Remove the store at half of the work."""
+        """Remove the store half way through the work."""
         if share > 0.4:
             shutil.rmtree(store, ignore_errors=True)
 
@@ -300,7 +300,7 @@ def test_a_folder_that_vanishes(tmp_path):
 
 
 def test_clock_jumps(tmp_path, monkeypatch):
-    """Neither a clock that jumps by decades nor dates of files in the future or the past change anything."""
+    """Neither a clock that jumps by decades nor file dates in the future or past change anything."""
     sweep = small_sweep()
     vi.campaign(sweep, tmp_path / "whole", chunk=2)
     random = np.random.default_rng(1)
@@ -325,7 +325,7 @@ def test_clock_jumps(tmp_path, monkeypatch):
 
 
 def test_two_clients(nursery, tmp_path):
-    """The second one is refused, names the first one, and touches nothing; one that is killed locks nothing."""
+    """The second client is refused, names the first one, and changes nothing; a killed client leaves no lock."""
     store = tmp_path / "store"
     long = tmp_path / "long.nml"
     long.write_text(SWEEP.replace("counts = 2, 5, 8", "counts = 2, 50, 80"))
@@ -371,7 +371,7 @@ def kill(process):
 
 
 def wait_for(condition, process=None, seconds=60):
-    """Wait until something is so, or the process has ended."""
+    """Wait until a condition holds, or the process has ended."""
     end = time.monotonic() + seconds
     while not condition() and (process is None or process.poll() is None):
         assert time.monotonic() < end, "too late"
@@ -400,7 +400,7 @@ def scheduler(tmp_path):
     kill(process)
 
 
-#: A client of a cluster in a process of its own: the store and the address are its arguments.
+#: A client of a cluster in a separate process: the store and the address are its arguments.
 CLIENT = """
 import sys
 sys.path.insert(0, sys.argv[3])
@@ -410,13 +410,13 @@ vi.campaign(test_faults.grid(), sys.argv[1], sys.argv[2], chunk=8)
 
 
 def grid():
-    """The campaign that is tried on a cluster."""
+    """The campaign that runs on the cluster."""
     axes = {"r": np.linspace(0.9, 1.1, 20), "clearance": np.geomspace(2, 200, 20)}
     return vi.Sweep(equispaced_case(), axes)
 
 
 def kill_client(store, address):
-    """Kill a client of a cluster when its first chunk is finished."""
+    """Kill a client of a cluster as soon as its first chunk is finished."""
     client = subprocess.Popen(
         [sys.executable, "-c", CLIENT, store, address, Path(__file__).parent],
         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True,
@@ -429,7 +429,7 @@ def kill_client(store, address):
 
 
 def test_a_cluster_that_is_killed(scheduler, tmp_path):
-    """Workers of another core are refused; a killed client, and then a killed scheduler, lose nothing."""
+    """Workers with another core are refused; killing a client, and then a scheduler, loses nothing."""
     process, address = scheduler
     sweep = grid()
     vi.campaign(sweep, tmp_path / "whole", chunk=8)
@@ -450,7 +450,7 @@ def test_a_cluster_that_is_killed(scheduler, tmp_path):
     assert files_of(tmp_path / "killed") == files_of(tmp_path / "whole")
 
     def interrupt(share, note):
-        """Kill the scheduler at a third of the work."""
+        """Kill the scheduler after a third of the work."""
         if share > 0.3:
             kill(process)
 
@@ -502,7 +502,7 @@ def test_something_else_in_place_of_a_file(place, kind, undisturbed, tmp_path):
 
 
 def test_a_cluster_that_does_not_start(tmp_path, monkeypatch):
-    """A worker that is killed at its start is one error of the package."""
+    """A worker that is killed when it starts gives one error of the package."""
     distributed = pytest.importorskip("distributed")
 
     def killed(**_):

@@ -65,7 +65,7 @@ def test_datasets_are_labelled(name, results):
 
 
 def test_listed_columns_belong_to_the_rows(results):
-    """A column of the CSV is in the table of its rows, or in one of which each row has one row."""
+    """Each column of the CSV is in the table of its rows, or in a table with one row for each of its rows."""
     for name in NAMES:
         result = results[name]._result
         places = places_of(result, result.row)
@@ -110,7 +110,7 @@ def test_matlab_is_read_by_others(results, tmp_path):
     "name", ["motion", "linear", "trajectory", "rests", "still", "branch", "zone", "atlas"]
 )
 def test_csv_is_what_run_writes(name, results, tmp_path):
-    """A saved CSV has the bytes that `run` writes for the namelist, and is an input that gives them again."""
+    """A saved CSV has the bytes that `run` writes for the namelist, and as an input reproduces them."""
     results[name].save(tmp_path / "mine.csv")
     path = write(tmp_path / "case.nml", results[name].to_namelist() + "&output name = 'mine' /\n")
     log = vi.run_namelists([path], tmp_path / "run")
@@ -121,7 +121,7 @@ def test_csv_is_what_run_writes(name, results, tmp_path):
 
 
 def test_csv_without_a_namelist(results, tmp_path):
-    """The CSV of a result without a namelist says so in its header, and cannot be loaded."""
+    """The CSV of a result without a namelist states this in its header, and cannot be loaded."""
     results["rest"].save(tmp_path / "rest.csv")
     lines = (tmp_path / "rest.csv").read_text().splitlines()
     assert lines[0].endswith("no namelist describes how it began")
@@ -178,7 +178,7 @@ def test_files_of_another_kind_by_suffix(results, tmp_path):
 
 @pytest.mark.parametrize("suffix", [".nc", ".mat", ".json"])
 def test_broken_files_are_refused(suffix, results, tmp_path):
-    """A file cut anywhere, or with a byte changed, is refused by name or read; no other error occurs."""
+    """A file cut at any place, or with a changed byte, is refused by name or read; no other error occurs."""
     pytest.importorskip({".nc": "h5netcdf", ".mat": "scipy", ".json": "json"}[suffix])
     path = tmp_path / f"motion{suffix}"
     results["motion"].save(path)

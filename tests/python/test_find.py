@@ -17,7 +17,7 @@ from vibroimpact.studies.find import Search
 
 
 def same_orbit(one, other):
-    """Whether two motions are one orbit: some rotation of the impacts, whole load periods later."""
+    """Whether two motions are one orbit, up to a rotation of the impacts by whole load periods."""
     n, k = len(one.pattern), one.pattern.cycles
     if (n, k) != (len(other.pattern), other.pattern.cycles):
         return False
@@ -34,7 +34,7 @@ def same_orbit(one, other):
 
 
 def check_found(found, osc, r, clearance):
-    """Assert what holds for every motion of a search."""
+    """Assert the properties that every motion of a search has."""
     for i, motion in enumerate(found):
         assert motion.residual <= 1e-12
         assert motion.consistent
@@ -49,7 +49,7 @@ def check_found(found, osc, r, clearance):
 
 
 def attracts(motion, cycles=300):
-    """Whether simulations that begin near a motion return to it, as they do to a stable motion."""
+    """Whether simulations that start near a motion return to it, as they do to a stable motion."""
     if motion.pattern.has_rest:
         release = motion.events[motion.events["kind"] == "release"][0]
         v = release["x_dot_after"] + 1e-7 * motion.clearance
@@ -102,7 +102,7 @@ def test_point_of_table_1():
 
 
 def test_symmetric_walls_give_mirror_images():
-    """With equal walls every motion has its mirror image in the list (or is its own)."""
+    """With equal walls every motion has its mirror image in the list, or is its own mirror image."""
     found = vi.find(TABLE, 0.94, 37.0, max_impacts=4)
     for motion in found:
         assert any(is_mirror(motion, other) for other in found)
@@ -131,7 +131,7 @@ def test_motion_with_rest_is_found():
 
 
 def test_stable_motions_are_what_states_settle_on():
-    """Every motion on which 40 random states settle in 800 cycles is listed."""
+    """Every motion to which 40 random states settle in 800 cycles is listed."""
     found = [m for m in vi.find(TABLE, 0.94, 37.0) if m.stable and not m.pattern.has_rest]
     draw, seen = np.random.default_rng(5), 0
     for _ in range(40):
@@ -148,7 +148,7 @@ def test_stable_motions_are_what_states_settle_on():
 
 
 def test_stable_motions_stay_and_unstable_ones_do_not():
-    """After a small disturbance a simulation of 100 cycles returns to stable motions and leaves the others."""
+    """After a small perturbation a simulation of 100 cycles returns to stable motions and leaves the others."""
     for motion in vi.find(TABLE, 0.94, 37.0, max_impacts=3, max_cycles=1):
         first = after_impact(motion)
         first["x_dot"] += 1e-6
@@ -159,7 +159,7 @@ def test_stable_motions_stay_and_unstable_ones_do_not():
 
 
 def test_same_search_same_answer():
-    """Two calls give the same motions, bit for bit, whatever the order of the threads."""
+    """Two calls give the same motions, bit for bit, for any order of the threads."""
     one, other = (vi.find(TABLE, 0.94, 37.0, max_impacts=3) for _ in range(2))
     assert [repr(m) for m in one] == [repr(m) for m in other]
     for a, b in zip(one, other, strict=True):
@@ -185,7 +185,7 @@ def test_search_says_how_it_was_done():
 
 
 def test_no_guess_and_no_state_find_nothing():
-    """A search without guesses and states is an empty list, with a summary."""
+    """A search without guesses and states gives an empty list, with a summary."""
     found = vi.find(TABLE, 0.94, 37.0, max_impacts=2, max_cycles=1, guesses=0, states=0)
     assert list(found) == []
     assert found.search.guesses == found.search.states == 0
@@ -195,7 +195,7 @@ def test_load_and_lengths_scale():
     """At twice the load and the clearance `find` lists the same motions, twice as large."""
     one = vi.find(TABLE, 0.94, 37.0, max_impacts=2, max_cycles=1)
     other = vi.find(TABLE, 0.94, 74.0, max_impacts=2, max_cycles=1, load=2.0)
-    # the four of two impacts, and the attractor of twelve in five cycles that simulations settle on
+    # four motions of two impacts, and the attractor of twelve in five cycles on which simulations settle
     assert len(one) == len(other) == 5
     for a, b in zip(one, other, strict=True):
         assert b.load == 2.0
@@ -230,7 +230,7 @@ def test_free_vibration_has_no_periodic_impacts():
 
 
 def test_unstable_motion_with_rest_is_found():
-    """Two motions with rest, born in one fold, the unstable one too; each repeats itself when simulated."""
+    """Two motions with rest, one of them unstable, from one fold; each repeats itself when simulated."""
     osc = vi.Oscillator(xi=0.0213, mu=0.2506, restitution=(0.173, 0.632))
     r, clearance = 0.8656, 12.9043
     found = vi.find(osc, r, clearance, max_impacts=3, max_cycles=1, states=0)
@@ -242,12 +242,12 @@ def test_unstable_motion_with_rest_is_found():
     assert rests[1].leading_kind == "positive"
     for motion in rests:
         assert motion.residual < 1e-10
-        # the leading multiplier, from how fast a small change of one release shrinks or grows
+        # the leading multiplier, from the rate at which a small change of one release shrinks or grows
         release = motion.events[motion.events["kind"] == "release"][0]
         sign = 1 if release["side"] == "R" else -1
 
         def released(push, release=release, sign=sign):
-            """State of a release at the motion's phase whose velocity is changed a little."""
+            """State of a release at the phase of the motion, with a slightly changed velocity."""
             v = release["x_dot_after"] + push
             x = np.sin(release["phase"]) - 2 * osc.xi * v
             return {
@@ -274,9 +274,9 @@ def test_unstable_motion_with_rest_is_found():
     (0.8373877928058429, 14.073636669583083), (0.8364626148185172, 14.479751428411182),
 ])  # fmt: skip
 def test_what_settles_where_the_masses_resonate_together_is_listed(r, clearance):
-    """The joined masses resonate at r = 1/sqrt(1 + mu) = 0.845; |x| reaches 15 A with long rests.
+    """The joined masses resonate at r = 1/sqrt(1 + mu) = 0.845, where |x| reaches 15 A with long rests.
 
-    A fifth of the states that begin with such velocities settle on it.
+    A fifth of the states with such initial velocities settle on it.
     """
     osc = vi.Oscillator(
         xi=0.008523192404041762,
@@ -326,7 +326,7 @@ def test_progress_is_told():
 
 @pytest.mark.parametrize("alike", [True, False])
 def test_every_pattern_has_its_share_of_the_progress(alike):
-    """All orders of impacts, up to rotation and exchange of like walls, by the square of their length."""
+    """All orders of impacts, up to rotation and exchange of equal walls, by the square of their length."""
     osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=(0.75, 0.75 if alike else 0.6))
     told = []
     vi.find(
@@ -342,7 +342,7 @@ def test_every_pattern_has_its_share_of_the_progress(alike):
     )
 
     def same(sides):
-        """Return one name for all orders that count as one."""
+        """Return one name for all equivalent orders."""
         images = [sides, sides.translate(str.maketrans("RL", "LR"))][: 1 + alike]
         return max(image[i:] + image[:i] for image in images for i in range(len(sides)))
 
@@ -362,7 +362,7 @@ def test_little_work_is_done_without_threads(monkeypatch):
     wanted = vi.find(RIG, 0.95, 9.0, 4, 1, guesses=12, states=4, settling=100, releases=8)
     monkeypatch.setattr(
         sys.modules["vibroimpact.studies.find"], "LITTLE", 0
-    )  # vibroimpact.studies.find is the module
+    )  # the name vibroimpact.studies.find is the module
     found = vi.find(RIG, 0.95, 9.0, 4, 1, guesses=12, states=4, settling=100, releases=8)
     assert [motion.X.tolist() for motion in found] == [motion.X.tolist() for motion in wanted]
     assert str(found.search) == str(wanted.search)
@@ -386,7 +386,7 @@ def check_account(found):
 
 
 def test_attractor_of_many_letters_is_listed():
-    """All states end on one impact train with rest that is longer than the limits: it is listed."""
+    """All states end on an impact train with rest that exceeds the limits: it is listed."""
     osc = vi.Oscillator(
         xi=0.005237033396, mu=0.267405956, restitution=(0.6664908148, 0.789348612516)
     )
@@ -412,13 +412,13 @@ def test_attractor_of_many_cycles_is_listed():
 
 
 def test_states_in_intermittent_chaos_have_not_settled():
-    """At a point without stable motions, states that repeat for a while do not count as settled."""
+    """At a point without stable motions, states that repeat for some time do not count as settled."""
     osc = vi.Oscillator(xi=0.005642181773706736, mu=0.04074074074074074, restitution=0.72)
     found = vi.find(osc, 0.9823623663921875, 28.0, max_impacts=4, max_cycles=1, guesses=24)
     check_account(found)
     assert not any(motion.stable for motion in found)
     assert found.search.settled == 0
-    # they do repeat for a while, which was once taken for settled
+    # states repeat for some time, which a simpler test would take for settled
     assert found.search.not_stable + found.search.unconfirmed > 0
     # after many more cycles no state is periodic
     assert {item.kind for item in vi.basins(
@@ -431,7 +431,7 @@ def test_states_in_intermittent_chaos_have_not_settled():
     [(0.3, 20, (0.6, 0.2), 0.7, 8.0), (0.3, 0.04, 0.5, 0.9, 1e3)],
 )
 def test_a_free_mass_that_moves_slowly_is_not_without_impacts(xi, mu, restitution, r, clearance):
-    """More load cycles can pass between two impacts than are looked at, although the impacts never end."""
+    """Two impacts can be further apart than the load cycles examined, although the impacts never end."""
     osc = vi.Oscillator(xi=xi, mu=mu, restitution=restitution)
     found = vi.find(osc, r, clearance, max_impacts=2, max_cycles=1, guesses=4, states=6)
     check_account(found)
@@ -488,7 +488,7 @@ def test_a_stopped_search_keeps_what_it_found():
 
 
 def test_a_search_stopped_among_its_releases_is_not_complete():
-    """A search stopped among its releases is incomplete, even if no states were to be simulated."""
+    """A search stopped during its releases is incomplete, even if no states were to be simulated."""
 
     def stop(share, what):
         if share > 0.5:
@@ -500,8 +500,8 @@ def test_a_search_stopped_among_its_releases_is_not_complete():
     assert re.search(r", \d+ releases and 0 of 0 states were tried$", caught.value.result.cut)
 
 
-# The first was found by an independent program, the others by `atlas`; each lies in a zone of its pattern. From
-# guesses at the point alone none of them was found.
+# An independent program found the first motion, `atlas` the others; each lies in a zone of its pattern. Searches
+# from guesses at the point alone find none of them.
 @pytest.mark.parametrize(("osc", "r", "clearance", "sides"), [
     (vi.Oscillator(xi=0.01217, mu=0.00669, restitution=0.6442),
      1.2155878899, 2.4896275074, "RRRL"),
@@ -521,7 +521,7 @@ def test_a_search_stopped_among_its_releases_is_not_complete():
     (vi.Oscillator(xi=0.04574888526484828, mu=0.18302956470693785,
                    restitution=(0.7625810501229096, 0.43476189622849204)),
      0.6140786992542269, 4.926482430237885, "RLLLL"),
-    # only by a line that begins where RRLL grazes while it is 0.38 D beyond a wall elsewhere
+    # only by a line that starts where RRLL grazes while it is 0.38 D beyond a wall elsewhere
     (vi.Oscillator(xi=0.002374185982558025, mu=0.01630728362595265,
                    restitution=(0.6215415626727533, 0.7888733600894499)),
      0.9899980522469702, 47.01496391078142, "RRRLL"),

@@ -1,4 +1,4 @@
-"""`stability_flags` and `periodic_batch` on many points, against the chain of LAPACK calls."""
+"""`stability_flags` and `periodic_batch` on many points, compared with a chain of LAPACK calls."""
 
 import sys
 
@@ -18,7 +18,7 @@ def columns(rng, n, m, cycles):
 
 
 def systems(seed, count, most):
-    """Random oscillators and patterns, the ends of the parameter ranges included."""
+    """Random oscillators and patterns, including the ends of the parameter ranges."""
     rng = np.random.default_rng(seed)
     for _ in range(count):
         n = int(rng.integers(2, most + 1))
@@ -31,7 +31,7 @@ def systems(seed, count, most):
 
 
 def same_bits(one, other):
-    """Whether two results of the core are the same to the last bit."""
+    """Whether two results of the core are equal to the last bit."""
     return all(
         np.asarray(a).tobytes() == np.asarray(b).tobytes() for a, b in zip(one, other, strict=True)
     )
@@ -58,7 +58,7 @@ def test_a_million_points_agree_with_lapack():
         radius = np.abs(lapack.multipliers[0])
         assert np.array_equal(fast.status, lapack.status)
         assert np.array_equal(fast.consistent, lapack.consistent)
-        # on the circle rounding decides, and either answer is valid
+        # rounding decides on the circle, and either answer is valid
         clear = ~(np.abs(radius - 1) < 1e-9)
         assert np.array_equal(fast.stable[clear], lapack.stable[clear])
         assert np.array_equal(np.isnan(fast.spectral_radius), np.isnan(radius))
@@ -67,7 +67,7 @@ def test_a_million_points_agree_with_lapack():
         for j in np.flatnonzero(known & (apart > 1e-11)):
             assert apart[j] < 10 * sensitivity(rng, osc, r[j], phases[:, j], pattern, radius[j])
             far += 1
-        # without the radius fewer points are passed to LAPACK, and the verdicts are the same
+        # without the radius fewer points are passed to LAPACK, with the same verdicts
         plain = vi.stability_flags(osc, r, phases, pattern)
         assert plain.spectral_radius is None
         assert plain.referred <= fast.referred
@@ -177,7 +177,7 @@ def test_bad_input():
 
 @pytest.mark.parametrize("name", ["stability_flags", "periodic_batch"])
 def test_progress_changes_no_bit(name, monkeypatch):
-    """The share rises to 1 from call to call of the core, and the parts together are the whole."""
+    """The share rises to 1 over the calls of the core, and the parts add up to the whole."""
     osc, phases = (
         vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75),
         columns(np.random.default_rng(3), 3, 500, 1),

@@ -1,4 +1,4 @@
-"""Verdicts, extremes and samples between impacts, on random systems, against `first_principles`."""
+"""Verdicts, extremes and samples between impacts, on random systems, compared with `first_principles`."""
 
 import first_principles as fp
 import first_principles_flights as flights
@@ -59,7 +59,7 @@ def test_verdicts(case):
 @given(cases(least=3), st.floats(1e-3, 0.5))
 @law(200)
 def test_consistent_is_the_residual_against_the_acceptance(case, acceptance):
-    """`consistent` is whether the residual is below the caller's `acceptance`."""
+    """`consistent` means that the residual is below the caller's `acceptance`."""
     assume(error_bound(case) < 1e-3)
     motion = vi.periodic(*case.arguments(), acceptance=acceptance)
     assume(abs(motion.residual - acceptance) > 1e-9)
@@ -144,7 +144,7 @@ def test_samples_at_the_impacts(case):
 @given(likely_motions())
 @law(150)
 def test_work_of_the_load_is_what_damping_and_impacts_take(case):
-    """Over a period the work of the load is the energy lost in the dashpot and the impacts."""
+    """Over a period the work of the load equals the energy lost in the dashpot and the impacts."""
     case, _ = exact(case)
     assume(error_bound(case) < 1e-9)
     motion, system = vi.periodic(*case.arguments()), case.system

@@ -1,4 +1,4 @@
-"""Dry friction in simulations, against laws, closed forms, published numbers and independent routes."""
+"""Dry friction in simulations, compared with laws, closed forms, published numbers and other methods."""
 
 import itertools
 import math
@@ -13,14 +13,14 @@ TURN = 2 * math.pi
 
 
 def den_hartog(b, zeta, f, h_stick=None):
-    """x'' + 2 zeta x' + x + f sgn x' = cos bt."""
+    """The structure x'' + 2 zeta x' + x + f sgn x' = cos bt."""
     return vi.Structure(
         [1.0], [2 * zeta], [1.0], friction=[vi.Friction([1.0], f, h_stick)]
     ), vi.Load(b, cosine=[1.0])
 
 
 def amplitude(b, zeta, f):
-    """Den Hartog's closed form, for motions without stops."""
+    """Den Hartog's closed form, for motions without sticking."""
     t, w = math.pi / b, math.sqrt(1 - zeta**2)
     square = (1 - b**2) ** 2 + (2 * zeta * b) ** 2
     delta = math.cosh(zeta * t) + math.cos(w * t)
@@ -30,7 +30,7 @@ def amplitude(b, zeta, f):
 
 
 def settled(structure, load, cycles=600):
-    """The events of a load cycle after many, with load phases, and their coordinates."""
+    """The events of one load cycle after many, with load phases, and their coordinates."""
     run = vi.simulate(structure, load, cycles=1, discard=cycles)
     return run.events, run.events["time"] * load.frequency % TURN, run.states[:, 0]
 
@@ -40,7 +40,7 @@ def settled(structure, load, cycles=600):
     (1.2, 0.05, 0.5, 1.27260049562604, 2.14986692978739),
 ])  # fmt: skip
 def test_den_hartog(b, zeta, f, x, phase):
-    """Amplitude and load phase of the maximum."""
+    """The motion has the amplitude and load phase of the maximum of the closed form."""
     assert amplitude(b, zeta, f) == pytest.approx(x, rel=1e-13)
     events, phases, q = settled(*den_hartog(b, zeta, f))
     assert sorted(events["kind"].tolist()) == ["slip_down", "slip_up"]
@@ -55,7 +55,7 @@ def test_den_hartog(b, zeta, f, x, phase):
     (0.8, 0.3, 2.62610487572348, 0.69707788), (0.6, 0.25, 1.54387042190387, 0.37949352),
 ])  # fmt: skip
 def test_den_hartog_without_damping(b, f, x, modulus):
-    """Friction alone limits the amplitude; differences from the motion shrink by the moduli of its multipliers."""
+    """Friction alone limits the amplitude; differences from the motion decay as its multipliers predict."""
     assert amplitude(b, 0, f) == pytest.approx(x, rel=1e-13)
     _events, _, q = settled(*den_hartog(b, 0, f), cycles=200)
     assert np.abs(q[:, 0]) == pytest.approx([x, x], rel=1e-12)
@@ -67,7 +67,7 @@ def test_den_hartog_without_damping(b, f, x, modulus):
     assert np.abs(np.linalg.eigvals(p)) == pytest.approx([modulus] * 2, rel=1e-7)
 
 
-#: Where the motion has no stops.
+#: Parameters for which the motion does not stick.
 GRID = [
     (b, zeta, f)
     for b in (0.45, 0.7, 1.3, 1.9) for zeta in (0.02, 0.1, 0.3) for f in (0.05, 0.15, 0.3)
@@ -84,7 +84,7 @@ def test_den_hartog_grid(b, zeta, f):
 
 
 def test_a_mass_that_slides_to_rest():
-    """Extremes fall by twice the force over the stiffness; it rests where the spring is weaker than friction."""
+    """Extremes fall by twice the force over the stiffness; the mass rests where friction exceeds the spring force."""
     s = vi.Structure([1.0], [0.0], [1e4], friction=[vi.Friction([1.0], 1.0)])
     run = vi.simulate(s, duration=1.0, state=([0.85e-3], [0.0]))
     assert run.events["kind"].tolist() == ["slip_up", "slip_down", "slip_up", "halt"]
@@ -96,7 +96,7 @@ def test_a_mass_that_slides_to_rest():
 
 
 def test_a_mass_on_a_belt():
-    """It sticks, is carried until the spring is as strong as the stick level, and slips back, for ever."""
+    """The mass sticks, is carried until the spring force reaches the stick level, and slips back, repeatedly."""
     s = vi.Structure([1.0], [0.0], [1.0], friction=[vi.Friction([1.0], 0.6, 1.0, speed=0.2)])
     run = vi.simulate(s, duration=60.0, state=([0.0], [0.2]))
     slips = run.events["time"][run.events["kind"] == "slip_down"]
@@ -139,7 +139,7 @@ def test_two_masses():
 
 
 def test_energy():
-    """From event to event the work of the load is what dashpots and friction take, and the change of energy."""
+    """From event to event the work of the load is dissipated in dashpots and friction, or changes the energy."""
     s = vi.Structure([1.0, 0.5], [0.1, 0.0], [[2, -1], [-1, 1]],
                      friction=[vi.Friction([1, 0], 0.2, 0.3), vi.Friction([-1, 1], 0.1, 0.1, 0.05)])  # fmt: skip
     load = vi.Load(0.7, cosine=[0.8, 0.3])
@@ -167,7 +167,7 @@ def test_energy():
             for part, force in zip(s.friction, moving, strict=True):
                 power -= force * (part.direction @ rate)
                 inertia += force * part.direction[:, None]
-            # what is left are the forces that hold
+            # the remainder are the forces that hold
             held = [
                 part.direction for part, force in zip(s.friction, moving, strict=True) if not force
             ]
@@ -213,7 +213,7 @@ def with_friction(rng, coupled, gaps, stops, many):
     return s, load
 
 
-#: Seed, whether damping couples the modes, gaps, stops and friction: with contacts that last some steps of the
+#: Seed, coupling of modes by damping, gaps, stops and friction; contacts last several steps of the
 #: reference.
 RANDOM = [
     (5, False, 0, 0, 1), (4, True, 0, 0, 1), (11, False, 0, 0, 2), (14, True, 0, 0, 2), (22, False, 0, 0, 3),
@@ -224,7 +224,7 @@ RANDOM = [
 
 @pytest.mark.parametrize(("seed", "coupled", "gaps", "stops", "many"), RANDOM)
 def test_against_matrix_exponentials(tmp_path, seed, coupled, gaps, stops, many):
-    """All events of random structures, in order, as a simulation without modes and bounds finds them."""
+    """All events of random structures agree, in order, with a simulation without modes and bounds."""
     rng = np.random.default_rng(100 * seed + coupled)
     s, load = with_friction(rng, coupled, gaps, stops, many)
     start = (np.zeros(s.coordinates), 0.5 * rng.normal(size=s.coordinates))
@@ -232,7 +232,7 @@ def test_against_matrix_exponentials(tmp_path, seed, coupled, gaps, stops, many)
 
 
 def test_the_damper_of_1983():
-    """With friction in the slot: just after the impact on L of the motion on which it settles, and its halts."""
+    """With friction in the slot, the state just after the impact on L of the settled motion, and its halts."""
     for f, phase, x, rate in (
         (0.01, 1.62376042171167, -5.93479785675481, [1.99012020310088, 12.7448169033382]),
         (0.05, 1.86248339047413, -5.10496849719382, [4.08250530547076, 14.3530869563120]),
@@ -252,12 +252,12 @@ def test_the_damper_of_1983():
 
 
 def test_the_damper_with_halts():
-    """Twice a cycle the particle sticks to its host and slips to the other side at once."""
+    """Twice a cycle the particle sticks to its host, then slips to the other side at once."""
     constant = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
     motion = vi.exact(constant, 0.94, 37.0, ([0, 4.34], "RL"))
     gaps = [vi.Gap([-1, 1], 18.5, 0.75), vi.Gap([1, -1], 18.5, 0.75)]
     s = vi.Structure([1, 0.042], [0.01, 0], [1, 0], gaps, [vi.Friction([-1, 1], 0.01)])
-    # from the mirror image of the motion without friction
+    # start from the mirror image of the motion without friction
     run = vi.simulate(
         s, vi.Load(0.94, sine=[1.0, 0.0]), cycles=1, discard=900, state=tuple(-motion.states[0]),
         start=(motion.phases[0] + math.pi) % TURN / 0.94,
@@ -279,7 +279,7 @@ def test_the_damper_with_halts():
 
 @pytest.mark.parametrize(("slip", "stick"), [(0.1, 0.1), (0.1, 0.25)])
 def test_rest_along_friction(slip, stick):
-    """A free mass pressed against a wall hops ever lower, is slower on the way down than up, and rests.
+    """A free mass pressed against a wall bounces ever lower, is slower on the way down than up, and rests.
 
     The contact then holds until the load pulls by more than the stick level.
     """
@@ -295,7 +295,7 @@ def test_rest_along_friction(slip, stick):
     stuck = run.events[run.events["kind"] == "stick"]
     assert stuck["time"] == pytest.approx([first + hops], abs=1e-9)
     assert run.events[-1] == stuck[0]
-    # a load that turns: it lets go at -stick, and then slips away with slip
+    # as the load reverses, the mass lets go at -stick, and then slides against slip
     load = vi.Load(omega, cosine=[force])
     start = 1000.0
     run = vi.simulate(s, load, duration=1500, state=([0.0], [0.0]), start=start)
@@ -311,7 +311,7 @@ def test_rest_along_friction(slip, stick):
 
 
 def test_forces_with_rests():
-    """A damper whose particle rests on its walls, along friction: both forces are within their limits."""
+    """A damper whose particle rests on its walls, with friction along them: both forces keep their limits."""
     gaps = [vi.Gap([-1, 1], 3.0, 0.2), vi.Gap([1, -1], 3.0, 0.2)]
     s = vi.Structure([1, 0.1], [0.02, 0], [1, 0], gaps, [vi.Friction([-1, 1], 0.01, 0.015)])
     load = vi.Load(0.9, sine=[1.0, 0.0])
@@ -324,15 +324,15 @@ def test_forces_with_rests():
     assert np.abs(apart).max() < 3 + 1e-9
     acceleration = run.acceleration(t)
     push = acceleration[0] + 0.02 * rate[0] + q[0] - np.sin(0.9 * t)
-    # what acts on the host acts back on the particle
+    # the force on the host reacts on the particle
     assert push == pytest.approx(-0.1 * acceleration[1], abs=1e-9)
     free = np.abs(apart) < 3 - 1e-9
     assert np.abs(push[free]).max() < 0.015 + 1e-9
     resting = ~free & (np.abs(rate[1] - rate[0]) < 1e-9)
     assert resting.sum() > 200
-    # the wall pushes, and friction pulls by no more than its stick level
+    # the wall pushes, and friction pulls by at most its stick level
     assert (np.sign(apart[resting]) * push[resting]).min() > -0.015 - 1e-9
-    # a part of it, from its middle on
+    # a part of the rest, from its middle on
     middle = 0.5 * (run.start + run.end)
     state = tuple(part[:, 0] for part in run.sample([middle]))
     rest = vi.simulate(s, load, duration=run.end - middle, start=middle, state=state)
@@ -344,7 +344,7 @@ def test_forces_with_rests():
 
 
 def test_rests_with_friction():
-    """Impacts that accumulate where friction acts along another direction are refused; across it all goes on."""
+    """Accumulating impacts that move friction in another direction are refused; uncoupled friction continues."""
     s = vi.Structure(
         [1.0, 1.0], [0, 0], [0, 0], [vi.Gap([1.0, 0.0], 0.0, 0.5)], [vi.Friction([1.0, 1.0], 0.1)]
     )
@@ -374,7 +374,7 @@ def test_bad_input(arguments, message):
 
 
 def test_values():
-    """Equality, text, wrong lengths, and the modes of a structure."""
+    """Equality, text, wrong lengths, and the modes of a structure with friction."""
     part = vi.Friction([1, 0], 0.5, 0.7, speed=0.1)
     assert repr(part) == "Friction([1.0, 0.0], 0.5, stick=0.7, speed=0.1)"
     assert repr(vi.Friction([1], 2)) == "Friction([1.0], 2)"
@@ -408,7 +408,7 @@ def test_pictures():
 
 
 def test_in_parts():
-    """A run that is continued from its final state, sliding or sticking, is the whole one."""
+    """A run continued from its final state, sliding or sticking, equals the complete run."""
     s = vi.Structure([1.0, 0.5], [0.1, 0.0], [[2, -1], [-1, 1]],
                      friction=[vi.Friction([1, 0], 0.2, 0.3), vi.Friction([-1, 1], 0.1, 0.1, 0.05)])  # fmt: skip
     load = vi.Load(0.7, cosine=[0.8, 0.3])
@@ -417,7 +417,7 @@ def test_in_parts():
 
 @pytest.mark.parametrize("coordinates", [1, 2, 4])
 def test_friction_that_sticks_along_one_direction(coordinates):
-    """Forces of elements along one direction are not determined, whether other coordinates are free or not."""
+    """Forces of elements along one direction are indeterminate, whether or not other coordinates are free."""
     direction = np.eye(coordinates)[-1]
     parts = [vi.Friction(direction, h) for h in (0.3, 0.2, 0.1)]
     s = vi.Structure(*(np.ones((3, coordinates))), friction=parts)

@@ -1,4 +1,4 @@
-"""Values with units, wherever a number is taken: one reading, or an error that names what is missing."""
+"""Values with units, wherever numbers are accepted: one reading, or an error that names what is missing."""
 
 import math
 
@@ -21,7 +21,7 @@ def ratio(hertz):
 
 @pytest.mark.parametrize("make", [list, tuple, np.array, lambda x: np.array(x, dtype=object)])
 def test_lists_and_arrays_are_converted_one_by_one(make):
-    """A list of texts is the array of their values."""
+    """A list of texts is converted to the array of their values."""
     given = make(["18 Hz", "1170 rpm"])
     assert UNITS.frequency_ratio(given) == pytest.approx([ratio(18), ratio(19.5)], rel=1e-12)
     assert UNITS.frequency_ratio(f=given) == pytest.approx([ratio(18), ratio(19.5)], rel=1e-12)
@@ -32,13 +32,13 @@ def test_lists_and_arrays_are_converted_one_by_one(make):
 
 @pytest.mark.parametrize("given", ["-3 Hz", "0 Hz", ["19 Hz", "-1 Hz"]])
 def test_frequencies_are_positive(given):
-    """A frequency that is not positive is an error that shows it, also with a unit."""
+    """A frequency that is not positive is an error that shows it, even with a unit."""
     with pytest.raises(ParameterError, match=r"Hz.*must be"):
         UNITS.frequency_ratio(given)
 
 
 def test_half_a_range_with_a_unit_is_refused():
-    """A range of which one end has a unit is refused with both; 0 needs no unit."""
+    """A range with a unit at one end only is refused with both ends; 0 needs no unit."""
     for call in (
         lambda: UNITS.frequency_ratio(["18 Hz", 19]),
         lambda: UNITS.clearance([3, "4 mm"]),
@@ -55,13 +55,13 @@ def test_half_a_range_with_a_unit_is_refused():
 
 
 class Almost:
-    """It has the attributes by which quantities of pint are known, and nothing else."""
+    """It has the attributes by which quantities of pint are recognised, and no others."""
 
     magnitude, units = 3, "mm"
 
 
 def test_what_only_resembles_a_quantity_is_refused():
-    """The message says what a quantity must have."""
+    """The message lists what a quantity must have."""
     with pytest.raises(ParameterTypeError, match=r"d = .*Almost.* to_base_units"):
         UNITS.clearance(Almost())
 
@@ -74,7 +74,7 @@ def test_degrees_a_second_are_angles():
 
 
 def test_an_oscillator_takes_units():
-    """The class takes what `from_dimensional` does; a free mass needs M."""
+    """The class takes the arguments of `from_dimensional`; a free mass needs M."""
     own = vi.Oscillator(xi="1.1 %", mu="110 g", restitution=0.75, M="2.7 kg", K="42 kN/m", F0="6 N")
     assert own == RIG
     assert own.units() == UNITS
@@ -119,7 +119,7 @@ def test_shares_and_masses():
 
 
 def test_uncertain_values_with_units_are_factors():
-    """A range of clearances at one nominal clearance is that of its factors."""
+    """A range of clearances at one nominal clearance is equivalent to a range of factors."""
     few = {"samples": 5, "rng": 1}
     limit = {"displacement": "4 mm"}
     first, second = (
@@ -138,7 +138,7 @@ def test_uncertain_values_with_units_are_factors():
 
 
 def test_sensors_take_units():
-    """Rate, bandwidth, delay, range and noise with units are those in SI."""
+    """Rate, bandwidth, delay, range and noise with units are equivalent to SI values."""
     t = np.arange(50) / 1000
     known = {"units": {"load": "kN"}}
     found = vi.SensorRecord(
@@ -181,7 +181,7 @@ DESIGN = (
     ],
 )
 def test_the_limit_of_a_design_has_the_unit_of_its_target(tmp_path, target, bare, text, wanted):
-    """A limit is read in the unit of the target, and refused where it has two readings."""
+    """A limit is read in the unit of the target, and refused if it has two readings."""
     for system, limit in ((NUMBERS, bare), (NUMBERS, text), (TEXTS, text)):
         study = DESIGN.format(target, limit)
         if "units" in system:
@@ -198,7 +198,7 @@ def test_the_limit_of_a_design_has_the_unit_of_its_target(tmp_path, target, bare
 
 
 def test_a_free_mass_in_a_design(tmp_path):
-    """The range of m/M may be given as that of m; numbers are always m/M."""
+    """The range of m/M may be given as a range of m; plain numbers are always m/M."""
     study = "design band = 1, 1.02, clearance = '4 mm', free_mu = {}"
     found = case_in(tmp_path, TEXTS, study.format("'0.05 kg', '200 g'")).keys["free_mu"]
     assert found == pytest.approx([0.05 / 2.7, 0.2 / 2.7], rel=1e-12)
@@ -216,7 +216,7 @@ def test_both_ends_of_a_range_have_units_in_a_namelist(tmp_path):
 
 
 def test_lists_may_fall(tmp_path):
-    """A list that falls is the same case as the list that rises, with what belongs to each value."""
+    """A descending list is the same case as the ascending list, with the data of each value."""
     chart = "chart sides = 'RL', r = {}, clearance = {}"
     falls = case_in(tmp_path, "mu = 0.04", chart.format("1.1, 1.05, 1.02", "30, 20"))
     assert (
@@ -243,7 +243,7 @@ def test_micro_in_names_of_units(tmp_path, micro):
 
 
 def test_known_values_are_in_the_units_of_the_system(tmp_path):
-    """Known values of &identify are numbers in `units` too; one value in two places is refused with both."""
+    """Known values of &identify are numbers in `units` too; one value in two places is refused, naming both."""
     study = "identify impact_times = 0, 0.5, frequency = 19.5, travel = {}, free_mass = {}"
     plain = "units = 'mm N s', mass = 0.0027, stiffness = 42, mu = 0.04"
     case = case_in(tmp_path, plain, study.format("4", "1.1e-4"))
@@ -255,7 +255,7 @@ def test_known_values_are_in_the_units_of_the_system(tmp_path):
 
 
 def test_unit_names_leaves_no_number_without_a_unit(tmp_path):
-    """Numbers are dimensionless beside `unit_names` only in a &system as of a result; else they are refused."""
+    """Numbers are dimensionless next to `unit_names` only in the &system of a result; else they are refused."""
     result = "xi = 0.01, mu = 0.04, restitution = 0.75, 0.75, r = {}, mass = 0.0027, stiffness = 42"
     named = result + ", force = 6, unit_names = 'mm N s'"
     study = "&simulate clearance = {}, cycles = 1 /"
@@ -300,7 +300,7 @@ def test_unit_names_leaves_no_number_without_a_unit(tmp_path):
 
 
 def test_a_case_of_a_rig_is_read_back(tmp_path):
-    """Cases and headers of results keep their digits: they are written as `unit_names` requires."""
+    """Cases and headers of results keep their digits, written as `unit_names` requires."""
     osc = vi.Oscillator.from_dimensional(
         M="2.7 kg", K="42 kN/m", xi="1.1 %", m="0.11 kg", restitution=0.75, F0="6 N"
     )
@@ -316,7 +316,7 @@ def test_a_case_of_a_rig_is_read_back(tmp_path):
 
 
 def test_signals_take_units():
-    """Times, frequencies and amplitudes of signals with units are those in SI."""
+    """Times, frequencies and amplitudes of signals with units are equivalent to SI values."""
     shock = vi.half_sine("50 m/s^2", duration="11 ms", step="0.1 ms", end="0.05 s")
     np.testing.assert_array_equal(shock, vi.half_sine(50.0, 0.011, 1e-4, 0.05))
     sweep = vi.swept_sine("6 N", ("15 Hz", "25 Hz"), "1 s", "1 ms")
@@ -338,7 +338,7 @@ def test_a_decay_needs_no_load():
 
 
 def test_the_output_of_a_structure_is_designed():
-    """A design may judge an output; of one coordinate it is the same as that coordinate."""
+    """A design may judge an output; an output equal to a coordinate gives the result of that coordinate."""
 
     def host(clearance, load, r):
         gaps = [vi.Gap([-1, 1], clearance, 0.7), vi.Gap([1, -1], clearance, 0.7)]

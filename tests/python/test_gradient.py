@@ -1,4 +1,4 @@
-"""Derivatives of motions by their parameters, against differences with 50 digits and laws."""
+"""Derivatives of motions by their parameters, compared with differences in 50 digits and with laws."""
 
 import math
 
@@ -13,7 +13,7 @@ from shared_systems import FIGURE6, RIG, TABLE
 STEP = "1e-12"
 
 
-#: The parameters by which a greatest value that both walls share has no derivative: R1 and R2.
+#: The parameters without derivatives of a greatest value that both walls share: R1 and R2.
 SYMMETRIC = [False] * 4 + [True] * 2 + [False] * 2
 
 
@@ -23,7 +23,7 @@ def uneven():
 
 
 def cases():
-    """Motions of several patterns, with unequal walls, another load, touches near a wall."""
+    """Motions of several patterns: unequal walls, another load, close to touching a wall."""
     yield uneven()
     three = [motion for motion in motions(RIG, 0.9, 6.0, 3, 1) if len(motion.pattern) == 3]
     yield three[0]
@@ -31,7 +31,7 @@ def cases():
 
 
 def reference(motion, parameter):
-    """Derivatives by one parameter, central differences with 50 digits."""
+    """Derivatives by one parameter, by central differences in 50 digits."""
     h = mp.mpf(STEP)
     ahead, behind = (ReferenceMotion(motion, **{parameter: step}).quantities() for step in (h, -h))
     found = {}
@@ -125,7 +125,7 @@ def test_values_are_those_of_the_motion():
 
 
 def test_symmetric_motion():
-    """Its mirror image changes alike; max|x| is reached on both sides, which R1 alone changes differently."""
+    """The mirror image changes alike; max|x| is reached on both sides, which R1 alone changes differently."""
     motion = vi.equispaced(TABLE, 0.94, 37.0)[0]
     gradient = motion.gradient()
     for name in ("X", "Z", "X_dot_before", "X_dot_after", "Z_dot_before", "Z_dot_after"):
@@ -145,13 +145,13 @@ def test_symmetric_motion():
     ],
 )
 def test_symmetric_motions_that_hardly_depend_on_restitution(xi, mu, r, clearance):
-    """One wall's restitution parts the extremes by 1e-10 of their size: there is no derivative all the same."""
+    """The restitution of one wall separates the extremes by 1e-10 of their size: still there is no derivative."""
     osc = vi.Oscillator(xi=xi, mu=mu, restitution=1.0)
     found = [motion.gradient() for motion in vi.equispaced(osc, r, clearance)]
     assert found
     for gradient in found:
         assert np.isnan(gradient["attenuation"][4:6]).all()
-    # of another motion x_max itself is reached twice
+    # in the other motion x_max itself is reached twice
     once = [gradient for gradient in found if np.isfinite(gradient["x_max"]).all()]
     assert once
     assert once[0]["x_max", "R1"] == pytest.approx(-once[0]["x_min", "R2"], rel=1e-4)
@@ -181,14 +181,14 @@ def test_predicts_the_next_motion():
 
 
 def test_refuses_where_there_are_no_derivatives():
-    """At a fold, at a graze, and for phases that are not exact: by name."""
+    """A fold, a grazing, and phases that are not exact are refused by name."""
     branch = vi.branch(uneven(), "r", (0.8, 1.1))
     special = {point.type: point.motion for point in branch.special_points}
     assert {"fold", "pitchfork", "grazing", "flip"} <= set(special)
     for kind in ("fold", "pitchfork", "grazing"):
         with pytest.raises(vi.SingularError, match="a graze" if kind == "grazing" else "a fold"):
             special[kind].gradient()
-    # a flip is no obstacle: the motion goes on through it
+    # a flip is no obstacle: the motion continues through it
     gradient = special["flip"].gradient()
     assert gradient.values["stability_margin"] == pytest.approx(0, abs=1e-9)
     assert np.isfinite(gradient["stability_margin"]).all()
@@ -198,7 +198,7 @@ def test_refuses_where_there_are_no_derivatives():
 
 
 def test_refuses_other_motions():
-    """Quantities or parameters that are not there."""
+    """Unknown quantities or parameters are refused."""
     gradient = uneven().gradient()
     with pytest.raises(vi.ParameterError, match="quantity 'x': must be one of alpha, X"):
         gradient["x"]
@@ -207,7 +207,7 @@ def test_refuses_other_motions():
 
 
 def test_coincident_multipliers_have_a_status():
-    """Where a complex pair becomes two real multipliers, those have no derivatives; the others do."""
+    """Where a complex pair becomes two real multipliers these have no derivatives; the others do."""
     low, high = 34.97, 37.0
     motion = uneven()
     for _ in range(60):
@@ -228,7 +228,7 @@ def test_coincident_multipliers_have_a_status():
 
 
 def test_motion_with_rest():
-    """Against differences between exact motions, as far as their rounding allows, and the unit of length."""
+    """Derivatives equal differences between exact motions, to the rounding of these, and scale with the length."""
     motion = vi.exact(RIG, 0.9, 6.0, vi.simulate(RIG, 0.9, 6.0, cycles=8, discard=200))
     assert motion.pattern.has_rest
     gradient = motion.gradient()
@@ -287,7 +287,7 @@ def test_motion_with_rest():
 
 
 def test_extreme_at_an_impact():
-    """Where an impact turns the primary mass back, its position is the extreme, and has the same derivatives."""
+    """Where an impact reverses the primary mass, its position is the extreme, and has the same derivatives."""
     osc = vi.Oscillator(
         xi=0.0041569628760348585, mu=1.8902694504388748, restitution=(0.4877735757663336, 0.24949359287277673)
     )  # fmt: skip
@@ -310,9 +310,9 @@ def test_extreme_at_an_impact():
     [(0.02, 0.003, 0.49, 0.8, 0.013), (0.01, 0.001, 0.27, 0.1, 0.025), (0.03, 0.02, 0.0, 0.4, 0.4)],
 )
 def test_symmetric_motion_with_rest(xi, mu, R, r, clearance):
-    """By the mirror x_max depends on R1 as -x_min does on R2; the attenuation by one alone has no derivative.
+    """By symmetry x_max depends on R1 as -x_min on R2; the attenuation has no derivative by one of them alone.
 
-    Where R is 0 every impact begins a rest, and nothing depends on it to first order.
+    Where R is 0 every impact begins a rest, and no quantity depends on R to first order.
     """
     osc = vi.Oscillator(xi=xi, mu=mu, restitution=R)
     run = vi.simulate(osc, r, clearance, cycles=10, discard=500)
@@ -330,7 +330,7 @@ def test_symmetric_motion_with_rest(xi, mu, R, r, clearance):
 
 
 def test_motion_of_many_impacts():
-    """A motion of 13 periods has the derivatives of the one, and its multipliers are powers of those."""
+    """A motion counted over 13 periods has the derivatives of one period, and its multipliers are their powers."""
     one = vi.exact(TABLE, 0.94, 37.0, COLUMN)
     phases = (one.alpha + 2 * math.pi * np.arange(13)[:, None]).ravel()
     many = vi.exact(TABLE, 0.94, 37.0, (phases, vi.Pattern("RL" * 13, 13)))
@@ -349,7 +349,7 @@ def test_motion_of_many_impacts():
 
 
 def test_shows_itself():
-    """The table for people, and the dataset."""
+    """The printed table, and the dataset."""
     gradient = vi.equispaced(FIGURE6, 0.94, 20.0)[0].gradient()
     assert "22 quantities by r, clearance, xi, mu, R1, R2, R, load" in repr(gradient)
     assert "attenuation" in str(gradient)

@@ -1,4 +1,4 @@
-"""Derivatives of motions and trajectories of structures with stops and friction, against differences."""
+"""Derivatives of motions and trajectories of structures with stops and friction, compared with differences."""
 
 from dataclasses import replace
 
@@ -38,7 +38,7 @@ def settled(structure, load):
 
 
 def rows(motion, like):
-    """The quantities of the events of a motion, from the one that is first in another motion."""
+    """The quantities of the events of a motion, starting at the event that is first in another motion."""
     whole = 2 * np.pi * like.cycles
     apart = [
         np.mod(np.roll(motion.phases, -k) - like.phases + whole / 2, whole) - whole / 2
@@ -99,7 +99,7 @@ def test_trajectory_against_differences(name):
 
 
 def test_numbers_by_a_function():
-    """Any number of an element is a parameter as a function: a dashpot, a preload, the speed of a belt."""
+    """Through a function, any number of an element is a parameter: a dashpot, a preload, the speed of a belt."""
     load = vi.Load(1.3, cosine=[1.0])
 
     def system(c=2.0, preload=0.1, speed=0.3):

@@ -1,4 +1,4 @@
-"""Texts of strangers in links, fields, results and file names: in a real browser nothing of them runs."""
+"""Untrusted texts in links, fields, results and file names: none of them runs in a real browser."""
 
 import dataclasses
 from pathlib import Path
@@ -9,12 +9,12 @@ import vibroimpact as vi
 from vibroimpact.explorer.state import State
 from vibroimpact.reproduce.report import pretty, verdict
 
-#: It ends an attribute, a text and a script of either kind, and would run in each.
+#: A text that ends an attribute, a text or a script of either kind, and would run in each.
 HOSTILE = (
     "\"onload=\"hit()\" 'onerror='hit()'--></title></style></script></svg>"
     "<script>hit()</script><img src=x onerror=hit()><svg onload=hit()>{{hit()}}`${hit()}`"
 )
-#: Counts what runs, and what has become an element.
+#: Counts scripts that run, and elements that the text creates.
 WATCH = "window.hits = 0; window.hit = () => { window.hits += 1 }"
 FOUND = """() => {
   const parts = document.querySelectorAll("img[src=x], svg[onload], [onerror]")
@@ -25,7 +25,7 @@ FOUND = """() => {
 
 @pytest.fixture
 def tab(browser):
-    """A tab that counts."""
+    """A browser tab with the counter."""
     found = browser.new_page()
     found.add_init_script(WATCH)
     yield found
@@ -33,21 +33,21 @@ def tab(browser):
 
 
 def show(tab, path, body):
-    """Open a page of this body, from a file, and wait until it is loaded."""
+    """Open a page with this body from a file, and wait until it is loaded."""
     path.write_text(f"<!doctype html><meta charset=utf-8><body>{body}</body>", encoding="utf-8")
     tab.goto(path.as_uri())
     tab.wait_for_load_state("load")
 
 
 def test_the_watch_sees_what_runs(tab, tmp_path):
-    """A page with this text as it is runs it."""
+    """A page with this text unescaped runs it."""
     show(tab, tmp_path / "page.html", HOSTILE)
     tab.wait_for_function("window.hits > 1")
     assert all(tab.evaluate(FOUND))
 
 
 def test_links_and_fields_of_the_explorer(page):
-    """Every part of a link, an unknown one, and every field show such a text, or refuse it; nothing runs."""
+    """Every part of a link, an unknown one, and every field show or refuse such a text; nothing runs."""
     page.page.add_init_script(WATCH)
     names = [*(item.name for item in dataclasses.fields(State) if item.name != "map"), "nonsense"]
     page.open(urlencode(dict.fromkeys([*names, HOSTILE], HOSTILE)))
@@ -72,7 +72,7 @@ def test_links_and_fields_of_the_explorer(page):
 
 
 def hostile(noun):
-    """A result whose texts are hostile."""
+    """A result with hostile texts."""
     changed = {
         "notes": ((True, HOSTILE),),
         "remarks": (HOSTILE,),
@@ -82,7 +82,7 @@ def hostile(noun):
 
 
 def test_pages_of_notebooks_and_reports(tab, tmp_path, results):
-    """Results, also by xarray, and the report; a picture and a film named so."""
+    """Results, also through xarray, and the report; a picture and an animation with such a name."""
     found = [hostile(results[name]) for name in ("motion", "zone")]
     assert "&lt;script" in found[1]._repr_html_()
     texts = [result._repr_html_() for result in found]
@@ -100,7 +100,7 @@ def test_pages_of_notebooks_and_reports(tab, tmp_path, results):
 
 
 def test_names_of_files(tmp_path, results):
-    """A result is saved and read under such a name, and messages repeat it as it is."""
+    """A result is saved and read under such a name, and messages repeat the name literally."""
     name = HOSTILE.replace("/", "_")[:200]
     path = Path(tmp_path) / f"{name}.json"
     results["motion"].save(path)

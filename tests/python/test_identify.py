@@ -1,4 +1,4 @@
-"""Identification of rigs from records: all parameters within their errors, from each kind of record."""
+"""Identification of rigs from records: all parameters within their errors, for each kind of record."""
 
 import warnings
 from dataclasses import replace
@@ -14,7 +14,7 @@ from vibroimpact.identification.steps import UNKNOWN_DELAY
 
 
 def test_the_bench_rig_is_found():
-    """At 40 dB all parameters are found within four errors; xi to 0.0002 if the filter is known."""
+    """At 40 dB all parameters are within four errors; xi is within 0.0002 if the filter is known."""
     stated = vi.VirtualRig(**BENCH, known_bandwidth=True)
     assert vi.identify(stated.record(rng=1), known=KNOWN).errors["xi"] < 0.0002
     found = vi.identify(vi.VirtualRig(**BENCH).record(rng=1), known=KNOWN)
@@ -31,7 +31,7 @@ def test_the_bench_rig_is_found():
 
 
 def test_an_identification_is_saved_and_read(tmp_path):
-    """JSON, netCDF, MATLAB and CSV hold the parameters; what is read has the same motion."""
+    """JSON, netCDF, MATLAB and CSV hold the parameters; a result read back has the same motion."""
     found = vi.identify(vi.VirtualRig(**BENCH).record(rng=1), known=KNOWN)
     for suffix in ("json", "nc", "mat"):
         found.save(tmp_path / f"found.{suffix}")
@@ -44,7 +44,7 @@ def test_an_identification_is_saved_and_read(tmp_path):
 
 @pytest.mark.parametrize("quantity", ["velocity", "displacement"])
 def test_velocity_and_displacement_do_as_well(quantity):
-    """Impacts are no spikes in these, but the same motion is found from their harmonics."""
+    """Impacts do not show as spikes in these records, but the harmonics give the same motion."""
     found = vi.identify(vi.VirtualRig(**BENCH).record(rng=1, quantity=quantity), known=KNOWN)
     assert found.pattern == vi.Pattern("RLL")
     for name, value in (("xi", 0.01143), ("R1", 0.75), ("R2", 0.65), ("d", 0.006)):
@@ -64,7 +64,7 @@ def test_units_of_a_record_do_not_matter():
 
 
 def test_two_records_tell_more_than_one():
-    """Fitted at once, two records of one rig give smaller errors than each of them, about the true values."""
+    """Two records of one rig, fitted together, give smaller errors than either, and agree with the true values."""
     first = vi.VirtualRig(**BENCH)
     second = vi.VirtualRig(**BENCH | {"F0": 5.0, "frequency": 20.1})
     records = [first.record(rng=1), second.record(rng=2)]
@@ -81,7 +81,7 @@ def test_two_records_tell_more_than_one():
 
 
 def test_what_a_symmetric_motion_cannot_tell_is_named():
-    """Two equal impacts half a period apart leave one of d, mu and R open and say so; one more known closes it."""
+    """Two equal impacts half a period apart leave d, mu or R undetermined; one more known value determines all."""
     rig = vi.VirtualRig(**BENCH | {"d": 0.0036, "restitution": 0.7, "frequency": 20.6})
     motion = vi.equispaced(rig.oscillator, rig.r, rig.clearance)
     stable = [item for item in motion if item.stable and item.admissible]
@@ -98,7 +98,7 @@ def test_what_a_symmetric_motion_cannot_tell_is_named():
 
 @pytest.mark.parametrize("seed", [1, 4])
 def test_a_pair_of_equal_impacts_is_found(seed):
-    """Equally spaced impacts, whose linear equations leave the amplitude free, start from the right motion."""
+    """For equally spaced impacts, whose linear equations leave the amplitude free, the fit starts correctly."""
     rig = vi.VirtualRig(**BENCH | {"d": 0.0036, "restitution": 0.75, "frequency": 20.6})
     found = vi.identify(rig.record(rng=seed), known=KNOWN)
     for name, value in (("xi", 0.01143), ("R1", 0.75), ("R2", 0.75), ("d", 0.0036)):
@@ -107,7 +107,7 @@ def test_a_pair_of_equal_impacts_is_found(seed):
 
 
 def test_impact_times_alone_tell_the_clearance():
-    """With everything else known, the exact phases of a motion give its clearance back."""
+    """With everything else known, the exact phases of a motion give its clearance."""
     rig = vi.VirtualRig(**BENCH)
     run = vi.simulate(rig.oscillator, rig.r, rig.clearance, cycles=20, discard=400)
     motion = vi.exact(rig.oscillator, rig.r, rig.clearance, run)
@@ -140,7 +140,7 @@ def test_drifting_restitution_is_an_average():
 
 
 def random_rig(seed):
-    """A rig about the bench one that has a stable motion with impacts, and the motion; its sensors are stated."""
+    """A random rig near the bench rig that has a stable motion with impacts, and the motion; sensors are known."""
     draw = np.random.default_rng(seed)
     while True:
         M, K = 2.7 * draw.uniform(0.7, 1.4), 42e3 * draw.uniform(0.7, 1.4)
@@ -180,13 +180,13 @@ def test_another_motion_with_a_weak_impact_is_doubted():
 
 @pytest.mark.slow
 def test_three_hundred_rigs(share):
-    """Of 300 rigs at 40 dB 98 % are fitted, and none is wrong without a doubt; 95 % intervals cover 90 to 98 %."""
+    """Of 300 rigs at 40 dB 98 % are fitted, every wrong fit is doubted, and 95 % intervals cover 90 to 98 %."""
     count = share(300)
     inside = {name: [] for name in ("xi", "R1", "R2", "d", "F0")}
     refused, doubted = 0, 0
     for seed in range(count):
         rig, motion = random_rig(seed)
-        # sensors of every second rig are exact, and said to be so
+        # the sensors of every second rig are exact, and declared exact
         rig = replace(rig, calibration=seed % 2 * 0.01)
         record = rig.record(2.0, rng=seed, motion=motion, settle=60)
         try:
@@ -197,19 +197,19 @@ def test_three_hundred_rigs(share):
                     known={"M": rig.M, "K": rig.K, "m": rig.m},
                     calibration=seed % 2 * rig.calibration,
                 )
-        except vi.SingularError:  # weak impacts beside pulses
+        except vi.SingularError:  # weak impacts next to pulses
             refused += 1
             continue
         if (
             found.doubts or found.pattern is None
-        ):  # another motion with a weak impact elsewhere may fit as well
+        ):  # another motion with a weak impact elsewhere may fit equally well
             doubted += 1
             continue
         assert found.pattern == motion.pattern.standard(), seed
         turns = (found._of(0, "impacts", "fitted") - motion.load_phase) / (2 * np.pi)
         k, true = motion.pattern.cycles, motion.alpha / (2 * np.pi)
-        # the record begins in any of the k load cycles of the period; the delay of a filter and half a contact,
-        # which nobody knows, are common to all impacts
+        # the record starts in any of the k load cycles of the period; an unknown filter delay and half a contact
+        # are common to all impacts
         errors = []
         for cycle in range(k):
             off = (turns[:, None] + cycle - true + k / 2) % k - k / 2
@@ -234,7 +234,7 @@ def test_three_hundred_rigs(share):
 
 
 def test_a_minimum_of_rounding_is_an_end():
-    """Where rounding makes every step that changes the point worse, one below rounding is not tried for ever."""
+    """Where rounding makes every changed point worse, a step below rounding is not retried forever."""
 
     def function(x):
         rounding = 0.0 if x[0] == 1 else 1e-6
@@ -244,7 +244,7 @@ def test_a_minimum_of_rounding_is_an_end():
     assert converged
     assert x[0] == 1
     assert f[0] == 1e-9
-    # far from a minimum that is no end: without a gain, and the derivatives say that there should be one
+    # far from a minimum this is not the end: the derivatives predict a gain, but there is none
     _, _, _, converged = levenberg(
         lambda x: (np.array([1.0 if x[0] == 1 else 2.0]), np.array([[1.0]])),
         np.array([1.0]), np.array([1.0]),
@@ -263,6 +263,6 @@ def test_a_minimum_of_rounding_is_an_end():
     ],
 )
 def test_a_rig_names_what_it_refuses(change, message):
-    """Also where the structure made of its parameters would be refused."""
+    """Each refused value is named, even if the structure with these parameters would be refused."""
     with pytest.raises(vi.ParameterError, match=message):
         vi.VirtualRig(**BENCH | change)

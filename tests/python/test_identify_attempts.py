@@ -1,4 +1,4 @@
-"""What identify says of records that no fit describes, and of coefficients of restitution that drift."""
+"""Results of identify for records that no fit describes, and for drifting coefficients of restitution."""
 
 import warnings
 
@@ -14,14 +14,14 @@ CHAOTIC = BENCH | {"d": 0.0037}
 
 
 def quietly(record, known):
-    """The result, without the warning of a poor fit."""
+    """The result, without the warning about a poor fit."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", vi.PoorFitWarning)
         return vi.identify(record, known=known)
 
 
 def test_a_refusal_lists_what_was_tried():
-    """A wrong mass allows no motion: the error has every attempt, the best one, and what would help."""
+    """With a wrong mass no motion exists: the error lists every attempt, the best one, and possible remedies."""
     record = vi.VirtualRig(**BENCH).record(duration=2.0, rng=3)
     with pytest.raises(vi.SingularError) as refused:
         vi.identify(record, known={"M": 2.7, "K": 42e3, "m": 2.7}, calibration=0)
@@ -34,7 +34,7 @@ def test_a_refusal_lists_what_was_tried():
 
 
 def test_the_best_attempt_has_the_least_misfit():
-    """Whatever the sequence, and attempts without a fit are none."""
+    """The best attempt is chosen in any sequence of attempts; attempts without a fit do not count."""
     tried = Attempts()
     tried.all = [
         Attempt("as it is", "RL/1", 7.0, "no motion"),
@@ -52,7 +52,7 @@ def test_the_best_attempt_has_the_least_misfit():
 
 @pytest.mark.parametrize("error", [0.0, 0.04])
 def test_a_wrong_mass_that_misleads_the_errors_raises_a_doubt(error):
-    """It is 3.6 standard errors from the record: less than 4, but it moves R by five of its own errors."""
+    """The wrong mass is 3.6 standard errors from the record, below 4, but it moves R by five of its own errors."""
     record = vi.VirtualRig(**BENCH).record(duration=3.0, rng=3)
     found = quietly(record, {"M": 2.7, "K": 42e3, "m": 0.11 * (1 + error)})
     away = abs(found.values["R1"] - 0.75) / found.errors["R1"]
@@ -63,7 +63,7 @@ def test_a_wrong_mass_that_misleads_the_errors_raises_a_doubt(error):
 
 @pytest.mark.parametrize("drift", [0.0, 0.06])
 def test_a_drift_of_the_restitution_raises_a_doubt(drift):
-    """In a chaotic record the fall of R shows as such, and no drift is none."""
+    """In a chaotic record a fall of R shows as a drift; without a drift none is reported."""
     rig = vi.VirtualRig(**CHAOTIC, drift=drift)
     found = quietly(rig.record(duration=6.0, rng=1), {"M": 2.7, "K": 42e3})
     assert found.status == "not periodic"
@@ -73,6 +73,6 @@ def test_a_drift_of_the_restitution_raises_a_doubt(drift):
 
 @pytest.mark.parametrize("name", ["f", "friction"])
 def test_friction_is_refused_by_name(name):
-    """It is not modelled."""
+    """Friction is not accepted as a known parameter."""
     with pytest.raises(vi.ParameterError, match=f"known {name} = 0.1: must be left out"):
         vi.identify(vi.VirtualRig(**BENCH).record(duration=1.0, rng=3), known={name: 0.1})

@@ -17,7 +17,7 @@ from vibroimpact.identification.steps import growth_of
 
 
 def identified(rig, seed, **known):
-    """The result for a rig of which M and K are known, without the warning of a poor fit."""
+    """The result for a rig with known M and K, without the warning about a poor fit."""
     _, load, acceleration, _ = record(rig, seed)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", vi.PoorFitWarning)
@@ -35,7 +35,7 @@ def identified(rig, seed, **known):
     ],
 )
 def test_what_changes_during_a_chaotic_record_is_named(change, size, seed, kind, said):
-    """A load, restitution or gain that changes by some per cent is a doubt, with its size to within a third."""
+    """A load, restitution or gain that changes by some per cent is doubted, with its size to within a third."""
     found = identified(replace(chaotic_rig(seed, kind)[0], **{change: size}), seed)
     assert found.status == "not periodic"
     assert not found.good
@@ -44,7 +44,7 @@ def test_what_changes_during_a_chaotic_record_is_named(change, size, seed, kind,
 
 
 def test_a_steady_chaotic_record_raises_no_doubt():
-    """The same rig without a change."""
+    """Without the change, the same rig raises no doubt."""
     found = identified(chaotic_rig(5, "defg")[0], 5)
     assert found.good
     assert found.doubts == ()
@@ -66,7 +66,7 @@ def test_a_growing_load_of_an_almost_periodic_motion_is_a_doubt():
 
 
 def test_a_growth_of_the_load_is_measured():
-    """Its share, within five of its own errors, and none where there is none."""
+    """The share of the change is within five of its own errors, and zero where nothing changes."""
     rig, _, _, _ = random_rig(0, "abc")
     for share in (0.0, 0.004):
         _, load, _, _ = record(replace(rig, load_growth=share), 0)
@@ -118,7 +118,7 @@ def test_ringing_is_found_at_two_samples_a_millisecond(monkeypatch):
 
 
 def test_an_unstable_motion_is_a_doubt(monkeypatch):
-    """No rig stays on it, however well it describes the record."""
+    """An unstable motion is doubted, however well it describes the record."""
     rig, _, _, _ = random_rig(0, "abc")
     assert identified(rig, 0, m=M * rig.mu).good
     unstable = SimpleNamespace(multipliers=np.array([1.2, 0.5, 0.5, 0.1], dtype=complex))
@@ -146,7 +146,7 @@ def test_a_period_longer_than_a_short_record_shows_is_found():
 
 
 def test_impacts_that_no_flights_resolve_are_explained():
-    """Contacts of which most flights have too few samples: how many, why, and what would help."""
+    """Contacts that leave most flights too few samples: the error gives the number, the reason and a remedy."""
     rig, _ = chaotic_rig(1067, "other")
     found = identified(rig, 1067)
     assert found.oscillator is None

@@ -1,4 +1,4 @@
-"""Dry friction in the slot of rigs: records of virtual rigs, and what an identification says about it."""
+"""Dry friction in the slot of rigs: records of virtual rigs, and results of the identification."""
 
 import functools
 import math
@@ -19,12 +19,12 @@ pytest.importorskip("scipy")
 from reference_rig import K, M, Rig, record
 from shared_identify import BENCH, IDEAL, KNOWN
 
-#: A motion R, L, L with reversals of slip between both impacts on L.
+#: A motion R, L, L with reversals of slip between the two impacts on L.
 RUBBING = BENCH | {"friction": 0.05}
 
 
 def test_friction_of_a_virtual_rig_is_a_share_of_the_load_or_a_force():
-    """Both give the same record, which no friction does not."""
+    """Friction as a share of the load and as a force give the same record, unlike that without friction."""
     share, force = (
         vi.virtual_record(1.0, 3, **BENCH | {"friction": f}).acceleration for f in (0.05, "0.3 N")
     )
@@ -43,7 +43,7 @@ def test_a_virtual_rig_with_friction_obeys_newtons_law():
     x, v = (getattr(rig.record(1.0, 3, name), name) for name in ("displacement", "velocity"))
     load = rig.record(1.0, 3).load
     force = (a * rig.M + rig.C * v + rig.K * x - load)[2000:-2000]
-    # +- the friction, but for impacts; the sensors delay all channels alike
+    # +- the friction, except at impacts; the sensors delay all channels equally
     level = 0.3
     near = abs(abs(force) - level) < 0.02
     assert near.mean() > 0.9
@@ -52,7 +52,7 @@ def test_a_virtual_rig_with_friction_obeys_newtons_law():
 
 
 def of_core(friction):
-    """A motion R, L, L as simulated by the core, its load phases and signed impulses (lengths in F0/K)."""
+    """A motion R, L, L simulated by the core, its load phases and signed impulses (lengths in F0/K)."""
     rig = vi.VirtualRig(**BENCH)
     point = rig.oscillator.at(rig.r, rig.clearance, friction=friction)
     load = vi.Load(rig.r, sine=[[1.0, 0.0]])
@@ -76,7 +76,7 @@ def rubbing(rig, angles, jumps, friction, order, places):
 @pytest.mark.parametrize("friction", [0.003, 0.03])
 @pytest.mark.parametrize("order", [0, 1])
 def test_the_motion_of_a_fit_is_that_of_the_core(friction, order):
-    """Closed forms, with the reversal of the slip as an unknown, and a simulation until the motion repeats."""
+    """Closed forms with the reversal of the slip as an unknown agree with a simulation of many cycles."""
     rig, motion, angles, jumps = of_core(friction)
     places = 0.013 + np.linspace(0, 2 * math.pi, 50, endpoint=False)
     own, x, _, _ = rubbing(rig, angles, jumps, friction, order, places)
@@ -89,7 +89,7 @@ def test_the_motion_of_a_fit_is_that_of_the_core(friction, order):
 
 @pytest.mark.parametrize("order", [0, 1, 2])
 def test_derivatives_of_a_motion_with_friction(order):
-    """Against differences, with respect to all parameters."""
+    """Derivatives by all parameters agree with differences."""
     rig, _, angles, jumps = of_core(0.01)
     places = 0.013 + np.linspace(0, 2 * math.pi, 50, endpoint=False)
     motion, _, data, p = rubbing(rig, angles, jumps, 0.01, order, places)
@@ -110,7 +110,7 @@ def test_derivatives_of_a_motion_with_friction(order):
 
 
 def test_friction_that_sticks_has_no_motion():
-    """At its reversal, a very light free mass would be dragged along."""
+    """A motion whose friction would stick is refused: at its reversal, a very light free mass is dragged along."""
     rig, _, angles, jumps = of_core(0.01)
     motion, _, data, p = rubbing(rig, angles, jumps, 0.01, 1, np.empty(0))
     p[2] = 1e-4
@@ -128,7 +128,7 @@ def score_of(made, known):
 
 @functools.cache
 def recorded(D, friction):
-    """A record of another program, of a motion that repeats if D is below 40."""
+    """A record of another program, with a motion that repeats if D is below 40."""
     rig = Rig(
         xi=0.0114, mu=0.04, restitution=(0.75, 0.68), r=1.04, F0=6.0, D=D, rate=10000.0, duration=3.0,
         calibration=0.0, friction=friction,
@@ -138,7 +138,7 @@ def recorded(D, friction):
 
 
 def test_without_friction_its_test_is_standard_normal():
-    """The squares of the statistic over noise and load phases have a chi-square distribution: 99.9 % interval."""
+    """The squared statistics over noise and load phases have a chi-square distribution: 99.9 % interval."""
     rig = vi.VirtualRig(**BENCH)
     sizes = [
         score_of(rig.record(duration=2.0, rng=seed), KNOWN).strains["friction"].size
@@ -150,21 +150,21 @@ def test_without_friction_its_test_is_standard_normal():
 
 @pytest.mark.parametrize(("D", "friction"), [(44.0, 3e-4), (48.0, 1e-3)])
 def test_a_chaotic_record_shows_the_size_of_friction(D, friction):
-    """Of a record of another program, within the standard error of the test."""
+    """From a record of another program, the friction is within the standard error of the test."""
     strain = score_of(recorded(D, friction), {"M": M, "K": K}).strains["friction"]
     assert strain.size > 4
     assert abs(strain.change - friction) < 4 * strain.change / strain.size
 
 
 def quietly(*args, **options):
-    """The result, without the warning of a poor fit."""
+    """The result, without the warning about a poor fit."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", vi.PoorFitWarning)
         return vi.identify(*args, **options)
 
 
 def test_friction_that_shows_is_a_doubt():
-    """With its size; periodic records of three unequal impacts, and chaotic ones, show it."""
+    """Friction is reported with its size for periodic records of three unequal impacts and for chaotic records."""
     periodic = quietly(vi.VirtualRig(**BENCH, **IDEAL, friction=0.02).record(rng=1), known=KNOWN)
     aperiodic = quietly(recorded(48.0, 1e-3), known={"M": M, "K": K})
     for found in (periodic, aperiodic):
@@ -173,7 +173,7 @@ def test_friction_that_shows_is_a_doubt():
 
 
 def test_friction_that_does_not_show_is_an_assumption():
-    """Two impacts a period do not tell friction from restitution; with the change that is stated, R is right."""
+    """Two impacts per period cannot separate friction from restitution; with the stated change, R is right."""
     found = vi.identify(recorded(20.0, 0.01), known={"M": M, "K": K, "m": 0.04 * M})
     off = (found.values["R1"] - 0.75) / found.errors["R1"]
     assert off < -3
@@ -185,7 +185,7 @@ def test_friction_that_does_not_show_is_an_assumption():
 
 
 def test_no_friction_is_no_doubt():
-    """Neither of a periodic nor of a chaotic record."""
+    """Neither a periodic nor a chaotic record without friction shows any."""
     assert vi.identify(vi.VirtualRig(**BENCH).record(rng=1), known=KNOWN).good
     assert vi.identify(recorded(44.0, 0.0), known={"M": M, "K": K}).good
 
@@ -203,7 +203,7 @@ def off(found, true):
 
 
 def test_known_friction_is_part_of_the_motion():
-    """Of a record of another program, whose parameters are right with it; as a share of the load or a force."""
+    """From a record of another program, parameters are right with the known friction, as load share or force."""
     made, known = recorded(20.0, 0.01), {"M": M, "K": K, "m": 0.04 * M, "F0": 6.0}
     share, force = (vi.identify(made, known=known, friction=f) for f in (0.01, "0.06 N"))
     assert share.good
@@ -229,7 +229,7 @@ def test_known_friction_is_part_of_the_motion():
     ],
 )
 def test_refusals_name_friction(options, message):
-    """A law, a negative number, and several records."""
+    """Known friction is refused with a law, for several records, and if negative."""
     made = vi.virtual_record(1.0, 3, **BENCH)
     with pytest.raises(vi.VibroimpactError, match=message):
         vi.identify(made, known=KNOWN, **options)
@@ -238,6 +238,6 @@ def test_refusals_name_friction(options, message):
 
 
 def test_friction_of_a_record_that_is_not_periodic_is_refused():
-    """Its flights are not separated by friction."""
+    """Friction is refused for such a record, as it is evaluated flight by flight."""
     with pytest.raises(vi.SingularError, match="must be left out, since the record is not"):
         quietly(recorded(48.0, 1e-3), known={"M": M, "K": K}, friction=1e-3)

@@ -1,4 +1,4 @@
-"""Known values with standard errors: their effect is part of the errors of all that depends on them."""
+"""Known values with standard errors: these contribute to the errors of all dependent parameters."""
 
 import warnings
 
@@ -25,7 +25,7 @@ def exact(record):
 
 
 def propagated(record, known, name, share, values):
-    """The errors of known value `name` in all parameters, from fits with slightly different values."""
+    """The changes of all parameters per error of known value `name`, from fits with slightly different values."""
     step = 2e-4
     ends = [
         vi.identify(record, known=known | {name: known[name] * (1 + sign * step)}).values
@@ -35,7 +35,7 @@ def propagated(record, known, name, share, values):
 
 
 def test_errors_are_those_of_linear_propagation(record, exact):
-    """Errors add in squares with the changes of refitted parameters; values stay bit for bit."""
+    """Errors combine in quadrature with the changes of refitted parameters; values stay equal bit for bit."""
     share = {"M": 0.0004, "K": 0.001, "m": 0.004}
     own = {name: (value, value * share[name]) for name, value in KNOWN.items()}
     found = vi.identify(record, known=own)
@@ -53,7 +53,7 @@ def test_errors_are_those_of_linear_propagation(record, exact):
 
 
 def test_without_errors_nothing_changes(record, exact):
-    """An error of 0 leaves all bits of a result."""
+    """An error of 0 leaves the result unchanged to the last bit."""
     again = vi.identify(record, known={name: (value, 0) for name, value in KNOWN.items()})
     mine, its = again.to_dict(), exact.to_dict()
     assert mine["tables"] == its["tables"]
@@ -62,7 +62,7 @@ def test_without_errors_nothing_changes(record, exact):
 
 @pytest.mark.parametrize("error", ["1 %", "420 N/m", 420, "0.42 kN/m"])
 def test_forms_of_an_error(record, exact, error):
-    """An error is a number in SI, a text with a unit, or a share of a quantity with a dimension."""
+    """An error is a number in SI, a text with a unit, or a fraction of a quantity with a dimension."""
     found = vi.identify(record, known=KNOWN | {"K": ("42 kN/m", error)})
     assert found.errors["xi"] > 7 * exact.errors["xi"]
     assert found.errors["K"] == pytest.approx(420)
@@ -87,7 +87,7 @@ def test_mass_alone(record):
 
 
 def test_flights_of_a_chaotic_record():
-    """A record that is fitted flight by flight has the errors of its known values, too."""
+    """A record that is fitted flight by flight also includes the errors of its known values."""
     chaotic = vi.VirtualRig(
         M=2.7, K=42e3, m=0.11, d=0.004, xi=0.011, restitution=0.75, F0=6.0, frequency=19.5
     ).record(duration=3.0, rng=1)
@@ -100,7 +100,7 @@ def test_flights_of_a_chaotic_record():
 
 
 def test_intervals_cover_the_truth():
-    """With K drawn from its error, xi is within its errors as often as they state; without the error it is not."""
+    """With K drawn from its error, xi is as often within its errors as stated; without the error it is not."""
     rng = np.random.default_rng(46)
     wide, narrow = [], []
     for seed in range(6):
@@ -112,7 +112,7 @@ def test_intervals_cover_the_truth():
         assert plain.values["xi"] == found.values["xi"]
         wide.append(off / found.errors["xi"])
         narrow.append(off / plain.errors["xi"])
-    # the sum of six squares is from 0.87 to 16.8 in 98 % of such sets
+    # the sum of six squares is between 0.87 and 16.8 in 98 % of such sets
     assert 0.87 < np.square(wide).sum() < 16.8
     assert np.square(narrow).sum() > 16.8
 

@@ -1,4 +1,4 @@
-"""Restitution that depends on speed: the law that is identified is that of the rig."""
+"""Restitution that depends on speed: the identified law is that of the rig."""
 
 import numpy as np
 import pytest
@@ -8,11 +8,11 @@ pytest.importorskip("scipy")
 from scipy.stats import binom
 from shared_identify import BENCH, IDEAL, KNOWN
 
-#: A power law on both walls, which is one above 0.02 m/s, and load amplitudes of three records.
+#: A power law on both walls, equal to one below 0.02 m/s, and load amplitudes of three records.
 LAW = tuple(vi.PowerLaw(R, speed=0.02, exponent=0.1, sharpness=20) for R in (1.0, 0.9))
 LOADS = (6.0, 6.4, 6.8)
-#: Of the records, dB: flights alone, without the shapes of the pulses, tell a law from constants where noise is
-#: low.
+#: Signal-to-noise ratio of the records, dB: flights without pulse shapes separate a law from constants only at low
+#: noise.
 SNR = 60.0
 
 
@@ -27,7 +27,7 @@ def records_at_loads(walls, seed):
 
 
 def true_of_law(walls, v0):
-    """What an identification with a power law should find."""
+    """Check the identification with a power law."""
     exponent = walls[0].exponent if isinstance(walls[0], vi.PowerLaw) else 0.0
     right, left = (float(law(v0)) if exponent else law for law in walls)
     return {"xi": 0.01143, "d": 0.006, "exponent": exponent, "R1": right, "R2": left}
@@ -35,7 +35,7 @@ def true_of_law(walls, v0):
 
 @pytest.mark.parametrize("walls", [LAW, (0.75, 0.65)])
 def test_a_power_law_is_found(walls):
-    """Three loads tell the exponent, 0 for constants; the law found is that of the rig, with its multipliers."""
+    """Three loads determine the exponent (0 for constants); the law equals that of the rig, with its multipliers."""
     found = vi.identify(records_at_loads(walls, 1), calibration=0, known=KNOWN, law="power")
     assert found.undetermined == []
     true = true_of_law(walls, found.values["v0"])
@@ -58,7 +58,7 @@ def test_a_power_law_is_found(walls):
 
 
 def test_a_power_law_holds_where_constants_fail():
-    """Impacts of different speeds in one period tell the exponent too; constants do not fit them."""
+    """Impacts of different speeds in one period also determine the exponent; constants do not fit them."""
     record = records_at_loads(LAW, 1)[1]
     with pytest.warns(vi.PoorFitWarning, match="law of restitution"):
         constant = vi.identify(record, calibration=0, known=KNOWN)
@@ -77,7 +77,7 @@ def test_a_power_law_holds_where_constants_fail():
 
 
 def test_a_knee_is_said_not_to_be_fitted():
-    """At a knee a power law fits one record; its coefficients at the impacts are right, a note names the rest."""
+    """At a knee a power law fits one record; its coefficients at the impacts are right, and a note names the knee."""
     walls = tuple(vi.PowerLaw(R, speed=0.3, exponent=0.2) for R in (0.9, 0.8))
     record = records_at_loads(walls, 1)[0]
     found = vi.identify(record, calibration=0, known=KNOWN, law="power")
@@ -100,7 +100,7 @@ def test_a_knee_is_said_not_to_be_fitted():
     ],
 )
 def test_keys_of_a_law(keys, values, tmp_path):
-    """A namelist gives what is known of a law, for both walls or for each, and the number of knots."""
+    """A namelist gives the known values of a law, for both walls or for each, and the number of knots."""
     record = records_at_loads(LAW, 1)[1]
     columns = zip(record.times, record.load, record.acceleration, strict=True)
     (tmp_path / "bench.csv").write_text(
@@ -121,7 +121,7 @@ def test_keys_of_a_law(keys, values, tmp_path):
 
 
 def test_equal_speeds_do_not_tell_the_exponent():
-    """A record whose impacts have one speed names the exponent; the rest is as with constants."""
+    """For a record whose impacts have one speed a note names the exponent; the rest is as with constants."""
     walls = (vi.PowerLaw(1.0, speed=0.02, exponent=0.1, sharpness=20),) * 2
     rig = vi.VirtualRig(**BENCH | IDEAL | {"d": 0.0036, "restitution": walls, "frequency": 20.6})
     record = rig.record(rng=4)
@@ -137,7 +137,7 @@ def test_equal_speeds_do_not_tell_the_exponent():
 
 
 def test_a_power_law_of_each_wall_is_found():
-    """Walls with different exponents need one each: with one for both the misfit tells it."""
+    """Walls with different exponents need one exponent each; the misfit shows it if both share one."""
     walls = tuple(
         vi.PowerLaw(R, speed=0.02, exponent=p, sharpness=20) for R, p in ((1.0, 0.1), (0.9, 0.12))
     )
@@ -157,7 +157,7 @@ def test_a_power_law_of_each_wall_is_found():
     assert abs(here.values["exponent1"] - 0.1) < 4 * here.errors["exponent1"]
 
 
-#: Loads at which the motions with the next walls are periodic and their impacts have different speeds.
+#: Loads for which motions with these walls are periodic and their impacts have different speeds.
 KNEE_LOADS = (5.5, 6.1, 6.7)
 
 
@@ -174,7 +174,7 @@ def records_of(walls, loads=KNEE_LOADS, seed=1):
     [("knee", (5.4, 5.8, 6.4), (0.8, 0.3, 0.2)), ("knees", KNEE_LOADS, (0.8, 0.3, 0.24))],
 )
 def test_a_knee_is_found(kind, loads, left, tmp_path):
-    """Speeds about the knee tell it, of both walls or of each; the law is that of the rig and is saved."""
+    """Speeds around the knee determine it, for both walls or each; the law is that of the rig and is saved."""
     walls = (vi.PowerLaw(0.9, 0.3, 0.2), vi.PowerLaw(*left))
     found = vi.identify(records_of(walls, loads), calibration=0, known=KNOWN, law=kind)
     assert found.undetermined == []
@@ -195,14 +195,14 @@ def test_a_knee_is_found(kind, loads, left, tmp_path):
 
 
 def piecewise(speeds, values):
-    """A law that is linear between its knots, as nearly as a table of the core can be."""
+    """A law that is linear between its knots, as nearly as a table of the core allows."""
     speeds = np.array(speeds)
     points = np.sort(np.concatenate([speeds, speeds[1:] * 0.9999, speeds[:-1] * 1.0001]))
     return vi.TabulatedRestitution(points, np.interp(points, speeds, values))
 
 
 def test_a_table_is_found():
-    """Each wall's table has its knots among the speeds of its impacts; R there is that of the rig."""
+    """The table of each wall has its knots within the speeds of its impacts; R there is that of the rig."""
     walls = (piecewise([0.5, 0.9], [0.78, 0.72]), piecewise([0.1, 0.6], [0.76, 0.64]))
     found = vi.identify(
         records_of(walls, (5.6, 6.0, 6.4)), calibration=0, known=KNOWN, law="tables"
@@ -222,7 +222,7 @@ def test_a_table_is_found():
 
 
 def test_what_two_speeds_tell_of_a_table_is_named():
-    """A periodic motion with one and two speeds on its walls determines no table of five knots, and no knee."""
+    """A periodic motion with one and two speeds on its walls determines neither five knots nor a knee."""
     record = vi.VirtualRig(**BENCH | IDEAL).record(rng=1)
     tables = vi.identify(record, calibration=0, known=KNOWN, law="tables", law_knots=5)
     # one speed on the right wall, at the middle knot; two on the left one

@@ -1,4 +1,4 @@
-"""Motions of an identification: those of the core, also under harmonics of the load, up to the boundary."""
+"""Motions of an identification agree with those of the core, under load harmonics and up to a boundary too."""
 
 import numpy as np
 import pytest
@@ -24,7 +24,7 @@ def fitted_laws():
 @pytest.mark.parametrize("kind", ["constant", "powers", "knees", "tables"])
 @pytest.mark.parametrize("shaped", [False, True])
 def test_motions_of_a_fit_are_those_of_the_core(kind, shaped):
-    """Impacts agree with the core's; derivatives with its own, or with differences of its motions."""
+    """Impacts agree with those of the core; derivatives with its own, or with differences of its motions."""
     from vibroimpact.identification.flights import Measured
     from vibroimpact.identification.motions import PARAMETERS, System, verified
 
@@ -43,7 +43,7 @@ def test_motions_of_a_fit_are_those_of_the_core(kind, shaped):
     found = System(data, law).motion(p, *start)
 
     def core(p):
-        """Angles and jumps by the core's Newton method, with a law that a structure takes."""
+        """Angles and jumps agree with the core's Newton method, with a law that a structure accepts."""
         omega, xi, mu, d, static, phase, *of_walls = p
         names = law.of_wall(0) + law.of_wall(1)
         walls = law.restitution(dict(zip(names, of_walls, strict=True)), omega * static)
@@ -72,7 +72,7 @@ def test_motions_of_a_fit_are_those_of_the_core(kind, shaped):
 
 @pytest.mark.parametrize("harmonics", [(0.1,), (0.02, 0.1)])
 def test_harmonics_of_the_load_move_the_impacts(harmonics, tmp_path):
-    """With a load that is no sine the parameters are found as well, and the motion is one under this load."""
+    """With a load that is not a sine the parameters are found too, for the motion under this load."""
     found = vi.identify(vi.VirtualRig(**BENCH, harmonics=harmonics).record(rng=1), known=KNOWN)
     for name, value in (("xi", 0.01143), ("R1", 0.75), ("R2", 0.65), ("d", 0.006), ("F0", 6.0)):
         assert abs(found.values[name] - value) < 4 * found.errors[name], name
@@ -89,7 +89,7 @@ def test_harmonics_of_the_load_move_the_impacts(harmonics, tmp_path):
 
 
 def test_a_boundary_is_where_the_motion_is_lost():
-    """Beyond the nearest boundary the motion is not stable and admissible; before it it is."""
+    """Beyond the nearest boundary the motion is not stable and admissible; before the boundary it is."""
     found = vi.identify(vi.VirtualRig(**BENCH).record(rng=1), known=KNOWN)
     nearest = found.nearest_boundary()
     here = {"r": found.r, "clearance": found.clearance}

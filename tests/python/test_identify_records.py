@@ -1,4 +1,4 @@
-"""Ten records made by an independent generator, of which all parameters are known.
+"""Ten records made by an independent generator, with all parameters known.
 
 Its model: exact flights of the pair by matrix exponentials; each impact is a half sine of finite duration (0.2
 to 1 ms), whose area is the jump of the velocity of M, followed by the ringing of a second mode (430 Hz, decay
@@ -47,7 +47,7 @@ def record_of(name):
 @pytest.mark.parametrize("name", "abcdefghij")
 @pytest.mark.parametrize("with_m", [False, True])
 def test_a_record_of_another_program_is_right(name, with_m):
-    """Pattern, and all that is determined within three stated errors; with the free mass nothing is left open."""
+    """The pattern, and all determined parameters within three stated errors; a known m determines all of them."""
     record, true = record_of(name)
     known = {"M": M, "K": K} | ({"m": true["mu"] * M} if with_m else {})
     found = vi.identify(record, known=known)
@@ -103,13 +103,13 @@ def stretches(found, rig):
     several = np.flatnonzero(np.diff(found.impact_times) < 2e-3)
     for own in (slice(0, several[0] - 2), slice(several[-1] + 4, None)):
         motion, left = moved_at(rig, found.impact_times[own], sides[own], phase)
-        assert np.std(left) < 0.003  # m/s: they are impacts of this rig
+        assert np.std(left) < 0.003  # m/s: these are impacts of this rig
         yield motion
 
 
 @pytest.mark.parametrize("name", "acdgh")
 def test_errors_are_near_the_bound_of_the_flights(name):
-    """No estimate of such data has errors below the Cramer-Rao bound; the stated ones are at most twice it."""
+    """No estimate from such data has errors below the Cramer-Rao bound; the stated errors are at most twice it."""
     ratios, _ = over_bound(name)
     assert set(ratios) == {"xi", "R1", "R2", "d", "F0"}
     for item, ratio in ratios.items():

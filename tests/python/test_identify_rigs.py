@@ -20,7 +20,7 @@ from vibroimpact.identification.steps import of_record
 
 
 def score(seed, kind):
-    """What is found of a rig: the pattern right or not, and errors of the parameters over their stated ones."""
+    """The results for a rig: whether the pattern is right, and the parameter errors over their stated errors."""
     rig, (_, load, acceleration, _), k, sides = random_rig(seed, kind)
     known = {"M": M, "K": K, "m": M * rig.mu}
     with warnings.catch_warnings():
@@ -39,7 +39,7 @@ def score(seed, kind):
 @pytest.mark.parametrize("kind", ["abc", "defg", "hi", "other"])
 @pytest.mark.parametrize("seed", range(3))
 def test_a_rig_is_found(kind, seed):
-    """The shortest period, its pattern, and all parameters within four stated errors, with no misfit."""
+    """The shortest period, its pattern, and all parameters within four stated errors, without a misfit."""
     found, right, off = score(seed, kind)
     assert right
     assert found.good
@@ -62,7 +62,7 @@ def test_impacts_that_a_motion_lacks_are_told_by_the_record():
         unexplained(acceleration, rig.rate, turn, k, np.delete(angles, i)) or np.inf
         for i in range(5)
     ]
-    assert (abs(places - angles) < 0.1).sum() == 4  # at the weakest one no flight turns so abruptly
+    assert (abs(places - angles) < 0.1).sum() == 4  # at the weakest, no flight turns so abruptly
 
 
 @pytest.mark.parametrize(("seed", "impacts"), [(9022, "RLLRLL"), (9032, "RLLRLLRLLRLL")])
@@ -78,7 +78,7 @@ def test_cycles_that_differ_slightly_are_a_longer_period(seed, impacts):
 
 @pytest.mark.parametrize("cycles", [14, 24])
 def test_too_few_cycles_leave_no_shorter_period_without_a_doubt(cycles):
-    """Parts of a record with a period of four cycles, of three and six periods: right or doubtful."""
+    """Parts of a record with a period of four cycles, of three and six periods: right or doubted."""
     rig, (_, load, acceleration, _), k, _ = random_rig(9032, "hi")
     assert k == 4
     count = round(cycles / rig.frequency * rig.rate)
@@ -92,7 +92,7 @@ def test_too_few_cycles_leave_no_shorter_period_without_a_doubt(cycles):
 
 
 def test_twice_the_period_with_equal_halves_is_doubted():
-    """A record with much noise, of which only a motion of twice the period is found."""
+    """A record with much noise, for which only a motion of twice the period is found."""
     rig, (_, load, acceleration, _), k, sides = wide_rig(4011, "pulses", False)
     assert (k, sides) == (1, "LR")
     with pytest.warns(vi.PoorFitWarning, match="both halves of the period have the same impacts"):
@@ -104,14 +104,14 @@ def test_twice_the_period_with_equal_halves_is_doubted():
 
 
 def three_impacts():
-    """A rig whose motion has three impacts, which tell the free mass, with its record."""
+    """A rig whose motion has three impacts, which determine the free mass, with its record."""
     rig, (_, load, acceleration, _), _, sides = random_rig(0, "defg")
     assert len(sides) == 3
     return rig, vi.SensorRecord(rig.rate, load=load, acceleration=acceleration)
 
 
 def test_what_contradicts_the_record_is_named():
-    """A known mass that is 6 % wrong: the value that its fit names is that of a fit without it."""
+    """For a known mass that is 6 % wrong, the value named by the fit is that of a fit without it."""
     rig, given = three_impacts()
     free = vi.identify(given, known={"M": M, "K": K})
     assert free.good
@@ -127,7 +127,7 @@ def test_what_contradicts_the_record_is_named():
 
 
 def test_clocks_that_differ_are_named():
-    """Channels that are said to be of one time but are 2 ms apart: the delay that is found."""
+    """Channels declared simultaneous that are 2 ms apart: the delay is found."""
     rig, (_, load, acceleration, _), _, _ = random_rig(1, "abc")
     shift = round(0.002 * rig.rate)
     with pytest.warns(vi.PoorFitWarning, match="ms later than its channel indicates"):
@@ -141,7 +141,7 @@ def test_clocks_that_differ_are_named():
 
 @pytest.mark.parametrize("name", ["K/M", "phase"])
 def test_what_the_errors_assume_is_said(name):
-    """How much the damping ratio would change with K/M, and with the clocks: as fits with others have it."""
+    """The change of the damping ratio with K/M, and with the clocks, agrees with fits with other values."""
     rig, given = three_impacts()
     known = {"M": M, "K": K, "m": M * rig.mu}
     exactly = {} if name == "K/M" else {"delay": {"load": 0.0, "acceleration": 0.0}}
@@ -164,7 +164,7 @@ def test_what_the_errors_assume_is_said(name):
 
 
 def test_what_two_impacts_leave_open_is_named():
-    """Without the free mass two impacts a period do not tell it; what they tell is right."""
+    """Without the free mass two impacts per period do not determine it; the determined parameters are right."""
     rig, (_, load, acceleration, _), k, sides = random_rig(0, "abc")
     assert (k, len(sides)) == (1, 2)
     found = vi.identify(rate=rig.rate, load=load, acceleration=acceleration, known={"M": M, "K": K})
@@ -173,7 +173,7 @@ def test_what_two_impacts_leave_open_is_named():
 
 
 def chaotic_score(seed, kind):
-    """What is found of a rig whose motion does not repeat: errors of all parameters over their stated ones."""
+    """The results for a rig whose motion does not repeat: errors of all parameters over their stated errors."""
     rig, (_, load, acceleration, _) = chaotic_rig(seed, kind)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", vi.PoorFitWarning)
@@ -190,7 +190,7 @@ def chaotic_score(seed, kind):
 
 
 def test_a_chaotic_rig_makes_one_record():
-    """A change of the load by 1e-14, as of other rounding, does not grow: all of its impacts stay the same."""
+    """A change of the load by 1e-14, as from different rounding, does not grow: all impacts stay the same."""
     rig, _ = chaotic_rig(1, "defg")
     one, other = (flights(rig, 0.0, 150 / rig.frequency, phase)[1] for phase in (0.0, 1e-14))
     assert one == pytest.approx(other, abs=1e-8)
@@ -210,7 +210,7 @@ def test_chaotic_records_tell_all_parameters():
         assert max(map(abs, off)) < 4
         assert found.misfit == pytest.approx(1, abs=0.5)
         assert found.errors["R1"] < 0.01
-        assert 0.0099 < found.errors["d"] / found.d < 0.013  # mostly of the calibration
+        assert 0.0099 < found.errors["d"] / found.d < 0.013  # mostly an error of the calibration
         assert found.oscillator.mu == found.values["mu"]
     assert told >= 3
 
@@ -219,7 +219,7 @@ def test_chaotic_records_tell_all_parameters():
     ("change", "text"), [("gain", "corresponds to a load of"), ("clock", "ms later than")]
 )
 def test_a_chaotic_record_contradicts_its_load(change, text):
-    """A load that is 10 % too large or 1 ms too early: single flights tell how large it is, and when."""
+    """A load that is 10 % too large or 1 ms too early: single flights show the size and the delay."""
     rig, (_, load, acceleration, _) = chaotic_rig(1, "defg")
     given = {"load": 1.1 * load, "acceleration": acceleration}
     if change == "clock":
@@ -258,11 +258,11 @@ def test_a_chaotic_record_contradicts_what_is_known():
 
 
 def test_what_a_chaotic_record_assumes_is_a_derivative():
-    """How parameters change with the known natural frequency, against fits with others to the same impacts."""
+    """Changes of parameters with the known natural frequency agree with fits of the same impacts."""
     rig, (_, load, acceleration, _) = chaotic_rig(1, "defg")
     given = {"rate": rig.rate, "load": load, "acceleration": acceleration}
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", vi.PoorFitWarning)  # also of small changes
+        warnings.simplefilter("ignore", vi.PoorFitWarning)  # also for small changes
         fits = [
             vi.identify(**given, known={"M": M, "K": part * K}) for part in (0.99998, 0.99996, 1)
         ]
@@ -324,7 +324,7 @@ def test_an_impact_hidden_in_a_long_flight_is_noticed(seed):
 
 
 def test_a_frequency_that_noise_blurs_is_that_of_the_motion():
-    """The load of this record tells its frequency to 1e-6, by which the motion slips over its 120 cycles."""
+    """The load of this record determines its frequency to 1e-6, which shifts the motion over its 120 cycles."""
     rig, (_, load, acceleration, _), k, sides = random_rig(1070, "other")
     found = vi.identify(
         rate=rig.rate, load=load, acceleration=acceleration, known={"M": M, "K": K, "m": M * rig.mu}
@@ -335,7 +335,7 @@ def test_a_frequency_that_noise_blurs_is_that_of_the_motion():
 
 
 def test_noise_does_not_tell_what_a_repeated_motion_leaves_open():
-    """Two equal impacts a period, taken one by one: their scatter is noise, which tells no free mass."""
+    """Two equal impacts per period, taken one by one: their scatter is noise, and determines no free mass."""
     rig, (_, load, acceleration, _), _, _ = random_rig(0, "abc")
     record = vi.SensorRecord(rig.rate, load=load, acceleration=acceleration)
     scale, known = {"M": M, "K": K}, {"omega": (K / M) ** 0.5}
@@ -347,7 +347,7 @@ def test_noise_does_not_tell_what_a_repeated_motion_leaves_open():
 
 @pytest.mark.parametrize("quantity", ["acceleration", "velocity", "displacement"])
 def test_a_virtual_contact_moves_as_much_momentum(quantity):
-    """After a contact the motion is that of an impulse half a contact later, to second order of its length."""
+    """After a contact the motion is that of an impulse half a contact later, to second order in its duration."""
     off = []
     for contact in (4e-4, 2e-4):
         made = [
@@ -357,13 +357,13 @@ def test_a_virtual_contact_moves_as_much_momentum(quantity):
             for one in (0.0, contact)
         ]  # fmt: skip
         off.append(float(np.median(abs(made[1] - made[0]))) / made[0].std())
-    # half a contact is by how much the pulse, and what follows from it, is late
+    # the pulse, and its consequences, are late by half a contact
     assert off[0] < 0.01
     assert off[0] < 1e-9 or off[0] / off[1] == pytest.approx(2, rel=0.2)
 
 
 def test_a_virtual_rig_with_contacts_gravity_and_an_unknown_filter_is_identified():
-    """As measured records are: the same parameters within four stated errors."""
+    """Records with realistic sensors: the same parameters within four stated errors."""
     rig = vi.VirtualRig(**BENCH, contact=6e-4, offset=9.81, known_bandwidth=False, bandwidth=1000.0)
     record = rig.record(rng=17)
     assert record.bandwidth == {}
@@ -387,7 +387,7 @@ def test_a_contact_is_a_short_time(name, value):
 @pytest.mark.parametrize("bandwidth", [600.0, {"acceleration": 600.0}])
 @pytest.mark.parametrize("seed", range(2))
 def test_a_low_pass_of_the_motion_alone_does_not_delay_the_load(bandwidth, seed):
-    """The load cell passes everything, so its phase is not that of the motion; the filter has another order."""
+    """The load cell has no low-pass, so its phase is not that of the motion; the filter has another order."""
     rig = replace(random_rig(seed, "hi")[0], lowpass=600.0, calibration=0.0)
     _, load, acceleration, _ = record(rig, seed)
     given = vi.SensorRecord(rig.rate, load=load, acceleration=acceleration, bandwidth=bandwidth)
@@ -399,7 +399,7 @@ def test_a_low_pass_of_the_motion_alone_does_not_delay_the_load(bandwidth, seed)
 
 @pytest.mark.parametrize(("late", "channel"), [(3e-3, "load"), (3e-3, "acceleration")])
 def test_a_known_delay_of_a_channel_is_taken_out(late, channel):
-    """Channels whose clocks differ by more than an unknown filter would, as it is given."""
+    """The known delay of a channel is removed, even if it is longer than that of an unknown filter."""
     rig = replace(random_rig(2, "abc")[0], calibration=0.0)
     _, load, acceleration, _ = record(rig, 2)
     shift = round(late * rig.rate)
@@ -415,7 +415,7 @@ def test_a_known_delay_of_a_channel_is_taken_out(late, channel):
 
 @pytest.mark.slow
 def test_eighty_chaotic_records(share):
-    """Nine of ten tell all parameters, none is wrong without a doubt; intervals cover what they say."""
+    """Nine of ten records determine all parameters, wrong ones are doubted, and intervals cover as stated."""
     count = share(80)
     off, vague = [], 0
     for seed in range(count):
@@ -431,7 +431,7 @@ def test_eighty_chaotic_records(share):
         off.append(errors)
     assert vague <= 0.1 * count + 1
     inside = np.abs(off)
-    # the parameters of a record are about two independent numbers
+    # the parameters of a record behave like two independent numbers
     for width, part in ((1.0, 0.683), (1.96, 0.95)):
         deviation = (part * (1 - part) / (2 * len(off))) ** 0.5
         assert abs(np.mean(inside < width) - part) < 4 * deviation
@@ -439,7 +439,7 @@ def test_eighty_chaotic_records(share):
 
 @pytest.mark.slow
 def test_three_hundred_records(share):
-    """Of 300 rigs 95 % are right, and none is wrong and said to be good; intervals cover what they say."""
+    """Of 300 rigs 95 % are right, no wrong one is declared good, and intervals cover as stated."""
     count = share(300)
     kinds = ("abc", "defg", "hi", "other")
     good, off = 0, []
@@ -453,14 +453,14 @@ def test_three_hundred_records(share):
         off += errors
     assert good >= 0.95 * count - 1
     inside = np.abs(off)
-    # parameters of a record are not independent: about two numbers each
+    # parameters of a record are not independent: they behave like two numbers each
     deviation = (0.95 * 0.05 / (2 * count)) ** 0.5
     assert abs(np.mean(inside < 1.96) - 0.95) < 4 * deviation
     assert np.mean(inside > 5) < 0.01
 
 
 def test_parameters_that_are_no_rig_are_refused():
-    """Few impacts may leave R2 = -0.7: an error names it; what is open is only limited."""
+    """Few impacts may leave R2 = -0.7: an error names it; an undetermined parameter is only bounded."""
     fit = Fit(
         {"xi": -0.1, "mu": 0.03, "R1": 1.001, "R2": 0.7, "d": 0.01}, [1.0], [0.0], [],
         ["xi", "mu", "R1", "R2", "d"], np.diag([1e-6, 1e-6, 1e-4, 1e-4, 1e-8]), ["xi"], [1.0],

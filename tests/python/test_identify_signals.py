@@ -1,4 +1,4 @@
-"""Sensors and channels: ringing, bandwidth, and faults of records, which are named."""
+"""Sensors and channels: ringing, bandwidth, and errors in records, which are named."""
 
 import warnings
 
@@ -11,7 +11,7 @@ from shared_identify import BENCH, KNOWN
 
 
 def faulty(change):
-    """A record of the bench rig, with sensors of a bandwidth that is stated, after a change of its channels."""
+    """A record of the bench rig, with sensors of a stated bandwidth, after a change of its channels."""
     record = vi.VirtualRig(**BENCH, known_bandwidth=True).record(rng=1)
     channels = {"load": record.load.copy(), "acceleration": record.acceleration.copy()}
     change(channels)
@@ -56,7 +56,7 @@ def flat(channels):
 
 
 def test_samples_beyond_the_range_of_a_sensor_are_named():
-    """A range that is known finds clipped samples before several of them stand in line."""
+    """A known range finds clipped samples before several of them occur in a row."""
     record = vi.VirtualRig(**BENCH).record(rng=1)
     most = 0.99 * float(abs(record.acceleration).max())
     given = vi.SensorRecord(record.rate, **record.channels, range=most)
@@ -95,13 +95,13 @@ def test_faults_of_records_are_named(change, message):
     ],
 )
 def test_what_is_known_wrongly_is_no_result(known, message):
-    """With wrong values that are said to be known there is no fit."""
+    """With wrong known values there is no fit."""
     with pytest.raises(vi.SingularError, match=message):
         vi.identify(vi.VirtualRig(**BENCH).record(rng=1), known=known)
 
 
 def test_a_bandwidth_above_half_the_rate_is_an_error():
-    """What the sensors pass above half the rate is folded onto the harmonics."""
+    """Frequencies above half the rate that the sensors pass are aliased onto the harmonics."""
     record = vi.VirtualRig(**BENCH).record(rng=1)
     every = vi.SensorRecord(
         record.rate / 8,
@@ -135,7 +135,7 @@ def test_impacts_below_the_band_of_ringing_are_found(rate, bandwidth, seed):
 
 @pytest.mark.parametrize("seed", [1, 2])
 def test_contacts_behind_a_low_filter_are_right_or_doubted(seed):
-    """Where contacts last and nobody knows the filter, which passes little more than the ringing."""
+    """Behind an unknown filter that passes little more than the ringing, results are right or doubted."""
     rig = vi.VirtualRig(**BENCH, bandwidth=600.0)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", vi.PoorFitWarning)
@@ -147,7 +147,7 @@ def test_contacts_behind_a_low_filter_are_right_or_doubted(seed):
 
 @pytest.mark.parametrize("seed", [1, 2])
 def test_too_small_a_bandwidth_is_said(seed):
-    """Where the sensors hardly pass the ringing, the result is right, or the error says what may be too small."""
+    """If the sensors barely pass the ringing, the result is right, or the error names what may be too small."""
     rig = vi.VirtualRig(**BENCH, rate=4096.0, bandwidth=500.0)
     try:
         found = vi.identify(rig.record(rng=seed), known=KNOWN)
@@ -169,7 +169,7 @@ def test_ringing_is_that_of_a_passive_mode():
 
 
 def test_what_the_errors_do_not_contain_is_said():
-    """Samples that were dropped, and coefficients that drift, leave a note."""
+    """Dropped samples and drifting coefficients leave a note."""
     record = vi.VirtualRig(**BENCH).record(rng=1)
     channels = {name: np.delete(values, 9000) for name, values in record.channels.items()}
     dropped = vi.SensorRecord(record.rate, bandwidth=record.bandwidth, **channels)
@@ -252,13 +252,13 @@ def test_other_records_have_a_status(clearance, contact, status):
     ],
 )
 def test_faults_of_calls_are_named(call, message):
-    """Each argument that is not allowed has one message."""
+    """Each invalid argument has one message."""
     with pytest.raises(vi.ParameterError, match=message):
         vi.identify(vi.VirtualRig(**BENCH).record(0.9, rng=1), **call)
 
 
 def test_load_phases_of_picked_impacts_are_those_of_the_motion():
-    """Also where a lag is known, which the times of the impacts are without."""
+    """Times of picked impacts are free of the known filter delay, and so are their load phases."""
     rig = vi.VirtualRig(**BENCH, bandwidth=500.0, contact=0.0, known_bandwidth=True)
     found = vi.identify(rig.record(rng=1), known=KNOWN)
     cycles = found.frequency * found.impact_times + found._one("load_phase") / (2 * np.pi)
@@ -268,7 +268,7 @@ def test_load_phases_of_picked_impacts_are_those_of_the_motion():
 
 
 def test_flights_that_run_away_hide_no_wrong_unit():
-    """A short record in g, of which some trial flights grow beyond all numbers: the unit is named."""
+    """A short record in g, in which some trial flights grow beyond the number range: the error names the unit."""
     record = vi.VirtualRig(**BENCH).record(1.0, rng=1)
     with pytest.raises(vi.ParameterError, match=r"is it g for m/s\^2"):
         vi.identify(
@@ -278,7 +278,7 @@ def test_flights_that_run_away_hide_no_wrong_unit():
 
 
 def test_progress_is_told():
-    """Shares of the work that do not fall, with what is done; anything else than a function is refused."""
+    """Shares of the work never decrease, and come with the current step; non-functions are refused."""
     rig = vi.VirtualRig(**BENCH | {"d": 0.0037})
     told = []
     record = rig.record(2.0, rng=1)

@@ -1,4 +1,4 @@
-"""The imports of the package: no cycles, and from each room only to rooms before it."""
+"""The imports of the package: no cycles, and each subpackage imports only from earlier ones."""
 
 import ast
 import graphlib
@@ -11,7 +11,7 @@ import pytest
 import vibroimpact as vi
 
 PACKAGE = Path(vi.__file__).parent
-#: The rooms of the package, and the modules at its top: each may import those before it, also for type checkers.
+#: The subpackages, and the top-level modules: each may import from earlier ones, also for type checkers.
 ROOMS = (
     "base", "systems", "results", "motions", "derivatives", "studies", "cases", "designs", "identification",
     "proofs", "campaigns", "formats", "plot", "physical_results", "jax", "__init__", "reproduce", "explorer",
@@ -40,7 +40,7 @@ def target(path, node, name):
 
 
 def imports(path, inside, typed=False):
-    """The files that a file imports when it is imported, or (`inside`) when its functions run too.
+    """The files that a file imports when it is imported, and (`inside`) when its functions run.
 
     typed: also those that only type checkers import.
     """
@@ -55,7 +55,7 @@ def imports(path, inside, typed=False):
 
 
 def statements(tree, inside):
-    """Statements that run, with or without those in functions, except those for type checkers."""
+    """Statements that run, with or without those in functions, except those for type checkers only."""
     for node in ast.iter_child_nodes(tree):
         if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) and not inside:
             continue
@@ -67,7 +67,7 @@ def statements(tree, inside):
 
 @pytest.mark.parametrize("kind", ["top", "functions", "types"])
 def test_no_circle(kind):
-    """Neither among imports at the top, nor with those inside functions, nor with those of annotations."""
+    """There are no cycles at the top, with imports inside functions, or with those of annotations."""
     paths = {str(path.relative_to(PACKAGE)): path for path in PACKAGE.rglob("*.py")}
     assert len(paths) > 100
     graph = {
@@ -77,7 +77,7 @@ def test_no_circle(kind):
 
 
 def test_rooms_import_one_way():
-    """A file imports only from its own room and from rooms before it; few modules stand outside the rooms."""
+    """A file imports only from its own subpackage and earlier ones; few modules are outside the subpackages."""
     paths = [path for path in PACKAGE.rglob("*.py") if path.name != "_build.py"]
     names = {path: str(path.relative_to(PACKAGE)) for path in paths}
     assert sum("/" not in name for name in names.values()) <= 10
@@ -92,7 +92,7 @@ def test_rooms_import_one_way():
 
 
 def modules_after(statement):
-    """The modules that a new interpreter has after a statement."""
+    """The modules that a new interpreter has loaded after a statement."""
     text = f"import sys\n{statement}\nprint(*sys.modules)"
     process = subprocess.run(
         [sys.executable, "-c", text], capture_output=True, text=True, check=True
@@ -101,9 +101,9 @@ def modules_after(statement):
 
 
 def test_the_package_imports_what_is_used():
-    """A name brings its module when it is used; before, neither NumPy nor the core is loaded."""
+    """A name loads its module when it is used; before, neither NumPy nor the core is loaded."""
     names = modules_after("import vibroimpact")
-    # Python itself, and what an editable install brings, may have loaded some
+    # Python itself, and an editable install, may have loaded some
     names -= modules_after("pass")
     own = {name for name in names if name.startswith("vibroimpact.")}
     assert own == {"vibroimpact.base", "vibroimpact.base.errors", "vibroimpact.base.actions"}
@@ -115,13 +115,13 @@ def test_the_package_imports_what_is_used():
 
 @pytest.mark.parametrize("name", vi.__all__)
 def test_public_names(name):
-    """Each public name is there, and no module takes its place."""
+    """Each public name exists, and no module takes its place."""
     assert getattr(vi, name) is vi.__getattr__(name)
     assert not isinstance(getattr(vi, name), type(ast)) or name == "errors"
 
 
 def test_an_unknown_name_is_an_attribute_error():
-    """As of any module."""
+    """A missing attribute gives the same error as in any module."""
     with pytest.raises(AttributeError, match=r"module 'vibroimpact' has no attribute 'Zones'"):
         vi.Zones  # noqa: B018
 
@@ -134,13 +134,13 @@ try:
     main()
 except SystemExit:
     pass"""
-#: The largest numbers of modules of the package and of all modules after a start, and the other packages in use.
+#: Limits on the modules of the package and all modules after a start, and the other packages in use.
 STARTS = {"import vibroimpact": (4, 135, set()), HELP: (20, 315, {"numpy"})}
 
 
 @pytest.mark.parametrize("start", STARTS, ids=["import", "help"])
 def test_a_start_imports_little(start):
-    """Modules are counted, not seconds; neither a start nor the help needs a library that is not required."""
+    """Modules are counted, not seconds; neither a start nor the help needs an optional library."""
     own, most, packages = STARTS[start]
     environ = {**os.environ, "VIBROIMPACT_BUILT": "1"}
     line = [sys.executable, "-c", f"{start}\nimport sys; print(*sys.modules)"]

@@ -1,4 +1,4 @@
-"""Wrong arguments: every error names the parameter, its value and the allowed values."""
+"""Invalid arguments: every error names the parameter, its value and the allowed values."""
 
 import math
 import re
@@ -30,7 +30,7 @@ def assert_refused(call, name, value, allowed=(), kind=(ValueError, TypeError), 
     assert re.match(rf"{name}\b", head), text
     assert must, text
     shown = str(value) if shown is None else shown
-    # the text of the allowed values must not be taken for the value, nor the value for that text
+    # the text of the allowed values must not be mistaken for the value, nor the value for that text
     assert any(one in head for one in (shown, repr(value))), text
     for word in allowed:
         assert word in wanted, text
@@ -158,7 +158,7 @@ def test_resonance_without_damping(call):
 )
 @pytest.mark.parametrize("call", [periodic, linear_system])
 def test_phases_values(call, value, shown):
-    """There must be as many phases as impacts, beginning at 0, increasing, and below the period."""
+    """There must be as many phases as impacts, starting at 0, increasing, and below the period."""
     assert_refused(call, "phases", value, (), ValueError, shown)
 
 
@@ -191,14 +191,14 @@ def test_phases_types(call, value):
     ],
 )
 def test_batch_phases(value):
-    """Each column is one set of phases; the message shows the wrong column, or the shape."""
+    """Each column is one set of phases; the message shows the invalid column, or the shape."""
     with pytest.raises(ValueError, match=r"^phases\b.* must ") as caught:
         batch(phases=value)
     assert isinstance(caught.value, vi.errors.VibroimpactError)
 
 
 def test_phases_count_by_their_differences():
-    """So that those of a motion, which are load phases, can be given back."""
+    """Phases of a motion, which are load phases, are accepted as input again."""
     first, again = periodic(phases=[0.0, 3.25]), periodic(phases=[0.5, 3.75])
     assert again.to_dict() == first.to_dict()
     rows = batch(phases=[[0.0, -0.5], [3.25, 2.75]], r=[0.9, 0.9])
@@ -290,7 +290,7 @@ def test_sample_times(value):
     assert_refused(lambda t: motion.sample(t), "t", value)
 
 
-#: Calls of studies with None for a number, or with a bool in a list of numbers, and the argument that is named.
+#: Calls of studies with None for a number, or with a bool in a list of numbers, and the named argument.
 NO_NUMBERS = {
     "r = [1.0, True]": lambda: vi.response(EVEN, [1.0, True], 25.0),
     "r = [1.0, None]": lambda: vi.response(EVEN, [1.0, None], 25.0),
@@ -326,7 +326,7 @@ NO_NUMBERS = {
 
 @pytest.mark.parametrize("name", NO_NUMBERS)
 def test_none_and_bool_are_not_numbers(name):
-    """They are refused where a number is required, also in lists, and the argument is named."""
+    """None and bool are refused where a number is required, also in lists, and the argument is named."""
     with pytest.raises(vi.errors.VibroimpactError) as caught:
         NO_NUMBERS[name]()
     assert name in str(caught.value)
@@ -342,7 +342,7 @@ def test_none_and_bool_are_not_numbers(name):
 )
 @pytest.mark.parametrize("value", [([], [[0.0]]), [0.5, 0.5, 0.5], np.array(0.0)])
 def test_lists_of_another_shape(call, name, value):
-    """A list of lists of several lengths, one of a wrong length, and an array without dimensions."""
+    """A list of lists of different lengths, one of a wrong length, and an array without dimensions."""
     if name == "restitution" and isinstance(value, np.ndarray):
         value = ([], [], [])
     if name == "r" and isinstance(value, list):

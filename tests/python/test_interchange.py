@@ -16,7 +16,7 @@ from vibroimpact.formats import record
 
 @pytest.mark.parametrize("name", NAMES)
 def test_json_gives_every_bit(name, results, tmp_path):
-    """JSON is strict, and gives every bit of a result again, as text and as a file."""
+    """JSON is strict, and restores every bit of a result, as text and as a file."""
     result = results[name]
     text = result.to_json()
     assert "NaN" not in text
@@ -30,7 +30,7 @@ def test_json_gives_every_bit(name, results, tmp_path):
 
 
 def test_same_tells_results_apart(results):
-    """The comparison `same` of these tests detects a change of one bit."""
+    """The function `same` of these tests detects a change of one bit."""
     motion = results["motion"]
     data = motion.to_dict()
     columns = data["tables"]["impacts"]["columns"]
@@ -40,7 +40,7 @@ def test_same_tells_results_apart(results):
 
 
 def test_numbers_that_json_does_not_have():
-    """NaN, infinity and minus zero come back."""
+    """NaN, infinity and minus zero are restored."""
     values = np.array([[np.nan, np.inf], [-np.inf, -0.0]])
     coded = json.loads(json.dumps(record.no_nan(values.tolist()), allow_nan=False))
     array = record.array_of("values", coded, (2, 2), "<f8")
@@ -49,7 +49,7 @@ def test_numbers_that_json_does_not_have():
 
 
 def test_what_is_read_goes_on(results):
-    """Loaded results work: motions can be sampled and followed, simulations continued, zones queried."""
+    """Loaded results are usable: motions can be sampled and followed, simulations continued, zones queried."""
     motion = vi.Motion.from_json(results["motion"].to_json())
     times = np.linspace(0, 7, 50)
     np.testing.assert_array_equal(motion.sample(times), results["motion"].sample(times))
@@ -110,7 +110,7 @@ BROKEN = [
 
 @pytest.mark.parametrize(("name", "path", "value", "output"), BROKEN)
 def test_broken_data_is_named(name, path, value, output, results):
-    """The error names the wrong item, its value and what is allowed, and is one of the package."""
+    """The error names the wrong item, its value and the allowed values, and belongs to the package."""
     data = copy.deepcopy(results[name].to_dict())
     inner = data
     for key in path[:-1]:
@@ -203,7 +203,7 @@ def test_cut_and_missing_files(results, tmp_path):
 
 
 def test_names_of_files(results, tmp_path):
-    """The suffix of the name sets the form; unknown suffixes are refused, and capitals are allowed."""
+    """The suffix of the name determines the form; unknown suffixes are refused, and capitals are allowed."""
     with pytest.raises(vi.errors.ParameterError, match=r"motion.doc'.*must end with one of \.json"):
         results["motion"].save(tmp_path / "motion.doc")
     results["motion"].save(str(tmp_path / "MOTION.JSON"))
@@ -248,7 +248,7 @@ def test_the_namelist_runs(name, results, tmp_path):
 
 
 def test_motions_found_otherwise_come_back_within_rounding(tmp_path):
-    """The namelist of a motion of `find` has it as the guess, and gives it again within 1e-9."""
+    """The namelist of a motion of `find` has it as the guess, and reproduces it within 1e-9."""
     for motion in vi.find(FIGURE6, 1.04, 25.0, max_impacts=3, max_cycles=1):
         (case,) = vi.read_namelist(write(tmp_path / "case.nml", motion.to_namelist()))
         nearest = min(case.run(), key=lambda again: abs(again.X - motion.X).max())
@@ -258,7 +258,7 @@ def test_motions_found_otherwise_come_back_within_rounding(tmp_path):
 
 @pytest.mark.parametrize("clearance", [20.0, 25.0, 33.3, 70.0])
 def test_equispaced_motions_come_back_to_the_bit(clearance, tmp_path):
-    """Equispaced motions come back bit for bit, with the given clearance and not one from rounded results."""
+    """Equispaced motions are restored bit for bit, with the given clearance and not one from rounded results."""
     motions = vi.equispaced(FIGURE6, 1.04, clearance)
     assert [motion.clearance for motion in motions] == [clearance] * 2
     for motion in motions:
@@ -277,7 +277,7 @@ def test_acceptance_is_kept(phases, acceptance, precision, tmp_path):
 
 
 def test_seeds_are_part_of_the_case(results, tmp_path):
-    """The namelist of a zone includes its seeds, and gives the zone to the last bit."""
+    """The namelist of a zone includes its seeds, and reproduces the zone to the last bit."""
     seeds = [results["motion"]]
     seeded = vi.zone(TABLE, vi.Pattern("RL"), (0.9, 1.0), (30, 40), lines=5, guesses=0, seeds=seeds)
     assert seeded.contains(0.94, 37.0)
@@ -286,7 +286,7 @@ def test_seeds_are_part_of_the_case(results, tmp_path):
 
 
 def test_no_namelist_can_tell(results):
-    """Motions with rest or another load, and continued trajectories, have no namelist: an error says so."""
+    """Motions with rest or another load, and continued trajectories, have no namelist: an error states this."""
     run = results["trajectory"]
     later = vi.simulate(TABLE, 0.94, 37.0, 3, run.final_state)
     for result in (results["rest"], results["free"], later):

@@ -43,7 +43,7 @@ def test_docstrings_say_what_is_raised(function):
 
 
 def test_an_oscillator_needs_names():
-    """Arguments must be named, because in another order they would be a valid but different oscillator."""
+    """Arguments must be named, because in a different order they would be a valid but different oscillator."""
     with pytest.raises(vi.ParameterTypeError, match="names") as caught:
         vi.Oscillator(0.75, 0.0114, 0.028)
     assert str(caught.value).startswith("Oscillator(0.75, 0.0114, 0.028): must have the names")
@@ -160,7 +160,7 @@ def test_what_find_gives_is_a_line():
         "<FoundMotions at r = 0.94, d K/F0 = 37: 5 motions, 3 of them stable; "
         "and the motion without impacts, since D > 2A>"
     )
-    # below twice the amplitude without impacts the free mass is always reached
+    # below twice the amplitude without impacts the walls always reach the free mass
     assert repr(vi.find(TABLE, 0.94, 10.0, 2, 1)).endswith("of them stable>")
     assert repr(vi.find(TABLE, 0.94, 1e6, 2, 1)) == (
         "<FoundMotions at r = 0.94, d K/F0 = 1e+06: 0 motions, 0 of them stable; "
@@ -169,7 +169,7 @@ def test_what_find_gives_is_a_line():
 
 
 def test_a_final_state_is_short():
-    """The 28 numbers of `since` are not printed; they are still there, and continue with the same bits."""
+    """The 28 numbers of `since` are not printed; they still exist, and continue the run with the same bits."""
     run = vi.simulate(FIGURE6, 1.04, 25.0, 3.5, {"t": 0, "x": 0, "x_dot": 0, "z": 0, "z_dot": 5.0})
     state = run.final_state
     assert (
@@ -308,7 +308,7 @@ ROUGH = OSC.at(0.94, 37.0, friction=0.1)
 
 
 def test_a_point_stands_for_its_arguments():
-    """With its load, in each verb that looks at one point; the structure and load of the point move alike."""
+    """Each verb that looks at one point uses its load; the structure and load of the point move alike."""
     point = OSC.at(0.94, 37.0, 2.0)
     place, state = (OSC, 0.94, 37.0), {"x_dot": 60.0}
     few = {"cycles": 8, "batches": 2, "discard": 5, "state": state}
@@ -337,7 +337,7 @@ def test_a_point_stands_for_its_arguments():
     ("RL", 1, [0.0, 4.3]), ("LR", 1, [0.0, 2.0]), ("RRL", 2, [0.0, 2.01848, 6.07922]),
 ])  # fmt: skip
 def test_columns_of_every_system(sides, cycles, phases):
-    """A motion of an oscillator has the columns of the structure at its point, and momentum at each impact."""
+    """A motion of an oscillator has the columns of its structure, and conserves momentum at each impact."""
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
     point = osc.at(0.85, 20.0)
     motion = vi.exact(point, (phases, vi.Pattern(sides, cycles)))
@@ -372,7 +372,7 @@ def test_columns_of_every_system(sides, cycles, phases):
 
 
 def test_trajectories_of_every_system():
-    """The same states, ends and windows for both systems."""
+    """Trajectories of both systems agree in states, ends and windows."""
     point = OSC.at(0.94, 37.0)
     run = vi.simulate(point, 8, {"x_dot": 60.0})
     same = vi.simulate(point.structure, point.load, cycles=8, state=([0, 0], [60.0, 0]))
@@ -402,7 +402,7 @@ def test_trajectories_of_every_system():
     ("load_phase", "phases"),
 ])  # fmt: skip
 def test_a_motion_tells_what_its_system_has(name, instead):
-    """An attribute that only motions of an oscillator have is an error that names that of a structure."""
+    """An attribute that only motions of an oscillator have gives an error that names that of a structure."""
     point = OSC.at(0.94, 37.0)
     motion = vi.exact(point, GUESS)
     same = vi.exact(point.structure, point.load, motion_guess(motion))
@@ -434,7 +434,7 @@ def motion_guess(motion):
 
 
 def test_guesses_of_an_oscillator_with_a_law():
-    """By phases and pattern, by phases and gaps, and by a motion of numbers."""
+    """A guess may be phases with a pattern, phases with gaps, or a motion for constant restitution."""
     motion = vi.exact(OSC, 0.94, 37.0, GUESS)
     point = LAW.at(0.94, 37.0)
     found = [
@@ -490,7 +490,7 @@ def of_wall():
     (lambda point: vi.bifurcation_diagram(WALL, vi.Load(1, sine=[1]), lambda v: 3, [0, 1]), "must be .Structure,"),
 ])  # fmt: skip
 def test_arguments_of_systems_are_neither_dropped_nor_given_twice(call, message):
-    """Of a point, a structure, and an oscillator whose restitution depends on the speed."""
+    """Arguments of a point, a structure, and an oscillator with a law of restitution are refused if given twice."""
     with pytest.raises((TypeError, vi.ParameterError), match=message):
         call(OSC.at(0.94, 37.0))
 
@@ -515,7 +515,7 @@ OF_POINTS = {
 
 
 def test_every_form_for_points_runs():
-    """Each verb that help shows with a point runs with it, as with its oscillator, r and clearance by name."""
+    """Each verb whose help shows a point runs with it, as with its oscillator and with r and clearance by name."""
     shown = {name for name in VERBS if f"``{name}(point" in getattr(vi, name).__doc__}
     assert shown == {*OF_POINTS}
     for name, (args, options) in OF_POINTS.items():
@@ -558,7 +558,7 @@ def test_records_with_the_case_of_another_system():
     "name", ["simulate", "find", "exact", "response", "bifurcation_diagram", "lyapunov", "basins"]
 )
 def test_help_shows_every_form_of_call(name):
-    """Of an oscillator by the signature, and of a structure and of a point by a line each."""
+    """The help shows the signature for an oscillator, and one line each for a structure and a point."""
     verb = getattr(vi, name)
     assert next(iter(inspect.signature(verb).parameters)) == "osc"
     forms = " ".join(verb.__doc__.split("\n\n")[1].split())
@@ -604,7 +604,7 @@ def test_help_shows_the_forms_that_a_call_accepts(name, of_a_structure):
 
 
 def test_a_load_that_a_verb_does_not_know_is_refused():
-    """The load of a point is not dropped: the motions of a verb without it are those of the amplitude 1."""
+    """A verb without a load argument refuses a point with a load amplitude other than 1."""
     with pytest.raises(
         vi.ParameterTypeError, match="must have the load amplitude 1, for which equispaced"
     ):

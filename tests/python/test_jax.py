@@ -1,4 +1,4 @@
-"""Derivatives in JAX: checked by its own differences, and on bounces whose answer is known."""
+"""Derivatives in JAX: checked by its own differences, and on bounces with a known answer."""
 
 import math
 import subprocess
@@ -20,7 +20,7 @@ jnp = jax.numpy
 
 @pytest.fixture(autouse=True)
 def double_precision():
-    """JAX computes in single precision unless it is told."""
+    """JAX computes in single precision by default."""
     jax.config.update("jax_enable_x64", True)
     yield
     jax.config.update("jax_enable_x64", False)
@@ -52,7 +52,7 @@ def test_motions(uneven):
 
 
 def test_derivatives_are_those_of_the_motion(uneven):
-    """Under jit as well; a quantity without derivatives leaves the others as they are."""
+    """Under jit as well; a quantity without derivatives does not affect the others."""
     function = vi.jax.motion(uneven, ["X", "attenuation", "gaps_right", "stability_margin"])
     slopes = jax.jit(jax.jacrev(lambda point: function(**point)))(POINT)
     gradient = uneven.gradient()
@@ -88,7 +88,7 @@ def test_trajectories():
 
 
 def test_a_bounce():
-    """The place after a bounce moves against the place before it, times R.
+    """A change of position before a bounce appears after it multiplied by -R.
 
     A simulator that applies the impact at the end of a time step gives the derivative 1 instead: it leaves out
     that the instant of the impact changes.
@@ -110,7 +110,7 @@ def test_a_bounce():
 
 
 def test_an_event_that_resets_the_state():
-    """With R = 0 the free mass stops at the wall: what comes after depends on the event through its state alone.
+    """With R = 0 the free mass stops at the wall: its later motion depends on the event through its state alone.
 
     Its place does not depend on its speed before, and the wall carries it: d z/d clearance = 1/2. A derivative
     without the change of the event's time would contain the velocity before it.
@@ -126,7 +126,7 @@ def test_an_event_that_resets_the_state():
 
 
 def test_rest_resets_the_velocity():
-    """Impacts that accumulate end in rest, and the state after the release has exact derivatives, too."""
+    """Accumulating impacts end in rest, and the state after the release has exact derivatives too."""
     run = vi.simulate(RIG, 0.9, 6.0, cycles=8, discard=200)
     state = {name: float(run.final_state[name]) for name in ("t", "x", "x_dot", "z", "z_dot")}
     function = vi.jax.final_state(RIG, 0.9, 6.0, cycles=1)
@@ -137,7 +137,7 @@ def test_rest_resets_the_velocity():
 
 
 def test_where_there_is_no_motion(uneven):
-    """NaN, also where it would pass through a wall, and where a parameter is outside its range."""
+    """The result is NaN if the motion would pass through a wall, or a parameter is outside its range."""
     function = vi.jax.motion(uneven, ["x_max"])
     slopes = jax.grad(lambda d: function(clearance=d)["x_max"])
     for clearance in (200.0, 12.0):
@@ -158,7 +158,7 @@ def test_where_there_is_no_motion(uneven):
 
 
 def test_beyond_a_flip_and_a_pitchfork(uneven):
-    """NaN: the motion that is left there is not that of the guess."""
+    """The result is NaN: the motion found there is not that of the guess."""
     branch = vi.branch(uneven, "clearance", (30, 40))
     flip = next(p for p in branch.special_points if p.type == "flip")
     (doubled,) = flip.switch()
@@ -173,7 +173,7 @@ def test_beyond_a_flip_and_a_pitchfork(uneven):
 
 
 def test_refused_arguments(uneven):
-    """By name, at once."""
+    """Errors are raised at once, by name."""
     with pytest.raises(vi.ParameterError, match="quantity 'x': must be one of alpha"):
         vi.jax.motion(uneven, ["x"])
     with pytest.raises(vi.ParameterError, match="parameter 'k': must be one of r"):

@@ -13,7 +13,7 @@ from shared_systems import FIGURE6
 
 @pytest.mark.parametrize("name", NAMES)
 def test_jupyter_shows_a_picture(name, results):
-    """The HTML parses, and has the representation of the result and one image; no figure is left open."""
+    """The HTML is valid, and has the representation of the result and one image; no figure stays open."""
     plt = pytest.importorskip("matplotlib.pyplot")
     before = plt.get_fignums()
     text = results[name]._repr_html_()

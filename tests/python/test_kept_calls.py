@@ -1,4 +1,4 @@
-"""The answers of the procedures that no case calls, to arguments of the other tests, are those that were kept.
+"""Answers of procedures that no case calls, to arguments from other tests, equal the kept answers.
 
 They tell that an answer has changed, not which one is right: for that there are the laws of other tests. Where a
 change is meant, `python tests/quality/find_calls.py --renew` writes the answers again, and shows what changed.
@@ -12,7 +12,7 @@ from shared_kept_calls import answer, differences, load, procedures
 
 @pytest.mark.parametrize("procedure", procedures())
 def test_kept_calls(procedure):
-    """What two builds have in common is answered again, but for rounding."""
+    """The calls on which two builds agree give the same answers, except for rounding."""
     kept = [call for call in load() if call["procedure"] == procedure]
     assert kept, "no call is kept"
     for call in kept:

@@ -1,4 +1,4 @@
-"""Namelists that the fuzzer keeps: each is computed, refused in one plain line, or stops when told."""
+"""Namelists that the fuzzer keeps: each is computed, refused in one clear line, or stops when requested."""
 
 import signal
 import time
@@ -11,13 +11,13 @@ SEEDS = sorted((Path(__file__).parents[1] / "fuzz" / "seeds").glob("*.nml"))
 
 
 def interrupt(*_):
-    """As Ctrl-C."""
+    """Stop as Ctrl-C does."""
     raise KeyboardInterrupt
 
 
 @pytest.mark.parametrize("path", SEEDS, ids=lambda path: path.stem)
 def test_kept_namelists(path, tmp_path):
-    """Mass.mtx and the other files of one of them are not there: it is refused."""
+    """Mass.mtx and the other files of one case are missing: it is refused."""
     before = signal.signal(signal.SIGALRM, interrupt)
     signal.setitimer(signal.ITIMER_REAL, 2)
     begin = time.process_time()

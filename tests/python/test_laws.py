@@ -1,4 +1,4 @@
-"""Laws that every answer of the linear equations obeys, on random systems, against `first_principles`."""
+"""Laws that every solution of the linear equations obeys, on random systems, compared with `first_principles`."""
 
 from dataclasses import replace
 

@@ -13,7 +13,7 @@ from vibroimpact.motions.likeness import is_symmetric, motion_images, same_motio
 
 @pytest.fixture(scope="module")
 def fork():
-    """The clearance at which the equispaced motion of Table 1 loses its symmetry: two others branch from it."""
+    """The clearance at which the equispaced motion of Table 1 loses its symmetry; two others branch from it."""
     branch = vi.branch(vi.equispaced(TABLE, 0.94, 37.0)[0], "clearance", (30, 120))
     return next(point.clearance for point in branch.special_points if point.type == "pitchfork")
 
@@ -47,7 +47,7 @@ def test_one_motion_before_they_part(fork):
 
 @pytest.mark.parametrize("make", [pair_motion, rest_motion, triple_motion])
 def test_mirror_images_and_turns(make):
-    """The mirror image of the mirror image is the motion; the standard form does not change again."""
+    """The mirror image of the mirror image is the motion; the standard form is stable."""
     motion = make()
     form = standard_motion(motion)
     assert same_motion(form, motion)

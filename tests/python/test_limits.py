@@ -1,4 +1,4 @@
-"""Limits of a computation: events, memory, stack, threads, and the processes that a parent forks."""
+"""Limits of a computation: events, memory, stack, threads, and forked processes."""
 
 import math
 import os
@@ -22,7 +22,7 @@ EVENT_LIMIT = 13
 
 
 def child(code, seconds=60, environment=None):
-    """Runs a script in a separate process with a time limit."""
+    """Run a script in a separate process with a time limit."""
     return subprocess.run(
         [sys.executable, "-c", textwrap.dedent(code)], timeout=seconds, capture_output=True, text=True,
         check=False, env=os.environ | (environment or {}),
@@ -58,7 +58,7 @@ def test_response_ends():
 
 @pytest.mark.parametrize("r", [[0.5, 1.0], [1.0, 0.5]])
 def test_nothing_is_left_of_the_simulation_before(r):
-    """Where a simulation has too many events, no number of the one before it in the thread is shown."""
+    """Where a simulation has too many events, no number of the previous one in the thread is shown."""
     found = vi.response(RIG, r, 20.0, states=2, settling=50, keep=9, max_events=150, threads=1)
     assert sorted(found.status.ravel().tolist()) == [0, 0, EVENT_LIMIT, EVENT_LIMIT]
     ended = found.status == EVENT_LIMIT
@@ -173,7 +173,7 @@ def test_batches(batches):
 
 @pytest.mark.parametrize("xi", [5e-324, 1e-310, 1e-160, 1e-30, 1e-13])
 def test_hardly_any_damping_at_resonance(xi):
-    """At r = 1 with a tiny xi vibrations of amplitude 1/(2 xi) cancel to no digits: refused, as for xi = 0."""
+    """At r = 1 with a tiny xi vibrations of amplitude 1/(2 xi) lose all digits: refused, as for xi = 0."""
     osc = vi.Oscillator(xi=xi, mu=0.028, restitution=0.75)
     pattern = vi.Pattern("RL")
     for call in (
@@ -204,7 +204,7 @@ def test_hardly_any_damping_at_resonance(xi):
 
 # memory
 
-#: Sets the limit of the address space a little above what is used; {room} in MB.
+#: Limits the address space to a little above what is used; {room} in MB.
 LIMITED = """
 import resource, numpy as np, vibroimpact as vi
 osc = vi.Oscillator(xi=.0114, mu=.028, restitution=.75)
@@ -241,7 +241,7 @@ linux = pytest.mark.skipif(sys.platform != "linux", reason="reads /proc, sets li
     ids=lambda call: call.split("(")[0][3:],
 )
 def test_memory(call):
-    """A case that needs more memory than there is raises MemoryError, and the interpreter continues."""
+    """A case that needs more memory than is available raises MemoryError, and the interpreter continues."""
     assert_answers(child(LIMITED.format(room=250, call=call), 120), "raised True alive")
 
 
@@ -286,7 +286,7 @@ def test_fork():
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")
 def test_fork_from_another_thread():
-    """A child forked by another thread than the main one computes the same."""
+    """A child forked by a thread other than the main one computes the same."""
     code = FORKED.replace("\n", "\n    ")
     code = f"import threading\ndef work():\n    {code}\nt = threading.Thread(target=work)\nt.start()\nt.join(90)\n"
     assert_answers(child(code, 120), "0 True")
@@ -336,7 +336,7 @@ def test_stop_within_a_load_cycle(study):
 
 
 def test_slow_load():
-    """A rest during half a million oscillations takes few steps, and ends where the force on the wall does.
+    """A rest during half a million oscillations takes few steps, and ends where the force on the wall ends.
 
     Both masses follow the load in their steady motion Im(H exp(i r t)); the contact force is proportional to it.
     """
@@ -401,7 +401,7 @@ def test_small_stack_of_a_thread():
     assert "30" in done.stdout or "stack of this thread is too small" in done.stdout
 
 
-#: Calls of the core on arrays, also on long motions and on structures with many coordinates.
+#: Calls of the core with arrays, also for long motions and structures with many coordinates.
 CALLS = """
 import sys, threading
 import numpy as np, vibroimpact as vi
@@ -453,11 +453,11 @@ print(len(answers), all(map(np.array_equal, wanted, answers)))
 
 @linux
 def test_calls_in_threads_with_small_stacks():
-    """Calls on arrays give the same bits in threads with the smallest stack that Python allows."""
+    """Calls with arrays give the same bits in threads with the smallest stack that Python allows."""
     assert_answers(child(CALLS), "20 True")
 
 
-#: Threads of a small stack start workers at the same time; then a child is forked while a worker is started.
+#: Threads with a small stack start workers at the same time; then a child is forked while a worker is started.
 STARTS = """
 import os, threading, vibroimpact as vi
 from vibroimpact.base.interrupt import _Worker
@@ -497,7 +497,7 @@ print(os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]))
 
 @linux
 def test_threads_with_small_stacks_at_once():
-    """Threads that start workers at once leave the size of stacks that was set; a child can start its own."""
+    """Threads that start workers at the same time keep the stack size that was set; a forked child computes."""
     assert_answers(child(STARTS), "True 0")
 
 

@@ -1,4 +1,4 @@
-"""Lyapunov exponents: against multipliers, volume and the divergence of neighbouring trajectories."""
+"""Lyapunov exponents compared with multipliers, volume and the divergence of neighbouring trajectories."""
 
 import math
 
@@ -19,7 +19,7 @@ from shared_systems import FIGURE6, RIG, TABLE
     ],
 )
 def test_exponents_of_periodic_motions_are_those_of_the_multipliers(osc, r, clearance, guess):
-    """Exponents of periodic motions are those of the multipliers; their sum is that of det [P]."""
+    """Exponents of periodic motions equal those of the multipliers; their sum is that of det [P]."""
     run = guess or vi.simulate(osc, r, clearance, 12, discard=2000)
     motion = vi.exact(osc, r, clearance, run)
     assert motion.stable
@@ -45,7 +45,7 @@ def test_exponents_of_a_motion_with_rest():
 
 
 def test_volume_is_checked_on_every_trajectory():
-    """The sum of the logarithms is that of the volume, also in chaos and for unequal walls."""
+    """The sum of the logarithms equals that of the volume, also in chaos and for unequal walls."""
     for osc in (FIGURE6, RIG):
         result = vi.lyapunov(osc, 1.04, np.linspace(5, 60, 12), cycles=2000)
         assert np.all(result.identity_error[result.rests == 0] < 1e-12)
@@ -117,7 +117,7 @@ STATE = {"t": 0.3, "x": 1.0, "x_dot": -2.0, "z": 2.5, "z_dot": 4.0}
 )
 @pytest.mark.parametrize("state", [None, STATE])
 def test_the_namelist_of_exponents(r, clearance, state, tmp_path):
-    """The namelist of exponents gives them again, to the last bit."""
+    """The namelist of exponents reproduces them to the last bit."""
     result = vi.lyapunov(FIGURE6, r, clearance, 61, state, load=1.1, discard=20, batches=3)
     (tmp_path / "case.nml").write_text(result.to_namelist())
     (case,) = vi.read_namelist(tmp_path / "case.nml")
@@ -145,7 +145,7 @@ GRID = np.meshgrid([1.0, 1.02, 1.05], [20.0, 30.0])
     ],
 )
 def test_lists_and_arrays_have_a_namelist_too(r, clearance, tmp_path):
-    """The namelist of a grid or a list of points gives them again; no point depends on the others."""
+    """The namelist of a grid or a list of points reproduces them; points do not depend on each other."""
     result = vi.lyapunov(FIGURE6, r, clearance, 61, STATE, discard=20, batches=3)
     (tmp_path / "case.nml").write_text(result.to_namelist())
     (case,) = vi.read_namelist(tmp_path / "case.nml")
@@ -187,7 +187,7 @@ def test_a_file_gives_the_exponents_again(r, form, tmp_path):
 
 
 def test_values_and_errors_have_the_same_unit():
-    """Per unit of time 1/omega, and per load cycle, which is 2 pi/r of it."""
+    """Exponents per unit of time 1/omega, and per load cycle, which is 2 pi/r of it."""
     moving = {"t": 0, "x": 0, "x_dot": 6, "z": 0, "z_dot": 9}
     result = vi.lyapunov(FIGURE6, [1.04, 1.05], 72.0, 2000, moving)
     cycle = 2 * np.pi / result.r

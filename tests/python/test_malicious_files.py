@@ -1,4 +1,4 @@
-"""Files of strangers: no reader runs what they hold, and none takes more memory than there is."""
+"""Untrusted files: no reader runs their contents, and none exhausts the memory."""
 
 import io
 import json
@@ -34,7 +34,7 @@ class Touch:
 
 @pytest.fixture
 def mark(tmp_path):
-    """A place where nothing may be made; that unpickling would make it is tried first."""
+    """A path where no file may appear; the fixture first shows that unpickling would make it."""
     place = tmp_path / "marked"
     pickle.loads(pickle.dumps(Touch(place)))
     assert place.exists()
@@ -89,7 +89,7 @@ CONTENTS = [lambda mark: pickle.dumps(Touch(mark)), npy, npz, hdf5, mat]
 @pytest.mark.parametrize("ending", ["json", "nc", "mat", "csv"])
 @pytest.mark.parametrize("content", CONTENTS)
 def test_saved_results_are_not_unpickled(mark, tmp_path, content, ending):
-    """Whatever its name, a file that is no saved result is refused."""
+    """A file that is not a saved result is refused under any name."""
     path = tmp_path / f"found.{ending}"
     path.write_bytes(content(mark))
     with pytest.raises(vi.ParameterError):
@@ -124,13 +124,13 @@ def test_matrices_are_not_unpickled(mark, tmp_path, content):
 
 
 def test_arrays_of_objects_are_not_unpickled_in_memory(mark):
-    """Nor does an array of objects get its way as a signal."""
+    """An array of objects is refused as a signal."""
     with pytest.raises((vi.ParameterError, TypeError)):
         vi.SensorRecord(1000.0, load=npy(mark), acceleration=npy(mark))
 
 
 def foreign(folder, mark, form):
-    """Make the one chunk of a store one that a stranger wrote, with right checksums."""
+    """Replace the single chunk of a store by a hostile one, with correct checksums."""
     zarr, numcodecs = pytest.importorskip("zarr"), pytest.importorskip("numcodecs")
     store = Store(folder)
     (name,) = store.names()
@@ -138,7 +138,7 @@ def foreign(folder, mark, form):
     if form == 2:
         shutil.rmtree(place)
         group = zarr.create_group(str(place), zarr_format=2)
-        # declared as one of texts, which are packed by pickle
+        # declared as an array of texts, which are packed by pickle
         array = group.create_array(
             HEADS, shape=(3,), chunks=(3,), dtype="u1", filters=None, compressors=None
         )
@@ -170,7 +170,7 @@ def written(tmp_path):
 
 @pytest.mark.parametrize("way", ["../../../outside/motion", "{}/outside/motion", "link/motion"])
 def test_no_file_outside_of_a_store_is_read(written, tmp_path, way):
-    """A chunk whose tables have names that lead out of its folder, also by a link, is refused."""
+    """A chunk whose table names lead out of its folder, also by a link, is refused."""
     store = Store(written)
     (name,) = store.names()
     place = store.chunks / name
@@ -190,7 +190,7 @@ def test_no_file_outside_of_a_store_is_read(written, tmp_path, way):
 
 @pytest.mark.parametrize("form", [2, "pickle", "numcodecs.pickle"])
 def test_stores_are_not_unpickled(mark, written, form):
-    """A chunk that a stranger wrote, with pickle as what decodes its arrays, is refused."""
+    """A hostile chunk that uses pickle to decode its arrays is refused."""
     store, name = foreign(written, mark, form)
     assert store.state(name) == "done"
     with pytest.raises(vi.ParameterError, match="is not a chunk written by a campaign"):
@@ -198,7 +198,7 @@ def test_stores_are_not_unpickled(mark, written, form):
 
 
 def test_no_module_unpickles():
-    """No reader of the package imports what runs code in files; ruff's rule S301 says the same of calls."""
+    """No reader of the package imports a module that runs code in files; ruff's rule S301 covers calls."""
     found = []
     for path in PACKAGE.rglob("*.py"):
         with tokenize.open(path) as file:
@@ -234,7 +234,7 @@ def packed(data):
 
 
 def nested(depth):
-    """Cell arrays in cell arrays."""
+    """Cell arrays nested in cell arrays."""
     found = matrix(6, (1, 1), element(9, bytes(8)))
     for _ in range(depth):
         found = matrix(1, (1, 1), found)
@@ -259,7 +259,7 @@ MATLAB_BOMBS = {
 
 @pytest.fixture
 def little_memory(monkeypatch):
-    """64 MB of it; what Python takes in a test is far less, and much less time."""
+    """Limits the free memory to 64 MB; what Python takes in a test is far less, in much less time."""
     monkeypatch.setattr("vibroimpact.base.sizes.free", lambda: 2**26)
     tracemalloc.start()
     begin = time.process_time()
@@ -272,7 +272,7 @@ def little_memory(monkeypatch):
 
 @pytest.mark.parametrize("name", MATLAB_BOMBS)
 def test_matlab_files_that_grow(tmp_path, little_memory, name):
-    """Sizes are checked before anything is inflated, or room is made for it."""
+    """Sizes are checked before anything is decompressed or memory is allocated."""
     content, message = MATLAB_BOMBS[name]
     path = tmp_path / "bomb.mat"
     head = b"MATLAB 5.0 MAT-file".ljust(124) + struct.pack("<HH", 0x0100, 0x4D49)
@@ -306,7 +306,7 @@ def test_netcdf_files_that_grow(tmp_path, little_memory, chunks):
     path = tmp_path / "bomb.nc"
     size = 2**25 if chunks is None else 10
     with h5py.File(path, "w") as file:
-        file.create_dataset("filling", data=np.ones(2**16))  # a file may hold it
+        file.create_dataset("filling", data=np.ones(2**16))  # a file may contain it
         for name in ("time", "load", "acceleration", "record"):
             kind = "u1" if name == "record" else "f8"
             file.create_dataset(
@@ -335,7 +335,7 @@ def test_a_sound_file_that_lies(tmp_path):
 
 @pytest.mark.parametrize("lie", ["shape", "content", "both"])
 def test_chunks_that_grow(written, little_memory, lie):
-    """What a chunk declares is checked before it is unpacked, and what it unpacks to is what it declares."""
+    """The declared size of a chunk is checked before it is decompressed, and must match the decompressed one."""
     store = Store(written)
     (name,) = store.names()
     place = store.chunks / name / "motions" / "attenuation"

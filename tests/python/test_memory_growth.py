@@ -1,4 +1,4 @@
-"""Bytes of what a study keeps, each measured alone: a state of basins, an event, a point of a campaign.
+"""Bytes of memory that a study keeps for a state of basins, an event, a point of a campaign.
 
 The bounds are some 1.4 times what was measured; `benchmarks/scaling.py` has the table up to 10^8.
 """
@@ -14,7 +14,7 @@ pytestmark = pytest.mark.skipif(
     not sys.platform.startswith("linux"), reason="memory is read from /proc"
 )
 
-#: Prints the bytes by which the greatest memory grows from a small to a large number, over the difference.
+#: Prints the growth of the peak memory from a small to a large number, divided by the difference.
 MEASURE = """
 import resource, tempfile
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The mirror image of a structure, all displacements reversed, has the mirror images of its motions."""
+"""A structure with all displacements reversed has the mirror images of its motions."""
 
 import re
 
@@ -6,14 +6,14 @@ import pytest
 from shared_answers import STOPPED, answer, put_files, same_build
 from shared_case_texts import multiplied
 
-#: What a reversal of all coordinates reverses.
+#: Keys whose values are negated when all coordinates are reversed.
 REVERSED = ("direction", "sine", "cosine", "constant", "record", "q", "q_dot")
-#: Columns whose values are not compared: extremes are exchanged, of the coefficients of a path those of the load
-#: are reversed, residuals and small determinants are rounding, and of two longest flights rounding chooses the one
+#: Columns whose values are not compared: extremes are exchanged; of the coefficients of a path those of the load
+#: are negated; residuals and small determinants are rounding; of two longest flights rounding chooses the one
 #: in whose middle [P] begins.
 LEFT_OUT = ("q_min", "q_max", "series", "residual", "determinant", "P")
-#: A text with one of these words is left out: its numbers come from a file, or its starts from a window that is
-#: not reversed or from a seed; rounding decides what a long chaotic run does.
+#: A text with one of these words is excluded: its numbers come from a file, or its starts from a window that is
+#: not reversed or from a seed; rounding decides the course of a long chaotic run.
 OTHERS = re.compile(
     r"_file\b|&(find|basins|lyapunov)\b|\b(base|axes|weights|sweep|entries|states)\b"
     r"|'(sine|cosine|constant)_|parameter\w*\s*=\s*'(sine|cosine|constant)"
@@ -26,7 +26,7 @@ def mirrored(text):
 
 
 def test_answers_of_mirror_images(kept_cases, tmp_path, monkeypatch):
-    """The status, integers such as verdicts, and reals but for the sign of those that are reversed agree."""
+    """The status, integers such as verdicts, and reals, up to the sign of negated ones, agree."""
     put_files(tmp_path)
     monkeypatch.chdir(tmp_path)
     compared = reversed_branches = 0
@@ -40,7 +40,7 @@ def test_answers_of_mirror_images(kept_cases, tmp_path, monkeypatch):
         assert other["status"] == one["status"], mirrored(text)
         ends = [answer["columns"].get("points.special") for answer in (one, other)]
         if "branch" in text and ends[0] != ends[1]:
-            # it starts at a fold, where rounding decides in which direction it is followed
+            # it starts at a fold, where rounding decides the direction in which it is followed
             reversed_branches += 1
             continue
         for name, kept in one["columns"].items():

@@ -1,4 +1,4 @@
-"""Walls of gaps and stops that move with the load, against closed forms and a change of coordinates."""
+"""Walls of gaps and stops that move with the load, compared with closed forms and a change of coordinates."""
 
 import itertools
 import math
@@ -37,7 +37,7 @@ def differences(motion, step=1e-6):
 
 
 def check_multipliers(motion, tolerance=1e-6):
-    """Multipliers against differences, and the law of the determinant."""
+    """Multipliers equal those of differences, and the determinant obeys its law."""
     found = np.sort_complex(np.linalg.eigvals(differences(motion)))
     own = np.sort_complex(motion.multipliers)
     assert np.abs(found - own).max() < tolerance * max(1, np.abs(own).max())
@@ -46,7 +46,7 @@ def check_multipliers(motion, tolerance=1e-6):
 
 @pytest.mark.parametrize("amplitude", [0.0145, 0.02, 0.1])
 def test_a_ball_that_bounces_once_in_a_period(amplitude):
-    """Take-off at g T/2, and R (u + w) = u - w with the speed w of the table at the impact."""
+    """The ball takes off at g T/2, and R (u + w) = u - w with the speed w of the table at the impact."""
     ball, load = ball_on_table(amplitude)
     speed = GRAVITY * math.pi / OMEGA
     phase = math.acos(speed * (1 - 0.7) / (1 + 0.7) / (amplitude * OMEGA))
@@ -100,7 +100,7 @@ def test_rest_on_a_table_until_it_falls_faster():
     assert run.acceleration(t)[0][:-1] == pytest.approx(
         -amplitude * OMEGA**2 * np.sin(OMEGA * t[:-1]), abs=1e-10
     )
-    # with an amplitude below g it rests for good
+    # with an amplitude below g it rests permanently
     quiet, load = ball_on_table(0.02, restitution=0.3)
     run = vi.simulate(quiet, load, cycles=20, discard=60, state=([0.3], [0.0]))
     assert run.permanent == (0,)
@@ -113,7 +113,7 @@ def test_rest_on_a_table_until_it_falls_faster():
     assert np.abs(motion.multipliers) == pytest.approx([0, 0], abs=1e-9)
 
 
-#: Motions of the wall, cosines and sines of its harmonics.
+#: Motions of the wall: cosines and sines of its harmonics.
 WALL = {"cosine": [0.1, 0.02], "sine": [-0.05, 0.03]}
 CONTACTS = {
     "gap": lambda **wall: vi.Gap([1, 0], 0.3, 0.6, **wall),
@@ -156,7 +156,7 @@ def wall_at(t, omega=1.7):
 
 @pytest.mark.parametrize("kind", CONTACTS)
 def test_coordinates_that_move_with_the_wall(kind):
-    """One wall that moves is a wall at rest in coordinates that move with it: impacts, rests, contacts."""
+    """A moving wall is equivalent to a wall at rest in coordinates that move with it: impacts, rests, contacts."""
     moving, load, shifted, further = moving_and_shifted(kind)
     start = wall_at(0.0)
     run = vi.simulate(moving, load, cycles=6, state=([start[0], 0.1], [start[1] + 0.2, 0.0]))
@@ -176,7 +176,7 @@ def test_coordinates_that_move_with_the_wall(kind):
 
 @pytest.mark.parametrize("kind", CONTACTS)
 def test_multipliers_with_a_moving_wall(kind):
-    """Those of the wall at rest in moving coordinates, and those of differences."""
+    """Multipliers equal those of the wall at rest in moving coordinates, and those of differences."""
     moving, load, shifted, further = moving_and_shifted(kind)
     motion = vi.exact(moving, load, vi.simulate(moving, load, cycles=300))
     start, (q, q_dot) = motion._run()._between_events()
@@ -192,7 +192,7 @@ def test_multipliers_with_a_moving_wall(kind):
 
 
 def test_two_walls_that_move_differently():
-    """At each impact the gap is closed, the relative velocity turns by R, and momentum and energy balance."""
+    """At each impact the gap is closed, the relative velocity obeys R, and momentum and energy balance."""
     omega, R = 1.3, 0.8
     right = vi.Gap([1], 0.4, R, sine=0.1)
     left = vi.Gap([-1], 0.5, R, cosine=[0.05, 0.1])
@@ -212,7 +212,7 @@ def test_two_walls_that_move_differently():
         before = after + gap.direction * event["impulse"] / 2.0
         assert gap.direction @ before - rate == pytest.approx(event["speed"], rel=1e-10)
         assert gap.direction @ after - rate == pytest.approx(-R * event["speed"], rel=1e-9)
-        # the wall gives its speed times the impulse, and the impact takes what R leaves
+        # the work of the wall is its speed times the impulse, and the impact takes the loss of R
         gained = float(after @ after - before @ before)
         loss = 0.5 * 2.0 * (1 - R**2) * event["speed"] ** 2
         assert gained == pytest.approx(-event["impulse"] * rate - loss, rel=1e-9, abs=1e-12)
@@ -223,7 +223,7 @@ def test_two_walls_that_move_differently():
 
 
 def test_files(tmp_path):
-    """Namelists and results keep how walls move."""
+    """Namelists and results keep the motion of walls."""
     moving, load, *_ = moving_and_shifted("stop")
     motion = vi.exact(moving, load, vi.simulate(moving, load, cycles=200))
     assert vi.Structure(MASS, DAMPING, STIFFNESS, list(moving.gaps)) == moving
@@ -275,7 +275,7 @@ def stable_bounce():
 
 
 def test_fold_and_flip_of_the_bounce():
-    """Branches along the amplitude of the table and along the frequency end where the closed forms say."""
+    """Branches along the amplitude of the table and along the frequency end where closed forms predict."""
     motion = stable_bounce()
     expected = np.array(bounce_borders(OMEGA))
     branch = vi.branch(motion, "wall", bounds=(0.3, 3))
@@ -288,7 +288,7 @@ def test_fold_and_flip_of_the_bounce():
     assert found == pytest.approx(expected, rel=1e-12)
     table = points["flip"].motion.structure.gaps[0]
     assert table.sine == pytest.approx([-expected[1]], rel=1e-12)
-    # both borders fall as the square of the frequency
+    # both boundaries fall as the square of the frequency
     branch = vi.branch(motion, "frequency", bounds=(15, 30))
     points = {point.type: point.value for point in branch.special_points}
     found = [points["fold"], points["flip"]]
@@ -302,11 +302,11 @@ def test_zone_of_the_bounce():
     omega, factor = rng.uniform(18, 23, 300), rng.uniform(0.2, 2.4, 300)
     borders = np.array([bounce_borders(w) for w in omega]) / 0.02
     expected = (borders[:, 0] < factor) & (factor < borders[:, 1])
-    # a ball that bounces hardly is not there: no other border is met in this range
+    # a ball that barely bounces does not occur: there is no other boundary in this range
     assert expected.any()
     assert not expected.all()
     assert (zone.contains(omega, factor) == expected).all()
-    # on both sides of the fold and the flip, a simulation from the motion settles on it or not
+    # below and above the flip, a simulation from the motion settles on it or leaves it
     for share, stays in ((0.98, True), (1.02, False)):
         ball, load = ball_on_table(share * bounce_borders(20.0)[1])
         phase = math.acos(bounce_borders(20.0)[0] / ball.gaps[0].sine[0] * -1)
@@ -317,7 +317,7 @@ def test_zone_of_the_bounce():
 
 
 def test_atlas_of_the_bounce():
-    """The survey finds the bounce, whose zone has the borders of the closed form."""
+    """The survey finds the bounce, whose zone has the boundaries of the closed form."""
     atlas = vi.atlas(
         *ball_on_table(0.02), ("frequency", (18, 23)), ("wall", (0.2, 2.4)), survey=60, lines=9
     )
@@ -330,7 +330,7 @@ def test_atlas_of_the_bounce():
 
 
 def test_work_of_the_table():
-    """In each bounce the table gives m (1 + R) v w with its speed w, which the impact takes."""
+    """In each bounce the table does the work m (1 + R) v w with its speed w, and the impact dissipates it."""
     motion = stable_bounce()
     found = motion.quantities()
     speed, wall = motion.speeds[0], 0.02 * OMEGA * math.cos(motion.phases[0])
@@ -338,7 +338,7 @@ def test_work_of_the_table():
     assert found.work == pytest.approx((1 + 0.7) * speed * wall, rel=1e-12)
     assert found.work == pytest.approx(found.impact_loss, rel=1e-12)
     assert found.energy_change == pytest.approx(0, abs=1e-12)
-    # a ball that is carried: the table gives m (g + w') w, and gravity, which is part of the load, takes m g w
+    # a carried ball: the table does the work m (g + w') w, and gravity, which is part of the load, takes m g w
     ball, load = ball_on_table(0.03, restitution=0.3)
     found = vi.simulate(ball, load, duration=0.04, state=([0.0], [0.6])).quantities()
     gain = 0.5 * (0.03 * OMEGA) ** 2 * (math.cos(OMEGA * 0.04) ** 2 - 1)
@@ -363,7 +363,7 @@ def test_energy_with_a_moving_wall(kind):
 
 
 def test_work_of_a_stop_that_moves():
-    """The part of the wall in the work is minus the integral of the contact force times its speed."""
+    """The share of the wall in the work is minus the integral of the contact force times its speed."""
     moving, load, *_ = moving_and_shifted("stop")
     run = vi.simulate(moving, load, cycles=2)
     edges = np.unique(np.r_[0.0, run.events["time"], run.end])
@@ -380,7 +380,7 @@ def test_work_of_a_stop_that_moves():
         pressed = 40 * depth + 1.5 * (q_dot[0] - rate)
         power = (force * q_dot).sum(axis=0) - np.where(depth.max() > 0, pressed, 0.0) * rate
         total += 0.5 * (b - a) * (weights @ power)
-    # impacts on the other wall, which is at rest, have no work
+    # impacts on the other wall, which is at rest, do no work
     assert run.quantities().work == pytest.approx(total, rel=1e-10)
 
 
@@ -429,7 +429,7 @@ def test_branch_of_a_rest():
 
 
 def changed(structure, load, name, by):
-    """The structure and the load after a parameter was changed."""
+    """The structure and the load after a parameter has changed."""
     gaps = list(structure.gaps)
     if name == "frequency":
         load = vi.Load(
@@ -445,7 +445,7 @@ def changed(structure, load, name, by):
 
 @pytest.mark.parametrize("kind", [kind for kind in CONTACTS if kind != "no rebound"])
 def test_gradients_with_a_moving_wall(kind):
-    """Derivatives of motions and trajectories, against differences of exact motions and of simulations."""
+    """Derivatives of motions and trajectories equal differences of exact motions and of simulations."""
     moving, load, *_ = moving_and_shifted(kind)
     motion = vi.exact(moving, load, vi.simulate(moving, load, cycles=300))
     names, h = ["frequency", "wall_0", "opening_0"], 1e-6
@@ -478,7 +478,7 @@ def test_gradients_with_a_moving_wall(kind):
 
 
 def test_gradient_of_a_rest():
-    """A ball that a table carries and throws: impacts after the rest, against differences of exact motions."""
+    """A ball that a table carries and throws: impacts after the rest agree with differences of exact motions."""
     h, near = 1e-7, []
     for a in (0.03, 0.03 * (1 + h), 0.03 * (1 - h)):
         ball, load = ball_on_table(a, restitution=0.3)
@@ -486,10 +486,10 @@ def test_gradient_of_a_rest():
         near.append(vi.exact(ball, load, run))
     gradient = near[0].gradient(["wall", "frequency"])
     for quantity in ("phases", "speeds"):
-        # those before the accumulation comes to its end
+        # events before the accumulation ends
         slope = (getattr(near[1], quantity) - getattr(near[2], quantity))[:3] / (2 * h)
         assert gradient[quantity, "wall"][:3] == pytest.approx(slope, rel=1e-5), quantity
-    # times scale with 1/Omega, lengths with g/Omega^2: a higher frequency is a larger amplitude
+    # times scale with 1/Omega, lengths with g/Omega^2: a higher frequency acts as a larger amplitude
     assert gradient["phases", "frequency"] == pytest.approx(
         2 * gradient["phases", "wall"] / OMEGA, rel=1e-6
     )
@@ -531,7 +531,7 @@ def test_what_is_refused():
 
 
 def test_loads_add():
-    """Forces, gravity and a motion of the base under one structure."""
+    """Forces, gravity and a base motion under one structure."""
     s = vi.Structure(mass=[2, 1], damping=[0, 0], stiffness=[[3, -1], [-1, 1]])
     base = vi.base_motion(s, 1.5, sine=[0.1, 0.2])
     total = vi.Load(1.5, cosine=[1.0, 0.0], constant=[0, -1]) + base + vi.Load(constant=[0.5, 0])

@@ -26,7 +26,7 @@ ARRAYS = (
 
 
 def test_equispaced_answers():
-    """Two motions exist below the largest clearance, none above, one or two equal ones at it."""
+    """Two motions exist below the largest clearance, none above it, and one or two equal ones at it."""
     osc = vi.Oscillator(xi=0.0, mu=0.0, restitution=0.5)
     r, A = 0.5, 1.0 / 0.75
     limit = A * math.hypot(3.0 * math.pi, 2.0)
@@ -49,7 +49,7 @@ def test_singular_phases():
 
 
 def test_phases_that_need_no_load():
-    """Two symmetric periods in one cycle need no load, so that no clearance is determined: an error."""
+    """Two symmetric periods in one cycle need no load, so no clearance is determined: an error."""
     osc = vi.Oscillator(xi=0.0, mu=0.0, restitution=0.0)
     with pytest.raises(vi.errors.SingularError, match="load"):
         vi.periodic(osc, 2.0, np.arange(4) * math.pi / 2, vi.Pattern("RLRL"))
@@ -70,7 +70,7 @@ def test_unusual_but_right():
 
 
 def test_no_attenuation_without_forced_motion(results):
-    """max|x|/A is left out where A is 0: free vibration between the walls."""
+    """max|x|/A is omitted where A is 0: free vibration between the walls."""
     free = results["motion"].__replace__(A=0.0)
     assert free._facts()["max|x|/A"] == "-"
     assert results["motion"]._facts()["max|x|/A"] != "-"
@@ -98,7 +98,7 @@ def test_frozen():
 
 
 def test_arrays_are_read_only_and_ours():
-    """The arrays of a motion cannot be written, and are not the caller's."""
+    """The arrays of a motion are read-only, and separate from the caller's."""
     phases, own = np.array(PHASES), np.array([0.5, 0.6])
     motion = periodic(phases=phases, restitution=own)
     (half, *_) = vi.equispaced(EVEN, 0.9, 20.0)
@@ -131,7 +131,7 @@ def test_equal_oscillators_and_patterns():
 
 
 def test_to_dict_is_json():
-    """`to_dict` gives values that JSON can hold, and the same object after a round trip."""
+    """`to_dict` gives values that JSON can hold, and restores the same object."""
     motion = periodic()
     tables = json.loads(json.dumps(motion.to_dict(), allow_nan=False))["tables"]
     plain, impacts = (tables[name]["columns"] for name in ("motions", "impacts"))
@@ -158,13 +158,13 @@ def test_repr_names_the_verdicts(name):
 
 
 def test_repr_of_an_inconsistent_motion():
-    """The repr of an inconsistent motion says that it is not consistent."""
+    """The repr of an inconsistent motion states that it is not consistent."""
     motion = periodic().__replace__(consistent=False)
     assert ": not consistent (residual " in repr(motion)
 
 
 def test_sample_of_nothing():
-    """No times give empty arrays."""
+    """An empty list of times gives empty arrays."""
     assert periodic().sample([]).X.shape == (0,)
 
 
@@ -180,7 +180,7 @@ def test_index_of_a_batch():
 @given(st.floats(0.01, 0.99), st.floats(-150, 150), st.floats(-150, 150))
 @settings(max_examples=300, deadline=None, derandomize=True)
 def test_damping_ratio_is_the_nearest_number(xi, log_M, log_K):
-    """C/(2 sqrt(K M)) to the last bit, in exact arithmetic, however large or small M and K are."""
+    """C/(2 sqrt(K M)) is exact to the last bit, however large or small M and K are."""
     M, K = 10.0**log_M, 10.0**log_K
     C = xi * 2 * math.sqrt(M) * math.sqrt(K)
     osc = vi.Oscillator.from_dimensional(M=M, K=K, C=C, m=0.1 * M, restitution=0.5)

@@ -1,4 +1,4 @@
-"""Runs of namelist files that keep the cases of one study."""
+"""Runs of namelist files restricted to the cases of one study."""
 
 import vibroimpact as vi
 
@@ -10,7 +10,7 @@ CASES = (
 
 
 def test_only_one_study_of_a_file_is_run(tmp_path):
-    """The results of one study are those of a run of all, byte by byte; a file without it is an error."""
+    """The results of one study equal those of a run of all, byte for byte; a file without it is an error."""
     path = tmp_path / "both.nml"
     path.write_text(CASES)
     every = vi.run_namelists([path], tmp_path / "every")

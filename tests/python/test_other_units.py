@@ -7,8 +7,8 @@ import pytest
 from shared_answers import ROUNDING, STOPPED, answer, put_files
 from shared_case_texts import multiplied
 
-#: The new units are powers of 2 of the old ones, so that only the exponent bits of a number change; those of
-#: length and mass are even, so that this is true of square roots, too.
+#: The new units are powers of 2 times the old ones, so that only the exponent bits of a number change; those of
+#: length and mass are even powers, so that this holds for square roots too.
 LENGTH, MASS, TIME = 10, -8, 3
 FORCE = (1, 1, -2)
 #: The dimension of each key: its exponents of length, mass and time.
@@ -19,25 +19,25 @@ DIMENSIONS = {
     "preload": FORCE, "slip": FORCE, "stick": FORCE, "speed": (1, 0, -1),
     "q": (1, 0, 0), "q_dot": (1, 0, -1), "start": (0, 0, 1), "duration": (0, 0, 1),
 }  # fmt: skip
-#: The dimension of columns of results that no key shares a name with.
+#: The dimension of result columns that share no name with a key.
 OF_COLUMNS = {
     "time": (0, 0, 1), "speed": (1, 0, -1), "speeds": (1, 0, -1), "impulse": (1, 1, -1), "impulses": (1, 1, -1),
     "q_min": (1, 0, 0), "q_max": (1, 0, 0), "phase": (0, 0, 0), "phases": (0, 0, 0), "begin": (0, 0, 0),
     "end": (0, 0, 0), "determinant": (0, 0, 0), "multiplier": (0, 0, 0), "law": (0, 0, 0),
 }  # fmt: skip
-#: Bounds have the dimension of what varies between them; in a response this is the frequency.
+#: Bounds have the dimension of the parameter that varies between them; in a response this is the frequency.
 BOUNDS = {
     "low": "parameter", "high": "parameter", "x_low": "x", "x_high": "x", "y_low": "y", "y_high": "y",
 }  # fmt: skip
-#: A text with one of these words is left out: its numbers have other dimensions or leave the range of doubles or
-#: that of their keys, or rounding decides what a long chaotic run does.
+#: A text with one of these words is excluded: its numbers have other dimensions or leave the range of doubles or
+#: that of their keys, or rounding decides the course of a long chaotic run.
 OTHERS = re.compile(
     r"_file\b|-3\d\d\b|\b1e12\b|\b(frequencies|shapes|base|axes|weights|sweep|entries|lyapunov)\b"
 )
 
 
 def factor(dimension):
-    """The factor by which the unit change multiplies a number of this dimension."""
+    """The factor by which the change of units multiplies a number of this dimension."""
     return 2.0 ** (dimension[0] * LENGTH + dimension[1] * MASS + dimension[2] * TIME)
 
 
@@ -55,15 +55,15 @@ def in_other_units(text):
 
 
 def cases(kept_cases):
-    """The kept cases of structures with stiffness, without those whose answers rounding decides."""
+    """The kept cases of structures with stiffness, without those that rounding decides."""
     for item in kept_cases:
         text, kept = item["text"], item["answer"]
         if "&structure" not in text or kept["status"] == 2 or text.startswith(STOPPED):
             continue
-        # without stiffness nothing sets a unit of time, and the end of an accumulation depends on the unit
+        # without stiffness nothing defines a unit of time, and the end of an accumulation depends on the unit
         if OTHERS.search(text) or not re.search(r"stiffness\s*=\s*[^a-z]*[1-9]", text):
             continue
-        # rounding decides which of two coupled impacts at one instant comes first, and a touch at zero speed
+        # rounding decides which of two simultaneous coupled impacts comes first, and a touch at zero speed
         touches = any(
             speeds[0] and speeds[3] < 1e-9
             for name, speeds in kept["columns"].items() if name.split(".")[-1] in ("speed", "speeds")
@@ -81,7 +81,7 @@ def has_special_points(one):
 
 
 def test_answers_in_other_units(kept_cases, tmp_path, monkeypatch):
-    """The status, integers such as verdicts, and sums of the reals that have a dimension agree."""
+    """The status, integers such as verdicts, and sums of reals with a dimension agree."""
     put_files(tmp_path)
     monkeypatch.chdir(tmp_path)
     compared = 0
@@ -92,7 +92,7 @@ def test_answers_in_other_units(kept_cases, tmp_path, monkeypatch):
         assert other["status"] == one["status"], in_other_units(text)
         for name, kept in one["columns"].items():
             found, column = other["columns"][name], name.split(".")[-1]
-            # how many values, and how many reals are not finite; or the checksum of integers
+            # the number of values, and of reals that are not finite; or the checksum of integers
             assert found[:2] == kept[:2], (name, text)
             if len(kept) == 4 and column in DIMENSIONS | OF_COLUMNS:
                 compared += 1

@@ -1,4 +1,4 @@
-"""Outputs of structures by name, and loads of a base that moves."""
+"""Outputs of structures by name, and loads of a moving base."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def body(**options):
 
 
 def turned(outputs):
-    """The same in other coordinates, with the load."""
+    """The same structure in other coordinates, with its load."""
     gaps = [vi.Gap(gap.direction @ TURNED, gap.opening, gap.restitution) for gap in GAPS]
     matrices = [TURNED.T @ np.asarray(matrix) @ TURNED for matrix in MATRICES]
     load = vi.Load(LOAD.frequency, sine=LOAD.sine @ TURNED, cosine=LOAD.cosine @ TURNED)
@@ -126,7 +126,7 @@ def test_the_csv_of_a_diagram_and_the_trajectory_of_a_file_keep_outputs(tmp_path
 
 
 def test_the_csv_of_a_trajectory_has_outputs(tmp_path):
-    """Its columns are the outputs just after the events, from Python, a file and a namelist."""
+    """The columns of the CSV are the outputs just after the events, from Python, a file and a namelist."""
     rng = np.random.default_rng(3)
     n = 12
     stiffness = np.diag(np.full(n, 2.0)) - np.eye(n, k=1) - np.eye(n, k=-1)
@@ -154,7 +154,7 @@ def test_the_csv_of_a_trajectory_has_outputs(tmp_path):
     ]
     assert rows[0] == rows[1]
     for name in table:
-        if table[name].dtype.kind == "f":  # sums in another order
+        if table[name].dtype.kind == "f":  # the sums have another order
             assert np.allclose(table[name], result.to_pandas()[name], rtol=1e-13, atol=1e-14)
 
 
@@ -194,7 +194,7 @@ def test_names_that_are_no_outputs():
 
 
 def test_a_base_that_moves():
-    """The relative motion of two masses on a base, whose absolute motion is one by forces of springs."""
+    """The relative motion of two masses on a base equals their motion under equivalent forces."""
     mass, damping, stiffness = (
         np.array([2.0, 0.5]),
         [[0.1, -0.04], [-0.04, 0.04]],
@@ -228,7 +228,7 @@ def test_participation_of_modes():
         outputs=dict(zip(("lower", "upper"), shapes, strict=True)),
     )  # fmt: skip
     whole = vi.Structure(mass, 0 * mass, stiffness, base=[1, 1])
-    # of all modes: the squares are the effective masses, whose sum is the mass of all bodies
+    # over all modes: the squares are the effective masses, whose sum is the total mass
     assert np.allclose(modal.participation, shapes.T @ whole.participation)
     assert (modal.participation**2).sum() == pytest.approx(2.5)
     load = vi.base_motion(modal, 1.3, sine=0.1, relative=True)

@@ -53,11 +53,11 @@ def picture(name, change=lambda ax: None):
     """The pixels (height, width, 3) of a picture of 600 x 420, without its text."""
     with plt.rc_context(matplotlib.rcParamsDefault):
         figure = plt.figure(figsize=(6, 4.2), dpi=100)
-        # fixed axes: the size of letters must not move the lines
+        # the axes are fixed: the size of letters must not move the lines
         ax = figure.add_axes((0.1, 0.1, 0.85, 0.8))
         DRAWN[name](ax)
         change(ax)
-        figure.canvas.draw()  # from here on tick labels exist
+        figure.canvas.draw()  # tick labels exist only from here on
         for text in figure.findobj(Text):
             text.set_visible(False)
         for one in figure.axes:
@@ -107,7 +107,7 @@ def thicker(ax):
 
 
 def moved(ax):
-    """Show another window."""
+    """Show a different window."""
     low, high = ax.get_ylim()
     ax.set_ylim(low, high + 0.1 * (high - low))
 
@@ -115,12 +115,12 @@ def moved(ax):
 @pytest.mark.parametrize("name", DRAWN)
 @pytest.mark.parametrize("change", [dashed, thicker, moved])
 def test_changes_are_seen(name, change):
-    """Another style of the lines, or another window, exceeds the allowed difference by far."""
+    """A different line style or a different window far exceeds the allowed difference."""
     assert difference(picture(name, change), kept(name)) > 2 * MOST
 
 
 def test_letters_are_not_seen():
-    """Another font does not change the pictures compared."""
+    """A different font does not change the compared pictures."""
 
     def other_font(ax):
         for text in ax.findobj(Text):

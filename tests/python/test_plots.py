@@ -1,4 +1,4 @@
-"""Pictures: data of the panels, labels, and that drawing leaves no traces in the caller's matplotlib."""
+"""Pictures: data of the panels, labels, and that drawing does not change the caller's matplotlib."""
 
 import sys
 
@@ -26,7 +26,7 @@ LABELS = {
 
 @pytest.fixture(autouse=True)
 def _closed():
-    """Each test starts and ends without open figures."""
+    """Close all figures before and after each test."""
     plt.close("all")
     yield
     plt.close("all")
@@ -55,7 +55,7 @@ def curve(ax):
 @pytest.mark.parametrize("which", range(4))
 @pytest.mark.parametrize("kind", KINDS)
 def test_one_panel_into_given_axes(which, kind):
-    """`ax` is drawn into and returned, without another figure; labels have symbols and units."""
+    """`ax` is drawn into and returned, without a new figure; labels have symbols and units."""
     figure, ax = plt.subplots()
     before = plt.get_fignums()
     assert things()[which].plot(ax=ax, kind=kind) is ax
@@ -98,7 +98,7 @@ def test_kind_alone_makes_one_panel():
 
 @pytest.mark.parametrize("which", range(4))
 def test_history_is_the_sample(which):
-    """The curves X and Z are what `sample` gives, the walls X +- d/2, markers at the events."""
+    """The curves X and Z equal those of `sample`, walls are at X +- d/2, and events have markers."""
     thing = things()[which]
     motion = isinstance(thing, vi.Motion)
     _, ax = plt.subplots()
@@ -152,7 +152,7 @@ def test_load_panel(which):
 
 @pytest.mark.parametrize("which", range(4))
 def test_acceleration_panel(which):
-    """The acceleration is load - 2 xi X' - X, over 1 + mu at rest, with a spike at each impact."""
+    """The acceleration is load - 2 xi X' - X, divided by 1 + mu at rest, with a spike at each impact."""
     thing = things()[which]
     osc, motion = thing.osc, isinstance(thing, vi.Motion)
     _, ax = plt.subplots()
@@ -200,7 +200,7 @@ def test_portrait_stays_between_the_walls():
     ("cycles", "2"),
 ])  # fmt: skip
 def test_wrong_arguments(name, value):
-    """Wrong words and numbers are refused by name, and no figure is left behind."""
+    """Invalid words and numbers are refused by name, and no figure is left open."""
     for thing in (vi.exact(TABLE, 0.94, 37.0, COLUMN), settled(2)):
         with pytest.raises(vi.errors.VibroimpactError, match=name):
             thing.plot(**{name: value})
@@ -222,7 +222,7 @@ def test_short_and_quiet_trajectories_are_drawn():
 
 
 def test_clearance_in_the_sketch_is_the_whole_travel():
-    """The two gaps beside m are d/2 each, so that their sum is d; all symbols are there, within the picture."""
+    """The two gaps on both sides of m are d/2 each, with the sum d; all symbols are within the picture."""
     ax = draw_system()
     texts = [text.get_text() for text in ax.texts]
     for symbol in ("$M$", "$m$", "$K$", "$C$", "$X$", "$Z$"):
@@ -240,7 +240,7 @@ def test_clearance_in_the_sketch_is_the_whole_travel():
 
 
 def test_the_sketch_shows_the_values_of_a_rig():
-    """The values of a physical rig and of its point are above the sketch in its units, and within the picture."""
+    """The values of a physical rig and of its point are above the sketch in its units, within the picture."""
     rig = vi.Oscillator.from_dimensional(
         M="2.7 kg", K="42 kN/m", xi="1.1 %", m="0.11 kg", restitution=(0.7, 0.6), F0="6 N"
     )
@@ -265,7 +265,7 @@ def test_the_sketch_shows_the_values_of_a_rig():
 
 
 def test_what_cannot_be_sketched_is_refused():
-    """Other things than systems, and loads of oscillators, are refused by name; axes are given by name."""
+    """Objects other than systems, and loads of oscillators, are refused by name; axes are given by name."""
     _, ax = plt.subplots()
     for wrong in (ax, 3):
         with pytest.raises(TypeError, match=r"system = .*axes are given as ax="):
@@ -278,7 +278,7 @@ def test_what_cannot_be_sketched_is_refused():
 
 
 def test_the_scale_of_the_spikes_is_told():
-    """The legend gives the change of velocity of the longest spike, and lies above the axes."""
+    """The legend gives the velocity jump of the longest spike, and is above the axes."""
     motion = vi.exact(TABLE, 0.94, 37.0, COLUMN)
     ax = motion.plot(kind="acceleration")
     largest = np.abs(motion.X_dot_after - motion.X_dot_before).max()
@@ -311,7 +311,7 @@ def test_without_matplotlib(monkeypatch):
 @pytest.mark.parametrize("engine", [None, "constrained"])
 @pytest.mark.parametrize("name", [*NAMES, *STUDIES_NAMED])
 def test_legends_are_not_cut_off(name, engine, results, attractors):
-    """In small axes of the caller every legend lies within the figure."""
+    """In small axes of the caller every legend is within the figure."""
     noun = results[name] if name in NAMES else attractors[name]
     if not noun.drawable:
         with pytest.raises(vi.errors.ParameterError):

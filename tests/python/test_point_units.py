@@ -1,4 +1,4 @@
-"""Points with friction or stops, whose results are those of a structure, answer in the units of the oscillator."""
+"""Points with friction or stops have results of a structure, converted to the units of the oscillator."""
 
 import json
 
@@ -63,7 +63,7 @@ def test_run_is_that_of_the_structure_in_si(run):
 
 
 def test_physical_run_has_a_namelist_in_its_units(run, tmp_path):
-    """The case of a run in SI gives the same run, up to rounding."""
+    """The case of a run in SI reproduces the run, up to rounding."""
     own = run.physical("SI")
     path = tmp_path / "run.nml"
     path.write_text(own.to_namelist())
@@ -88,7 +88,7 @@ def test_csv(run, units, tmp_path):
 
 
 def test_dimensionless_csv_and_files(run, tmp_path):
-    """A dimensionless CSV says so, and files restore the units."""
+    """A dimensionless CSV states this, and files restore the units."""
     run.save(tmp_path / "run.csv", units="dimensionless")
     names, columns = header(tmp_path / "run.csv")
     assert names.startswith("units as in the case")
@@ -120,7 +120,7 @@ def labels(axes):
 
 
 def test_pictures_of_runs_and_motions(run, motion):
-    """Each axis with a dimension names its unit; the numbers are in it."""
+    """Each axis with a dimension names its unit, and has numbers in this unit."""
     for thing in (run, motion):
         _, history, impacts, energy = thing.plot()
         assert "(s)" in history.get_xlabel()
@@ -173,7 +173,7 @@ def test_pictures_and_tables_of_studies(motion, tmp_path):
 
 
 def test_basins_along_velocities():
-    """A plane of velocities takes speeds, and is drawn in them."""
+    """A plane of velocities takes speeds, and its axes show speeds."""
     plane = ("q_0", ("-1 mm", "1 mm")), ("q_dot_0", "-5 mm/s", "5 mm/s", 3)
     basins = vi.basins(RUBS, plane=plane, points=3, settling=100)
     axes = basins.axes
@@ -183,7 +183,7 @@ def test_basins_along_velocities():
 
 
 def test_structures_of_users_have_no_units():
-    """A structure that the user defines is shown in the user's units, which have no names."""
+    """A structure defined by the user is shown in the user's units, which have no names."""
     structure, load = by_hand()
     run = vi.simulate(structure, load, cycles=2)
     assert run.plot(kind="history").get_ylabel() == "coordinates $q_i$"

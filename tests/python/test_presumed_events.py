@@ -1,4 +1,4 @@
-"""`periodic` of structures with stops and friction: given the instants of all events, the rest is linear."""
+"""`periodic` of structures with stops and friction: for given times of all events, the rest is linear."""
 
 import numpy as np
 import pytest
@@ -21,7 +21,7 @@ def motion_with_kinds(name):
 
 @pytest.mark.parametrize("name", CASES)
 def test_the_events_of_a_motion_give_it_again(name):
-    """The residual is one of rounding; states, speeds and multipliers are those of Newton's method."""
+    """The residual is rounding; states, speeds and multipliers are those of Newton's method."""
     motion, kinds = motion_with_kinds(name)
     given = (motion.structure, motion.load, motion.phases, motion.gaps, motion.cycles)
     found = vi.periodic(*given, kinds=kinds)
@@ -38,7 +38,7 @@ def test_the_events_of_a_motion_give_it_again(name):
 
 @pytest.mark.parametrize("name", ["stop", "reversals", "stick"])
 def test_other_instants_are_not_a_motion(name):
-    """The residual grows in proportion to the error of the instants; `exact` leads back."""
+    """The residual grows in proportion to the error of the times; `exact` recovers the motion."""
     motion, kinds = motion_with_kinds(name)
     residuals = []
     for shift in (1e-5, 1e-4):
@@ -54,7 +54,7 @@ def test_other_instants_are_not_a_motion(name):
 
 
 def test_a_motion_that_passes_through_a_wall_is_not_admissible():
-    """The linear equations do not see a second stop that the motion would meet."""
+    """The linear equations do not account for a second stop that the motion would touch."""
     motion, kinds = motion_with_kinds("stop")
     lowest = float(motion.sample(np.linspace(0, motion.period, 200))[0].min())
     further = vi.Stop([-1], -0.9 * lowest, stiffness=10)
@@ -65,7 +65,7 @@ def test_a_motion_that_passes_through_a_wall_is_not_admissible():
 
 
 def test_namelist(tmp_path):
-    """A namelist gives the same motion, from its phases, and exactly from a guess of them."""
+    """A namelist reproduces the motion, from its phases, and exactly from a guess of them."""
     motion, kinds = motion_with_kinds("force")
     phases = np.round(motion.phases, 3)
     found = vi.periodic(motion.structure, motion.load, phases, motion.gaps, kinds=kinds)
@@ -97,7 +97,7 @@ def test_what_is_refused(change, message):
 
 
 def test_friction_without_events():
-    """Friction that never halts needs a belt; on a fast one it only adds a constant force."""
+    """Friction without events needs a belt; a fast belt only adds a constant force."""
     stop = one_stop(1.0, stiffness=100, damping=1).gaps
     load = vi.Load(1.0, cosine=[1.0])
     still = vi.Structure([1.0], [0.1], [1.0], gaps=stop, friction=[vi.Friction([1.0], 0.1)])

@@ -1,4 +1,4 @@
-"""Certificates: verdicts that the package shares, and an independent program that accepts them and no others."""
+"""Certificates: verdicts that agree with the package, and an independent program that accepts only true ones."""
 
 import copy
 import functools
@@ -31,7 +31,7 @@ TABLE1 = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
 
 @pytest.fixture(autouse=True)
 def digits():
-    """The digits of the independent program, in which the package does not rely on those that it finds."""
+    """Set the precision of the independent program; the package does not rely on the one that it finds."""
     with checker.ctx.workprec(checker.BITS):
         yield
 
@@ -78,7 +78,7 @@ def test_verdicts_are_proven(motion):
 
 
 def changed_in(data, what, *path, value):
-    """A copy of a certificate in which one entry is another, and what was changed."""
+    """A copy of a certificate with one entry replaced, and the name of the change."""
     other = copy.deepcopy(data)
     place = other
     for key in path[:-1]:
@@ -88,16 +88,16 @@ def changed_in(data, what, *path, value):
 
 
 def wrong(data):
-    """Certificates that differ in one thing and are false; what was changed."""
+    """Certificates with a single false change, and the name of the change."""
 
     changed = partial(changed_in, data)
 
     def moved(text):
-        """A parameter with which the motion leaves the box."""
+        """A value with which the motion leaves the box."""
         return f"{float(text) * (1.001 if data['kind'] == 'motion' else 0.5):.12g}"
 
     def shifted(text, by):
-        """The centre a distance beside it at which the box does not hold the motion any more."""
+        """The centre moved so far that the box no longer contains the motion."""
         found = exact(text) + 2 * exact(by)
         return f"{hex(int(found * 2**300))}p-300"
 
@@ -175,7 +175,7 @@ def false_items(data):
         ("symmetric", 1), ("sheets", []), ("seconds", -1.0), ("seconds", math.nan), ("seconds", "1"),
     ):  # fmt: skip
         yield changed(f"{name} = {value}", name, value=lambda _, value=value: value)
-    # what is not decided: too much, too little, elsewhere, or without a reason
+    # undecided items: too much, too little, elsewhere, or without a reason
     undecided = data["undecided"]
     wrong_item = {"reason": "unknown", "parameters": {"clearance": ["1", "2"]}}
     yield changed("one more", "undecided", value=lambda old: [*old, wrong_item])
@@ -237,7 +237,7 @@ CERTIFICATES = [
     ids=["stable motion", "unstable motion", "branch", "box"],
 )  # fmt: skip
 def test_false_certificates_are_rejected(make):
-    """The independent program rejects each one that was changed so that it is false."""
+    """The independent program rejects each certificate with a change that makes it false."""
     data = json.loads(make().to_json())
     checker.check(data)
     accepted = []
@@ -253,7 +253,7 @@ def test_false_certificates_are_rejected(make):
     assert accepted == []
 
 
-#: Certificates of each kind, as small as they can be.
+#: Certificates of each kind, as small as possible.
 KINDS = {
     "motion": lambda: MOTIONS[0].prove(),
     "nothing": lambda: vi.prove_box(OSC, "RL", r=1.04, clearance=(10, 11)),
@@ -308,7 +308,7 @@ def two_branches():
 
 
 def test_boxes_of_two_branches_are_not_one_curve():
-    """Parts of two branches are no branch, in whatever order or on however many sheets they are listed."""
+    """Parts of two branches do not form a branch, in any order or on any number of sheets."""
     (data, first), _, _, (_, last) = two_branches()
     both = copy.deepcopy(data) | {"boxes": [first, last]}
     twice = copy.deepcopy(data) | {
@@ -344,7 +344,7 @@ def test_a_wall_has_one_restitution():
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_each_item_is_checked(kind):
-    """Of each kind of certificate, every item is needed, no other is taken, and none may contradict the boxes."""
+    """In each kind of certificate every item is needed, no other is accepted, and none contradicts the boxes."""
     data = json.loads(KINDS[kind]().to_json())
     form.check_form(data)
     accepted = []
@@ -361,7 +361,7 @@ def test_each_item_is_checked(kind):
 
 
 def test_zones_state_no_bounds():
-    """The lengths of a zone are in other units than A, in which a false bound of max|x|/A would look true."""
+    """The lengths of a zone have other units than A, in which a false bound of max|x|/A would seem true."""
     data = json.loads(KINDS["zone"]().to_json())
     place = next(k for k, box in enumerate(data["boxes"]) if box["admissible"] and box["stable"])
     for name, text in (("attenuation_below", "1000"), ("multipliers_below", "1")):
@@ -375,7 +375,7 @@ def test_zones_state_no_bounds():
 
 @pytest.mark.parametrize("kind", ["motion", "branch", "box", "structure", "branch of structure"])
 def test_centres_of_another_form(kind):
-    """Too few or too many coefficients, and numbers that are no texts, are rejected and not the program's end."""
+    """Too few or too many coefficients, and numbers that are not texts, are rejected without a crash."""
     data = json.loads(KINDS[kind]().to_json())
     for value in ([], ["0"] * 50, "0", 1, [1], [["0"]], None):
         _, false = changed_in(data, "", "boxes", 0, "centre", 0, 1, value=lambda _, v=value: v)
@@ -388,7 +388,7 @@ def test_centres_of_another_form(kind):
 
 
 def test_numbers_are_texts():
-    """A structure's entries are exact texts in lists, and neither JSON's numbers nor true."""
+    """Entries of a structure are exact texts in lists; JSON numbers and true are rejected."""
     data = json.loads(KINDS["structure"]().to_json())
     for path, value in (
         (("mass", 0, 0), 1), (("mass", 0, 0), True), (("frequency",), 1), (("gaps", 0, "opening"), True),
@@ -400,7 +400,7 @@ def test_numbers_are_texts():
 
 
 def test_regions_that_are_ambiguous():
-    """A branch has one parameter, all its sheets the same, and restitution means both R1 and R2."""
+    """A branch has one parameter, the same on all sheets, and restitution means both R1 and R2."""
     data = json.loads(KINDS["branch"]().to_json())
     mu = {"mu": ["0.027", "0.029"]}
     for sheets, message in (
@@ -420,7 +420,7 @@ def test_regions_that_are_ambiguous():
 
 
 def test_motions_that_do_not_approach_exclude_nothing(monkeypatch):
-    """The search knows all motions that approach; one that does not is not the only one in its box."""
+    """The search finds all motions with positive approach; a motion without it is not the only one in its box."""
     seen = []
     monkeypatch.setattr(search, "check_others", lambda pair, motions, exempt: seen.extend(motions))
     speeds = {"approaches": [1, 2], "leaves": [1, -1], "may leave": [checker.arb(1, 2)]}
@@ -435,7 +435,7 @@ def test_motions_that_do_not_approach_exclude_nothing(monkeypatch):
 
 
 def test_just_beyond_a_graze():
-    """A gap that closes for a very short time is proven to close, and the independent program finds it."""
+    """A gap that closes for a very short time is proven to close, and the independent program detects it."""
     motion = vi.exact(TABLE1, 0.94, 37.0, ([0, 1.37 * math.pi], vi.Pattern("RL")))
     path = vi.branch(motion, "clearance", bounds=(17, 38))
     (graze,) = [one.clearance for one in path.special_points if one.type == "grazing"]
@@ -484,7 +484,7 @@ def test_bound_of_x_across_zero(monkeypatch):
 
 
 def test_unknowns_that_vanish():
-    """X' after the impacts of the impact pair without losses is 0 and has no size of its own."""
+    """For the impact pair without losses, X' after the impacts is 0 and has no scale of its own."""
     osc = vi.Oscillator(xi=0.01, mu=0.0, restitution=1.0)
     for motion in vi.equispaced(osc, 0.7, 1.5):
         assert np.abs(motion.X_dot_after).max() < 1e-14
@@ -500,11 +500,11 @@ def test_unknowns_that_vanish():
 @pytest.mark.parametrize("text", ["-0.9", "0", "1.0000001"])
 @pytest.mark.parametrize("kind", ["motion", "structure", "branch of structure"])
 def test_bounds_of_multipliers_lie_between_0_and_1(kind, text):
-    """Each of the three programs that check multipliers rejects another bound of a stable motion."""
+    """Each of the three programs that check multipliers rejects a different bound of a stable motion."""
     data = json.loads(KINDS[kind]().to_json())
     box = data["boxes"][0]
     box["multipliers_below"] = text
-    # also without the check of the form
+    # also without the check of the format
     alone = check_structure if kind == "structure" else lambda data: checker.check_box(data, box)
     for check in (checker.check, alone):
         with pytest.raises(checker.RejectedError, match="bound"):
@@ -512,7 +512,7 @@ def test_bounds_of_multipliers_lie_between_0_and_1(kind, text):
 
 
 def test_restitution_from_zero_to_one():
-    """At R = 0 nothing is proven, with the reason; down to it and up to R = 1 certificates are accepted."""
+    """At R = 0 nothing is proven, with the reason; for all larger R up to 1 certificates are accepted."""
     wall = structures()[0]
     proof = vi.branch(wall, "restitution", bounds=(0, 1)).prove(tolerance=0.02)
     assert "R = 0" in proof.undecided[0]["reason"]
@@ -525,14 +525,14 @@ def test_restitution_from_zero_to_one():
     form.check_form(data)
     for box in data["boxes"][:3]:
         checker.check_box(data, box)
-    # neither end is a binary number, so a ball around them reaches beyond 1
+    # neither end is a binary number, so a ball around the ends reaches beyond 1
     span = {"xi": (0, 0.001), "restitution": (0.97, 1)}
     proof = vi.prove_box(OSC, "RL", r=1.3, clearance=3.0, most_boxes=3, **span)
     checker.check(json.loads(proof.to_json()))
 
 
 def test_branch():
-    """Verdicts along a branch agree with its points, gaps lie around the special points, and it is accepted."""
+    """Verdicts along a branch agree with its points, gaps are around the special points, and it is accepted."""
     branch = vi.branch(MOTIONS[0], "clearance", bounds=(15.0, 90.0))
     proof = branch.prove()
     kinds = {point.type: point.clearance for point in branch.special_points}
@@ -566,7 +566,7 @@ def test_branch():
 
 
 def test_branch_in_halves():
-    """The independent program halves a box whose models are too wide for it; a false one stays false."""
+    """The independent program halves a box whose models are too wide; a false certificate stays false."""
     motion = vi.equispaced(OSC, 1.04, 22.0)[1]
     branch = vi.branch(motion, "clearance", bounds=(20.6, 26.0))
     data = json.loads(branch.prove(tolerance=0.3).to_json())
@@ -624,12 +624,12 @@ def test_box_is_not_proven():
     assert none.boxes == []
     assert not none.proven
     assert "was found at the middle" in none.undecided[0]["reason"]
-    # it states nothing but the reason
+    # it states only the reason
     data = json.loads(none.to_json())
     checker.check(data)
     with pytest.raises(checker.RejectedError, match="leaves more open than is said"):
         checker.check({**data, "undecided": []})
-    # the ends in any order
+    # the ends in either order
     down = vi.prove_box(OSC, "RL", r=1.04, clearance=(25.125, 25))
     assert down.sheets == [{"clearance": ["25", "201/8"]}]
     for wrong in ((24, 25, 26), np.array([[24, 26]])):
@@ -678,13 +678,13 @@ def test_proofs_with_units():
 
 
 def proof_of_zone(tolerance=0.1, low=20.0):
-    """A narrow strip across a zone, with its upper end in it, and its certificate."""
+    """A narrow strip across a zone, with its upper end in the zone, and its certificate."""
     zone = vi.zone(OSC, "RL", r=(1.04, 1.0404), clearance=(low, 80), symmetric=True, lines=5)
     return zone, zone.prove(tolerance)
 
 
 def test_zone(tmp_path):
-    """What is proven inside and outside agrees with the boundary and with exact motions; most is decided."""
+    """Boxes proven inside and outside agree with the boundary and exact motions; most boxes are decided."""
     zone, proof = proof_of_zone()
     random = np.random.default_rng(3)
     decided = {True: 0, False: 0, None: 0}
@@ -719,7 +719,7 @@ def test_zone(tmp_path):
 
 @pytest.mark.parametrize("r", [0.9984912506265515, 0.9984912506273515])
 def test_beside_a_pitchfork(r):
-    """A multiplier beyond the circle by less than its bound has digits: the verdict stands, without a bound."""
+    """A multiplier outside the circle by less than its bound has digits: the verdict holds, without a bound."""
     motion = min(vi.equispaced(TABLE1, r, 37.0), key=lambda one: max(abs(one.multipliers)))
     proof = motion.prove()
     assert (proof.exists, proof.admissible, proof.stable) == (True, True, r > 0.998491250627)
@@ -728,13 +728,13 @@ def test_beside_a_pitchfork(r):
 
 @functools.cache
 def wide_zone():
-    """A zone across a wide window, and its certificate."""
+    """A wide window across a zone, and its certificate."""
     zone = vi.zone(OSC, "RL", r=(1.2, 1.22), clearance=(1, 200), symmetric=True)
     return zone, zone.prove(tolerance=1e-3)
 
 
 def test_zone_across_its_window():
-    """Nearly all of a wide window is decided, as the boundary of the zone says, in few boxes."""
+    """Nearly all of a wide window is decided, in agreement with the boundary of the zone, in few boxes."""
     zone, proof = wide_zone()
     assert len(proof.boxes) < 400
     shares = proof.shares()
@@ -782,7 +782,7 @@ def test_zone_against_simulations():
             near.append(decided and number == 0)
             inside.append(decided)
     points, inside = np.transpose(points), np.array(inside)
-    # not a whole number of cycles, so that a period does not end at an impact
+    # not a whole number of cycles, so that no period ends at an impact
     run = vi.simulate_bundle(OSC, *points, 4000.137, np.transpose(states))
     assert (run.status == 0).all()
     reached = np.array([run.t, run.x, run.x_dot, run.z, run.z_dot])
@@ -822,7 +822,7 @@ def test_false_zones_are_rejected(share):
                 flipped = {**box, name: not box[name]}
                 with pytest.raises(checker.RejectedError):
                     checker.check_box(data, flipped)
-    # a box with a motion in the window has one
+    # this box has a motion within the window
     motion = next(m for m in vi.equispaced(OSC, 1.04015, 66.0) if m.stable)
     place = {"r": 1.04015, "tangent": math.tan(motion.tau)}
     (known,) = (
@@ -834,7 +834,7 @@ def test_false_zones_are_rejected(share):
     )  # fmt: skip
     with pytest.raises(checker.RejectedError):
         checker.check_box(data, {**known, "exists": False})
-    # of a wider window more motions lie in it: the certificate is rejected by one of its boxes
+    # a wider window has more motions: one of its boxes makes the certificate fail
     window = copy.deepcopy(data)
     window["system"]["clearance"] = ["0.001", "1000"]
     outside = [box for box in data["boxes"] if box["exists"] is False]
@@ -843,7 +843,7 @@ def test_false_zones_are_rejected(share):
 
 
 def test_random_boxes():
-    """What is proven for all parameters of boxes holds for the exact motions at random points of them."""
+    """Statements proven for all parameters of boxes hold for the exact motions at random points of the boxes."""
     random = np.random.default_rng(7)
     tried = 0
     for _ in range(4):
@@ -867,7 +867,7 @@ def test_random_boxes():
 
 
 def test_each_digit_of_a_centre():
-    """A centre with another digit is rejected where its box does not hold the motion any more, and only there."""
+    """A centre with a changed digit is rejected only where its box no longer contains the motion."""
     data = json.loads(MOTIONS[0].prove().to_json())
     text = data["boxes"][0]["centre"][0][0][0]
     radius = checker.number(data["boxes"][0]["radius"][0][0])
@@ -886,7 +886,7 @@ def test_each_digit_of_a_centre():
 
 
 def test_independent_program(tmp_path):
-    """It accepts a file, rejects another, and says so by its exit status; it does not import the package."""
+    """The program accepts a file, rejects another, with its exit status; it does not import the package."""
     path = tmp_path / "motion.json"
     MOTIONS[0].prove().save(path)
     data = json.loads(path.read_text())
@@ -923,7 +923,7 @@ def test_independent_program(tmp_path):
     ],
 )
 def test_independent_program_of_what_is_no_certificate(tmp_path, text):
-    """One line says what is wrong, and the exit status is 1."""
+    """One line names the error, and the exit status is 1."""
     path = tmp_path / "case.json"
     if text is not None:
         path.write_bytes(text.encode("latin-1"))
@@ -931,7 +931,7 @@ def test_independent_program_of_what_is_no_certificate(tmp_path, text):
 
 
 def test_independent_program_says_what_it_cannot_read(tmp_path, capsys):
-    """The message names the file; a certificate of nothing is called that."""
+    """The message names the file; a certificate that states nothing is reported as such."""
     missing, broken, nothing = (str(tmp_path / name) for name in ("none.json", "{.json", "no.json"))
     Path(broken).write_text("{")
     vi.prove_box(OSC, "RL", r=1.04, clearance=(10, 11)).save(nothing)
@@ -963,7 +963,7 @@ def test_independent_program_says_what_it_cannot_read(tmp_path, capsys):
     ],
 )  # fmt: skip
 def test_files_of_another_form(path, value, message):
-    """The item that a certificate cannot have is named."""
+    """An item that a certificate cannot have is named."""
     _, other = changed_in(MOTIONS[0].prove().to_dict(), "", *path, value=lambda _: value)
     with pytest.raises((vi.ParameterError, vi.ParameterTypeError), match=message):
         vi.Certificate.from_dict(other)
@@ -987,7 +987,7 @@ def test_files_with_fractions():
 
 
 def test_files_of_whole_seconds_and_broken_text():
-    """A whole number of seconds is a time; broken JSON is an error of the text."""
+    """A whole number of seconds is valid as a time; broken JSON is an error of the text."""
     data = MOTIONS[0].prove().to_dict()
     assert vi.Certificate.from_dict(data | {"seconds": 1}).seconds == 1.0
     with pytest.raises(vi.ParameterError, match=r"text = '\{': must be JSON"):
@@ -1002,7 +1002,7 @@ def test_files_of_each_kind(kind):
 
 
 def test_files(tmp_path):
-    """A certificate that was saved is read with the same numbers."""
+    """A saved certificate is read with the same numbers."""
     proof = MOTIONS[0].prove()
     proof.save(tmp_path / "proof.json")
     assert vi.load(tmp_path / "proof.json") == proof
@@ -1015,11 +1015,11 @@ def test_files(tmp_path):
 
 
 def test_near_the_circle_nothing_is_proven():
-    """At a pitchfork existence or stability is not decided, with the reason, and never a guess."""
+    """At a pitchfork existence or stability is undecided, with the reason, and never guessed."""
     branch = vi.branch(MOTIONS[0], "clearance", bounds=(15.0, 30.0))
     (fork,) = [point for point in branch.special_points if point.type == "pitchfork"]
     assert not fork.motion.prove().proven
-    # the double next to it is 1e-14 off: what is decided there is true of its decimal text
+    # the next double is 1e-14 off: what is decided there is true of its decimal text
     near = branch.prove(tolerance=0.01)
     (gap,) = near.undecided
     assert "unit circle" in gap["reason"]
@@ -1061,7 +1061,7 @@ def test_refused():
 
 @pytest.mark.slow
 def test_motions_of_find(share):
-    """Motions of random oscillators have proven verdicts, none of which contradicts; few are not decided."""
+    """Motions of random oscillators have proven verdicts without contradictions; few are undecided."""
     random = np.random.default_rng(47)
     number = open_ = 0
     systems = share(25)
@@ -1104,7 +1104,7 @@ POINTS = [
 
 
 def assert_all(osc, r, clearance, impacts, cycles=1):
-    """All motions are proven, and `find` has the admissible ones and no others."""
+    """All motions are proven, and `find` has exactly the admissible ones."""
     proof = vi.prove_all(osc, r, clearance, max_impacts=impacts, max_cycles=cycles)
     assert proof.complete
     words = [tuple(sheet.values()) for sheet in proof.sheets]
@@ -1125,7 +1125,7 @@ def assert_all(osc, r, clearance, impacts, cycles=1):
 
 @pytest.mark.parametrize("point", [1, 5, 6])
 def test_all_motions_of_two_impacts(point):
-    """Those of `find` and no others with both walls open in between; the independent program proves it, too."""
+    """The motions equal those of `find` that stay between the walls; the independent program proves it too."""
     proof = assert_all(*POINTS[point], 2)
     checker.check(json.loads(proof.to_json()))
     assert "all motions RL/1" in repr(proof)
@@ -1133,12 +1133,12 @@ def test_all_motions_of_two_impacts(point):
 
 
 def test_all_motions_of_several_cycles():
-    """The same of periods of one and of two load cycles."""
+    """The same for periods of one and of two load cycles."""
     proof = assert_all(*POINTS[5], 2, 2)
     assert {proof.sheets[box["sheet"]]["cycles"] for box in proof.boxes} == {1, 2}
     data = json.loads(proof.to_json())
     checker.check(data)
-    # a motion of two cycles is none of one, and none may be left out
+    # a motion of two cycles is none of one cycle, and none may be omitted
     two = next(k for k, box in enumerate(data["boxes"]) if box["sheet"] == 1)
     moved = copy.deepcopy(data)
     moved["boxes"][two]["sheet"] = 0
@@ -1149,7 +1149,7 @@ def test_all_motions_of_several_cycles():
 
 @pytest.mark.slow
 def test_all_motions_of_three_impacts(share):
-    """The same of RL, RRL and RLL at ten points, and, where all are tried, of two load cycles at one of them."""
+    """The same for RL, RRL and RLL at ten points and, in complete runs, for two load cycles at one of them."""
     tried = POINTS[: share(len(POINTS))]
     proofs = [assert_all(*point, 3) for point in tried]
     if tried == POINTS:
@@ -1160,7 +1160,7 @@ def test_all_motions_of_three_impacts(share):
 
 @pytest.mark.parametrize(("sides", "cycles"), [("RRL", 1), ("RLL", 1), ("RL", 2)])
 def test_linear_laws_of_given_times(sides, cycles):
-    """The laws by which the independent program searches hold for a motion, and their slopes are derivatives."""
+    """The laws that the independent search uses hold for a motion, and their slopes are derivatives."""
     osc, r, clearance = POINTS[5]
     found = vi.find(osc, r, clearance, max_impacts=len(sides), max_cycles=cycles)
     shifted = [sides[k:] + sides[:k] for k in range(len(sides))]
@@ -1204,7 +1204,7 @@ def test_linear_laws_of_given_times(sides, cycles):
 
 
 def test_false_certificates_of_all_motions_are_rejected():
-    """Without a motion, with one twice, or with other words or numbers, it is false."""
+    """A certificate with a motion missing or duplicated, or with changed words or numbers, is rejected."""
     data = json.loads(vi.prove_all(TABLE1, 0.94, 37.0, max_impacts=2).to_json())
     assert len(data["boxes"]) == 4
     false = []
@@ -1233,7 +1233,7 @@ def test_false_certificates_of_all_motions_are_rejected():
 
 
 def test_all_motions_are_not_promised_in_vain():
-    """Near a fold boxes of times stay open, which the certificate says; and what has no bound is refused."""
+    """Near a fold boxes of times stay undecided, as the certificate states; cases without a bound are refused."""
     motion = vi.equispaced(TABLE1, 0.94, 37.0)[0]
     points = vi.branch(motion, "clearance", bounds=(30.0, 1000.0)).special_points
     fold = next(point for point in points if point.type == "fold")
@@ -1270,7 +1270,7 @@ WALL = vi.Structure([[1]], [[0.1]], [[1]], [vi.Gap([1], 1.0, 0.8)])
 
 
 def structures():
-    """A motion of one wall, of the pair, and an unstable one of the pair."""
+    """A motion with one wall, one of the pair, and an unstable one of the pair."""
     one = vi.exact(WALL, vi.Load(1.0, cosine=[1.0]), ([0.0759], [0], 1))
     found = [one]
     for osc, r, clearance, motion in (
@@ -1299,7 +1299,7 @@ def test_motion_of_one_wall():
 
 
 def test_pair_as_structure():
-    """The verdicts and the bound are those of the oscillator's proof."""
+    """The verdicts and the bound equal those of the oscillator's proof."""
     for motion, of_oscillator in zip(structures()[1:], MOTIONS, strict=False):
         proof, other = motion.prove(), of_oscillator.prove()
         for name in ("symmetric", "exists", "admissible", "stable"):
@@ -1310,7 +1310,7 @@ def test_pair_as_structure():
 
 
 def wrong_structures(data):
-    """Certificates of a structure that differ in one thing and are false."""
+    """Certificates of a structure with a single false change."""
 
     changed = partial(changed_in, data)
 
@@ -1355,7 +1355,7 @@ def wrong_structures(data):
 
 
 def test_false_certificates_of_structures_are_rejected():
-    """Changed digits, shifted boxes and flipped verdicts."""
+    """Changed digits, shifted boxes and flipped verdicts are rejected."""
     for motion in structures():
         data = json.loads(motion.prove().to_json())
         checker.check(data)
@@ -1366,7 +1366,7 @@ def test_false_certificates_of_structures_are_rejected():
 
 
 def beam_motion():
-    """A beam by three modes between two unlike walls."""
+    """A beam of three modes between two different walls."""
     shapes = [[1.2, -0.7, 0.4], [0.6, 1.1, -0.8]]
     beam = vi.Structure.from_modes(
         [1.0, 2.7, 5.3], [0.02, 0.01, 0.01], shapes,
@@ -1377,7 +1377,7 @@ def beam_motion():
 
 
 def test_beam_with_two_gaps():
-    """The verdicts of the motion of a beam, and its numbers."""
+    """The verdicts for the motion of a beam, and its numbers, are proven."""
     motion = beam_motion()
     proof = motion.prove()
     assert (proof.exists, proof.admissible, proof.stable) == (
@@ -1396,14 +1396,14 @@ def test_beam_with_two_gaps():
 
 
 def chain_motion():
-    """Three masses, the last one before a wall, under a harmonic and a constant force."""
+    """Three masses, the last one facing a wall, under a harmonic and a constant force."""
     stiffness = np.array([[2.0, -1, 0], [-1, 2, -1], [0, -1, 1]])
     chain = vi.Structure(np.eye(3), 0.1 * stiffness, stiffness, [vi.Gap([0, 0, 1], 1.0, 0.6)])
     load = vi.Load(0.5, sine=[[0, 0, 1.0]], constant=[0, 0, 0.01])
     return vi.exact(chain, load, vi.simulate(chain, load, cycles=400))
 
 
-#: A structure's motion, the parameter, the interval, and whether half a period is enough.
+#: A motion of a structure, the parameter, the interval, and whether half a period is enough.
 BRANCHES = [
     (lambda: structures()[0], "frequency", (0.98, 1.02), False),
     (lambda: structures()[0], "opening", (0.9, 1.1), False),
@@ -1419,7 +1419,7 @@ BRANCHES = [
     ids=["wall frequency", "wall opening", "pair opening", "pair one wall", "chain constant", "chain frequency"],
 )  # fmt: skip
 def test_branch_of_structure(motion, parameter, bounds, symmetric):
-    """Verdicts agree with those of the points, motions between them lie in the boxes, and it is accepted."""
+    """Verdicts agree with those of the points, motions in between are inside the boxes, and the check succeeds."""
     motion = motion()
     branch = vi.branch(motion, parameter, bounds=bounds)
     proof = branch.prove(tolerance=1e-2)
@@ -1444,7 +1444,7 @@ def test_branch_of_structure(motion, parameter, bounds, symmetric):
         ]
         radius = [[float(exact(text)) for text in row] for row in box["radius"]]
         assert np.all(abs(states - centre) < radius)
-        # far less than the radius: the polynomials are the motions
+        # far less than the radius: the polynomials follow the motions
         assert states == pytest.approx(np.array(centre), rel=1e-4, abs=1e-4)
         assert box["stable"] in (None, own.stable)
         if box["multipliers_below"]:
@@ -1475,7 +1475,7 @@ def test_branches_of_symmetric_pairs():
 
 
 def wrong_branches(data):
-    """Certificates of a branch of a structure that differ in one thing and are false."""
+    """Certificates of a branch of a structure with a single false change."""
 
     changed = partial(changed_in, data)
 
@@ -1528,7 +1528,7 @@ def wrong_branches(data):
     "number", [1, *(pytest.param(one, marks=pytest.mark.slow) for one in (0, 2))]
 )
 def test_false_branches_of_structures_are_rejected(number):
-    """Changed systems, shifted and dropped boxes, and flipped verdicts."""
+    """Changed systems, shifted and dropped boxes, and flipped verdicts are rejected."""
     make, parameter, bounds, _ = BRANCHES[number]
     data = json.loads(vi.branch(make(), parameter, bounds=bounds).prove(tolerance=1e-1).to_json())
     checker.check(data)
@@ -1543,7 +1543,7 @@ def test_false_branches_of_structures_are_rejected(number):
 
 
 def test_symmetric_structure_beside_a_pitchfork():
-    """By half a period the symmetric motion exists where its twins part, unstable before and stable after that."""
+    """Over half a period the symmetric motion is proven next to the pitchfork: unstable before, stable after."""
     branch = vi.branch(structures()[1], "opening", bounds=(10.4, 12.5))
     point = next(one for one in branch.special_points if one.type == "pitchfork")
     for share, stable in ((-1e-8, False), (1e-8, True)):
@@ -1555,7 +1555,7 @@ def test_symmetric_structure_beside_a_pitchfork():
 
 
 def test_branches_of_structures_that_are_refused():
-    """By the name of the parameter, or of what the equations do not contain."""
+    """Refusals name the parameter, or the item that the equations do not contain."""
     motion = structures()[0]
     with pytest.raises(
         vi.ParameterError, match=r"parameter = 'stiffness': must be one of frequency"
@@ -1569,7 +1569,7 @@ def test_branches_of_structures_that_are_refused():
 
 
 def test_structures_that_are_refused():
-    """By the name of what the equations do not contain."""
+    """Refusals name the item that the equations do not contain."""
     load = vi.Load(1.0, cosine=[1.0])
     law = vi.PowerLaw(0.8, 1.0, 0.2)
     friction = vi.Structure(
@@ -1586,7 +1586,7 @@ def test_structures_that_are_refused():
 
 
 def test_structure_near_a_fold():
-    """At a published fold nothing is proven; just above it both motions are, the stable and the unstable one."""
+    """At a published fold nothing is proven; just above it both the stable and the unstable motion are."""
     wall = vi.Structure([[1]], [[0.04]], [[1]], [vi.Gap([1], 1.0, 0.9)])
     proofs = [
         vi.exact(wall, vi.Load(0.799, cosine=[force]), ([phase], [0], 2)).prove()
@@ -1601,7 +1601,7 @@ def test_structure_near_a_fold():
 
 @pytest.mark.parametrize(("frequency", "phase", "stable"), [(0.9, 0.01, None), (1.5, 3.13, False)])
 def test_structure_without_loss(frequency, phase, stable):
-    """Multipliers on the unit circle are not decided; one of a reciprocal pair is proven to lie outside."""
+    """Multipliers on the unit circle are undecided; one of a reciprocal pair is proven to be outside."""
     wall = vi.Structure([[1]], [[0]], [[1]], [vi.Gap([1], 1.0, 1.0)])
     proof = vi.exact(wall, vi.Load(frequency, cosine=[1.0]), ([phase], [0], 1)).prove()
     assert (proof.exists, proof.admissible, proof.stable) == (True, True, stable)
@@ -1611,7 +1611,7 @@ def test_structure_without_loss(frequency, phase, stable):
 
 @pytest.mark.slow
 def test_random_structures(share):
-    """No verdict contradicts that of the motion; where nothing is proven, a mass floats with a multiplier 1."""
+    """No verdict contradicts that of the motion; only where a floating mass has a multiplier 1 nothing is proven."""
     pytest.importorskip("scipy")
     from test_structure_motion import samples
 
@@ -1630,7 +1630,7 @@ def test_random_structures(share):
 
 @pytest.mark.parametrize("name", ["motion", "structure"])
 def test_progress_of_a_motion(name):
-    """Each attempt is told before it begins, and the certificate is the same."""
+    """Each attempt is reported before it starts, and the certificate is the same."""
     motion = MOTIONS[0] if name == "motion" else structures()[0]
     told = []
     proof = motion.prove(progress=lambda share, what: told.append((share, what)))

@@ -34,7 +34,7 @@ def check(rows):
                 wall, vi.Load(omega, cosine=[balance(phase, omega)[0]]), [phase], [0], CYCLES
             )
             assert motion.residual < 1e-12
-            # the fold itself, where the load is extreme, lies within 1e-7 in F
+            # the fold, where the load is extreme, is within 1e-7 in F
             top = zero(lambda t, w=omega: balance(t + 1e-30j, w)[0].imag / 1e-30, phase)
             assert balance(top, omega)[0] == pytest.approx(load, abs=1e-7)
         side = -1 if kind == "flip" else 1
@@ -76,7 +76,7 @@ def test_table_of_published_bifurcations_is_up_to_date(monkeypatch):
 
 
 def test_measured_errors_are_not_larger_than_on_the_page(monkeypatch):
-    """Quantities and numbers of cases are those of the page, and no error is larger beyond rounding."""
+    """Quantities and numbers of cases equal those of the page, and no error is larger beyond rounding."""
     monkeypatch.syspath_prepend(str(ROOT / "docs"))
     page = importlib.import_module("generate.right")
     start = page.PAGE.read_text(encoding="utf-8").partition("<!-- table measured")[2]

@@ -1,4 +1,4 @@
-"""Response quantities: the balance of energy, quadrature of samples, and the harmonics of an equation."""
+"""Response quantities: energy balance, quadrature of samples, and harmonics of the equation of motion."""
 
 import math
 
@@ -15,7 +15,7 @@ ORDERS = np.arange(1, 11)
 
 
 def settled():
-    """A motion with accumulation and rest, and the trajectory from which it comes."""
+    """A motion with accumulation and rest, and the trajectory from which it was found."""
     run = vi.simulate(UNEVEN, r=0.9, clearance=6.0, cycles=6, discard=300)
     return vi.exact(UNEVEN, 0.9, 6.0, run), run
 
@@ -79,7 +79,7 @@ def load_phase(thing, t):
 
 @pytest.mark.parametrize("name", CASES)
 def test_energy_balance(name):
-    """What the load puts in is taken by the dashpot and the impacts, or is there at the end."""
+    """The energy that the load supplies is dissipated in dashpot and impacts, or stored at the end."""
     q = CASES[name].quantities()
     scale = abs(q.work) + q.damping_loss + q.impact_loss + abs(q.energy_change)
     assert q.work - q.damping_loss - q.impact_loss - q.energy_change == pytest.approx(
@@ -126,7 +126,7 @@ def test_quadrature(name):
 
 @pytest.mark.parametrize("name", CASES)
 def test_extremes(name):
-    """No sample lies beyond the extremes, and dense samples come near them."""
+    """No sample is beyond the extremes, and dense samples come near them."""
     thing = CASES[name]
     q, (t, _) = thing.quantities(), quadrature(thing)
     inside = thing.events["time"]
@@ -155,7 +155,7 @@ def test_harmonics_of_a_motion(name):
     np.testing.assert_allclose(
         q.transmitted.harmonics, (1 + 2 * motion.osc.xi * rate) * q.x.harmonics, atol=1e-11 * size
     )
-    # the momentum of the primary mass returns: the mean force on it, -x with the impulses and the load, is 0
+    # the momentum of the primary mass is periodic: the mean force on it, -x with the impulses and the load, is 0
     assert q.x_ddot.mean == pytest.approx(0, abs=1e-10)
     assert q.transmitted.mean == pytest.approx(q.x.mean, abs=1e-11)
     fundamental = q.x.amplitude * np.sin(load_phase(motion, 0.3) + q.x.phase)
@@ -165,7 +165,7 @@ def test_harmonics_of_a_motion(name):
 
 
 def test_motion_without_work_of_impacts():
-    """Of a free mass without mass, the fundamental is the motion without impacts, its lag that of equation (4)."""
+    """For a massless free mass the fundamental is the motion without impacts, with the lag of equation (4)."""
     pair = vi.Oscillator(xi=0.02, mu=0.0, restitution=0.8)
     motion = vi.equispaced(pair, r=0.8, clearance=3.0)[0]
     q = motion.quantities()
@@ -179,7 +179,7 @@ def test_motion_without_work_of_impacts():
 
 
 def test_impacts():
-    """Momentum, restitution and the jump of the acceleration, from the samples at both sides of the impacts."""
+    """Momentum, restitution and the jump of the acceleration, from samples on both sides of the impacts."""
     motion = CASES["many impacts"]
     q, mu = motion.quantities(), UNEVEN.mu
     hits = q.impacts
@@ -211,7 +211,7 @@ def test_sample_has_accelerations():
 
 
 def test_window_of_a_trajectory():
-    """Windows add up, and the last period of a settled trajectory is the motion."""
+    """Windows add up, and the last period of a settled trajectory equals the motion."""
     motion, run = settled()
     one, two, whole = (run.quantities(cycles) for cycles in (1, 2, None))
     of_motion = motion.quantities()
@@ -244,7 +244,7 @@ def test_harmonics_that_are_refused(harmonics):
 
 
 def test_rest_at_the_instant_of_an_impact():
-    """With R = 0 no flight lies between an impact and the rest: its acceleration counts in no figure."""
+    """With R = 0 there is no flight between an impact and the rest: its acceleration enters no quantity."""
     osc = vi.Oscillator(xi=0.02, mu=1.0, restitution=0.0)
     run = vi.simulate(osc, r=0.8, clearance=1.5, cycles=6, discard=60)
     times = np.linspace(run.initial_state["t"], run.final_state["t"], 40_001)

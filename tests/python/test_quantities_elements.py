@@ -1,4 +1,4 @@
-"""Response quantities of structures with stops and friction: the balance of energy, and closed forms."""
+"""Response quantities of structures with stops and friction: energy balance, and closed forms."""
 
 import math
 
@@ -12,7 +12,7 @@ CASES = with_elements()
 
 @pytest.mark.parametrize("name", CASES)
 def test_energy_of_a_motion(name):
-    """Over a period the work of the load is what dashpots, impacts and friction take."""
+    """Over a period the work of the load equals the losses in dashpots, impacts and friction."""
     structure, load = CASES[name]
     found = vi.exact(structure, load, vi.simulate(structure, load, cycles=500)).quantities()
     losses = found.damping_loss + found.impact_loss + found.friction_loss
@@ -47,7 +47,7 @@ def test_energy_of_windows(seed):
 
 
 def test_friction_takes_its_force_times_the_way():
-    """A mass that slides to rest: the way between the extremes times the force."""
+    """For a mass that slides to rest, friction takes the travel between the extremes times the force."""
     mass = vi.Structure([1], [0], [1e4], friction=[vi.Friction([1], slip=1)])
     run = vi.simulate(mass, duration=0.2, state=([0.85e-3], [0]))
     found = run.quantities()
@@ -58,18 +58,18 @@ def test_friction_takes_its_force_times_the_way():
 
 
 def test_a_belt_gives_what_friction_takes():
-    """Stick-slip without damping: in a period the work of the belt is the loss of friction."""
+    """Stick-slip without damping: in a period the work of the belt equals the loss of friction."""
     belt = vi.Structure([1], [0], [1], friction=[vi.Friction([1], 0.6, stick=1.0, speed=0.2)])
     motion = vi.exact(belt, vi.Load.none(), vi.simulate(belt, duration=100))
     found = motion.quantities()
     assert found.work == pytest.approx(found.friction_loss, rel=1e-11)
-    # slips against the belt from x = 1 to -1 + 2 * 0.6: the way relative to the belt
+    # slip against the belt from x = 1 to -1 + 2 * 0.6: the travel relative to the belt
     slip = 2 * math.pi - 2 * math.atan(0.4 / 0.2)
     assert found.friction_loss == pytest.approx(0.6 * (0.8 + 0.2 * slip), rel=1e-11)
 
 
 def test_elastic_contact_keeps_energy():
-    """Without dashpots a stop gives back what it took; in between its spring holds it."""
+    """A stop without dashpots returns what it took; in between its spring stores it."""
     stop = vi.Stop([1], 0.0, stiffness=1e6)
     mass = vi.Structure([100], [0], [1e4], gaps=[stop])
     run = vi.simulate(mass, duration=0.3, state=([0], [1]))

@@ -8,7 +8,7 @@ from shared_systems import FIGURE6
 WALL = vi.Structure([1], [0.1], [1], [vi.Gap([1], 1, 0.8)])
 LOAD = vi.Load(1.0, cosine=[1])
 SHORT = {"settling": 5, "keep": 5}
-#: What sweeps: (call of a range, its ends, the words of the arguments).
+#: Verbs that sweep: (call of a range, its ends, the words of the arguments).
 SWEEPS = {
     "bifurcation": (
         lambda x, **n: vi.bifurcation_diagram(FIGURE6, "clearance", x, r=1.04, sweep="up", **SHORT, **n),
@@ -43,7 +43,7 @@ SWEEPS = {
 
 
 def numbers(result):
-    """What a sweep found, as a text in which NaN is equal to itself."""
+    """The result of a sweep, as a text in which NaN is equal to itself."""
     if isinstance(result, vi.Uncertainty):
         return repr((result.r, result.clearance, result.probability))
     return repr(result.to_dict())
@@ -64,7 +64,7 @@ def test_a_range_is_the_array_of_its_points(name):
 
 @pytest.mark.parametrize("name", SWEEPS)
 def test_an_array_may_be_uneven(name):
-    """Any different values in ascending order are taken, and there is one result for each."""
+    """Any different values in ascending order are accepted, with one result for each."""
     sweep, (low, high), _ = SWEEPS[name]
     values = [low, low + 0.1 * (high - low), high]
     found = numbers(sweep(values))
@@ -79,14 +79,14 @@ def test_values_that_fall_give_the_same_diagram():
 
 @pytest.mark.parametrize("name", ["chart", "uncertainty"])
 def test_axes_of_planes_may_fall(name):
-    """Charts and probabilities over a plane are in ascending order, however the values are listed."""
+    """Charts and probabilities over a plane are in ascending order, in whatever order the values are listed."""
     sweep, (low, high), _ = SWEEPS[name]
     values = [low, low + 0.1 * (high - low), high]
     assert numbers(sweep(values[::-1])) == numbers(sweep(values))
 
 
 def test_values_in_hertz_are_a_range():
-    """A multiple of evenly spaced numbers is a range too, also where its bits are not those of a range."""
+    """A multiple of evenly spaced numbers is a range too, even if its bits are not those of a range."""
     frequencies = 2 * np.pi * np.linspace(0.14, 0.17, 4)
     assert (
         vi.response(WALL, LOAD, frequencies, sweep="up", **SHORT).values.tolist()
@@ -123,7 +123,7 @@ def test_planes_of_states():
 
 
 def test_planes_of_uneven_values(tmp_path):
-    """Each state of an uneven plane ends as the same state of a list, also after the plane was saved."""
+    """Each state of an uneven plane ends as the same state of a list, also after saving the plane."""
     x, x_dot = [-8, -7, 3], 2 * np.pi * np.linspace(0.5, -0.5, 3)
     short = {"cycles": 200, "probes": 9}
     found = vi.basins(FIGURE6, 1.04, 25.0, (("x", x), ("x_dot", x_dot)), **short)
