@@ -58,7 +58,7 @@ def first_contact(shape, omega, modes, masses, longest):
 
 
 def simulate(cells, speed, end):
-    """Times, cells and sides of all impacts until `end`; the first host has an initial speed, the rest has none."""
+    """Times, cells and sides of all impacts until `end`; the first host has an initial speed, others have none."""
     with mp.workdps(DIGITS):
         ks, places = range(cells), [2 * i + 1 for i in range(cells)]
         size = [mp.sqrt(mp.mpf(2 if k else 1) / cells) for k in ks]

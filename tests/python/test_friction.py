@@ -84,7 +84,7 @@ def test_den_hartog_grid(b, zeta, f):
 
 
 def test_a_mass_that_slides_to_rest():
-    """Extremes fall by twice the force over the stiffness; the mass rests where friction exceeds the spring force."""
+    """Extremes fall by twice the force over the stiffness; the mass rests where the spring is weaker."""
     s = vi.Structure([1.0], [0.0], [1e4], friction=[vi.Friction([1.0], 1.0)])
     run = vi.simulate(s, duration=1.0, state=([0.85e-3], [0.0]))
     assert run.events["kind"].tolist() == ["slip_up", "slip_down", "slip_up", "halt"]

@@ -35,7 +35,7 @@ def true_of_law(walls, v0):
 
 @pytest.mark.parametrize("walls", [LAW, (0.75, 0.65)])
 def test_a_power_law_is_found(walls):
-    """Three loads determine the exponent (0 for constants); the law equals that of the rig, with its multipliers."""
+    """Three loads determine the exponent (0 for constants); the law and its multipliers are those of the rig."""
     found = vi.identify(records_at_loads(walls, 1), calibration=0, known=KNOWN, law="power")
     assert found.undetermined == []
     true = true_of_law(walls, found.values["v0"])
@@ -77,7 +77,7 @@ def test_a_power_law_holds_where_constants_fail():
 
 
 def test_a_knee_is_said_not_to_be_fitted():
-    """At a knee a power law fits one record; its coefficients at the impacts are right, and a note names the knee."""
+    """At a knee a power law fits one record; coefficients at the impacts are right, and a note gives the rest."""
     walls = tuple(vi.PowerLaw(R, speed=0.3, exponent=0.2) for R in (0.9, 0.8))
     record = records_at_loads(walls, 1)[0]
     found = vi.identify(record, calibration=0, known=KNOWN, law="power")

@@ -490,7 +490,7 @@ def of_wall():
     (lambda point: vi.bifurcation_diagram(WALL, vi.Load(1, sine=[1]), lambda v: 3, [0, 1]), "must be .Structure,"),
 ])  # fmt: skip
 def test_arguments_of_systems_are_neither_dropped_nor_given_twice(call, message):
-    """Arguments of a point, a structure, and an oscillator with a law of restitution are refused if given twice."""
+    """Arguments of a point, a structure, and an oscillator with a law of restitution cannot be given twice."""
     with pytest.raises((TypeError, vi.ParameterError), match=message):
         call(OSC.at(0.94, 37.0))
 

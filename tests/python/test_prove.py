@@ -1611,7 +1611,7 @@ def test_structure_without_loss(frequency, phase, stable):
 
 @pytest.mark.slow
 def test_random_structures(share):
-    """No verdict contradicts that of the motion; only where a floating mass has a multiplier 1 nothing is proven."""
+    """No verdict contradicts that of the motion; nothing is proven only if a floating mass has a multiplier 1."""
     pytest.importorskip("scipy")
     from test_structure_motion import samples
 

@@ -154,7 +154,7 @@ def test_a_plane_of_a_structure_may_be_uneven():
 
 
 def test_windows():
-    """The ends of an array are a window; an array that turns is refused."""
+    """The ends of an array are a window; an array that reverses its direction is refused."""
     ours = {"lines": 5, "guesses": 1}
     whole = vi.zone(FIGURE6, "RL", (1.0, 1.1), (20.0, 30.0), **ours).to_dict()
     assert (
@@ -175,7 +175,7 @@ def test_windows():
 
 
 def test_charts_have_two_numbers_of_points():
-    """A chart has a number of points along each axis, or one for both."""
+    """A chart takes a number of points for each axis, or one number for both."""
     one = vi.chart(FIGURE6, "RL", (1.0, 1.1), (20.0, 30.0), symmetric=True, points=(3, 2))
     other = vi.chart(FIGURE6, "RL", vi.spaced(1.0, 1.1, 3), [20.0, 30.0], symmetric=True)
     assert one.equals(other)

@@ -1,4 +1,4 @@
-"""Structures under sampled forces and under motions of the base, against closed forms and matrix exponentials."""
+"""Structures under sampled forces and base motions, compared with closed forms and matrix exponentials."""
 
 import math
 
@@ -9,7 +9,7 @@ from shared_structures import exponential
 
 
 def frame(gaps=True, coupling=False):
-    """Three storeys and a free mass in a slot of the top one."""
+    """Three storeys, and a free mass in a slot of the top one."""
     stiffness = np.zeros((4, 4))
     for i in range(3):
         part = np.zeros(4)
@@ -45,7 +45,7 @@ def flight(structure, force, rate, state, t):
 
 
 def force_at(record, t):
-    """Force and its rate just after a time."""
+    """The force and its rate just after a time."""
     i = math.floor(t / record.step + 1e-9)
     if i >= len(record.force) - 1:
         return record.constant, 0 * record.constant, math.inf
@@ -56,7 +56,7 @@ def force_at(record, t):
 
 
 def check(run, tolerance=1e-9):
-    """Every flight between samples by the matrix exponential, every impact by its law, every gap nonnegative."""
+    """Check every flight between samples by the matrix exponential, every impact by its law, and all gaps."""
     s, record = run.structure, run.load
     t, state = run.start, [np.array(part) for part in run.initial_state]
     marks = [(e["time"], e, after) for e, after in zip(run.events, run.states, strict=True)]
@@ -187,7 +187,7 @@ def test_the_start_may_lie_within_the_record():
 
 
 def test_many_intervals():
-    """10^5 samples give the result of two parts, and without a gap that of matrix exponentials."""
+    """A record of 10^5 samples gives the result of its parts, and without a gap that of matrix exponentials."""
     s = frame(gaps=False)
     record = vi.Record(0.01, noise(20_000, 4))
     run = vi.simulate(s, record)
@@ -207,7 +207,7 @@ def test_many_intervals():
 
 
 def base(seed=4):
-    """A structure whose first body is held to the base; a free mass in a slot."""
+    """A structure whose first body is connected to the base; a free mass in a slot."""
     stiffness = [[5.0, -2, 0], [-2, 2, 0], [0, 0, 0]]
     damping = [[0.3, -0.1, 0], [-0.1, 0.1, 0], [0, 0, 0]]
     gaps = [vi.Gap([0, -1, 1], 0.2, 0.7), vi.Gap([0, 1, -1], 0.2, 0.7)]
@@ -233,7 +233,7 @@ def test_a_periodic_base_motion_gives_equal_gaps_in_both_coordinates():
 
 
 def test_a_recorded_base_motion_gives_equal_gaps_in_both_coordinates():
-    """y'' is linear between samples in both coordinates; y, a cubic there, is linear between its own to h^2."""
+    """y'' is linear between samples in both coordinates; y, a cubic there, is linear between samples to h^2."""
     s = base()
     first, errors = None, []
     for step in (0.02, 0.01, 0.005):

@@ -1,4 +1,4 @@
-"""The recomputed paper: its zones by independent routes, its statements, and the storage of results."""
+"""The recomputed paper: its zones by independent methods, its statements, and the storage of results."""
 
 import contextlib
 import json
@@ -48,7 +48,7 @@ def perturbed(motion):
 
 
 def stays(motion):
-    """Whether a simulation from near a motion returns to it."""
+    """Whether a simulation that starts near a motion returns to it."""
     run = vi.simulate(
         motion.osc, motion.r, motion.clearance, 4, state=perturbed(motion), discard=4000
     )
@@ -66,7 +66,7 @@ def test_no_equispaced_motion_in_the_gap():
 
 
 def test_the_gap_ends_before_the_printed_end():
-    """The paper's gap ends at r = 0.985, but a simulation confirms a stable equispaced motion at 0.984."""
+    """In the paper the gap ends at r = 0.985, but a simulation confirms a stable equispaced motion at 0.984."""
     (strip,) = scan.equispaced_zone(MASRI, np.array([0.984]), 400)
     pair = vi.equispaced(MASRI, 0.984, math.sqrt(strip.low[0] * strip.high[0]))
     (stable,) = [motion for motion in pair if motion.stable]
@@ -83,7 +83,7 @@ def test_equispaced_motions_on_masris_line(r, there):
 
 @pytest.mark.parametrize("edge", ["low", "high"])
 def test_edges_of_the_equispaced_zone_by_simulation(edge):
-    """Just inside, a simulation returns to the equispaced motion; just outside it does not."""
+    """Just inside the boundary, a simulation returns to the equispaced motion; just outside it does not."""
     for strip in scan.equispaced_zone(EQUAL, RATIOS, 120):
         for r, gap in zip(strip.r, getattr(strip, edge), strict=True):
             out = 0.98 if edge == "low" else 1.02
@@ -92,7 +92,7 @@ def test_edges_of_the_equispaced_zone_by_simulation(edge):
 
 
 def test_upper_boundary_to_forty_digits():
-    """Multipliers in double precision and the symmetry-breaking limit in 40 digits give one boundary."""
+    """Multipliers in double precision and the symmetry-breaking limit in 40 digits give the same boundary."""
     r = np.array([0.7, 0.97, 1 - 1e-7, 1.0, 1 + 1e-7, 1.3])
     exact = [float(upper_boundary(EQUAL, float(x))) for x in r]
     np.testing.assert_allclose(statements.upper(r, "double"), exact, rtol=1e-9)
@@ -100,7 +100,7 @@ def test_upper_boundary_to_forty_digits():
 
 
 def test_both_zones_of_two_impacts_meet():
-    """The unequispaced zone, by phases, begins where the equispaced one, by its closed form, ends."""
+    """The unequispaced zone, from phases, begins where the equispaced one, from its closed form, ends."""
     equal = scan.equispaced_zone(EQUAL, RATIOS, 120)
     unequal = scan.pair_zone(EQUAL, RATIOS, 400)
     low = {r: a for strip in equal for r, a in zip(strip.r, strip.low, strict=True)}
@@ -132,7 +132,7 @@ def test_a_scan_continues_beyond_the_loads_of_the_sweeps():
     )
     seeds = []
     for end in trajectories:
-        with contextlib.suppress(vi.errors.VibroimpactError):  # one that does not settle
+        with contextlib.suppress(vi.errors.VibroimpactError):  # a run that does not settle
             motion = vi.exact(UNEQUAL, end.r, end.clearance, end)
             seeds += [standard_motion(motion)] if motion.pattern.sides in ("RRL*", "L*RR") else []
     assert seeds
@@ -164,7 +164,7 @@ def test_join_follows_slopes_and_splits():
 
 
 def test_tau_depends_on_the_load():
-    """Figure 4: at r = 0.999, of two motions the one with more load has another tau."""
+    """Figure 4: of two motions at r = 0.999, the one with more load has a different tau."""
     two = curve(0.999, np.array([0.4, 0.85]))
     assert two.clearance[0] < two.clearance[1]
     assert abs(two.sin_tau[0] - two.sin_tau[1]) > 0.1
@@ -181,7 +181,7 @@ def test_thin_zone_at_resonance():
     "row", appendix.study(), ids=lambda row: f"{row['motion']}: {row['corrected']}"
 )
 def test_appendix(row):
-    """(A6) and (A7) are the derivative, and det[P] meets its law, only with all three corrections."""
+    """(A6) and (A7) are the derivative, and det[P] obeys its law, only with all three corrections."""
     if len(row["corrected"]) == 3:
         assert row["largest_error"] < 1e-13
         assert row["determinant"] == pytest.approx(row["law"], rel=1e-10)
@@ -192,7 +192,7 @@ def test_appendix(row):
 
 @pytest.mark.parametrize("unit", [1.0, 3.7, 0.02])
 def test_unit_of_length(unit):
-    """Multipliers are dimensionless; they depend on the unit of length only with S_6i in P_ia(3,1), as printed."""
+    """Multipliers are dimensionless; only with the printed S_6i in P_ia(3,1) they depend on the unit of length."""
     motion = vi.periodic(MASRI, 0.94, [0, 1.37 * math.pi], vi.Pattern("RL"))
     for left in appendix.CORRECTIONS:
         chosen = set(appendix.CORRECTIONS) - {left}
@@ -205,7 +205,7 @@ def test_unit_of_length(unit):
 
 
 def test_phases_read_without_error_are_consistent():
-    """With exact phases the overdetermined equations hold to rounding, and no verdict is wrong."""
+    """With exact phases the overdetermined equations hold to rounding, and all verdicts are right."""
     motions = phase_errors.family(0.90, 8.0, 4)
     row = phase_errors.misread(motions, 0.0, 2)
     assert row["residual"][2] < 1e-12
@@ -219,7 +219,7 @@ def test_phases_read_without_error_are_consistent():
     ("point", "sides"), list(zip(phase_errors.POINTS, ("RRL", "RRLL", "RRRLL"), strict=True))
 )
 def test_patterns_are_found(point, sides):
-    """A search at a point of Figure 7 finds stable motions with three, four and five impacts a cycle."""
+    """A search at a point of Figure 7 finds stable motions with three, four and five impacts per cycle."""
     found = vi.find(EQUAL, *point, max_impacts=5, max_cycles=1, states=8)
     # attractors beyond the limits of the search are listed too
     stable = [m for m in found if m.stable and len(m.pattern) <= 5 and m.pattern.cycles == 1]
@@ -232,7 +232,7 @@ def test_patterns_are_found(point, sides):
 
 
 def test_sweep_ends_on_motions_of_the_zone():
-    """In a sweep of the load at r = 1.1, steps that settle on equispaced motions lie in the equispaced zone."""
+    """In a sweep of the load at r = 1.1, steps that settle on equispaced motions are in the equispaced zone."""
     seen = sweeps.sweep(EQUAL, 1.1, 9, 30.0)
     assert [item["direction"] for item in seen] == ["up"] * 9 + ["down"] * 9
     assert seen[8]["load"] == seen[9]["load"] > seen[0]["load"]
@@ -259,7 +259,7 @@ def test_bars_join_successive_holds():
 
 
 def test_kinds():
-    """Kinds of motions have the names of the paper."""
+    """Kinds of motions have the names used in the paper."""
     assert kind_of("RL", 1, [0, math.pi], alike=True) == "2e"
     assert kind_of("LR", 1, [1, 5], alike=True) == "2u"
     assert kind_of("RL", 1, [0, math.pi]) == "2"
@@ -272,7 +272,7 @@ def test_kinds():
 
 
 def test_needs_come_first():
-    """Every task comes after those it needs, and a named task includes them."""
+    """Every task comes after the tasks that it needs, and naming a task includes them."""
     order = list(tasks.TASKS)
     for name, task in tasks.TASKS.items():
         assert all(order.index(need) < order.index(name) for need in task.needs)
@@ -300,7 +300,7 @@ def test_failure_fails_what_needs_it_and_nothing_else(tmp_path, monkeypatch, cap
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
-    """All tasks at a rough resolution, in two processes, as the command runs them."""
+    """All tasks at a coarse resolution, in two processes, as the command runs them."""
     folder = tmp_path_factory.mktemp("results")
     assert run.reproduce((), folder, ROUGH, workers=2) in (0, 1)
     return folder
@@ -308,7 +308,7 @@ def whole(tmp_path_factory):
 
 @pytest.mark.slow
 def test_everything_is_there(whole):
-    """All outputs of all tasks exist, and no temporary file."""
+    """All outputs of all tasks exist, and no temporary file is left."""
     for name, task in tasks.TASKS.items():
         for output in task.outputs:
             if name in tasks.ON_REQUEST:
@@ -325,7 +325,7 @@ def statements_of(folder):
 
 @pytest.mark.slow
 def test_unit_of_the_printed_multiplier(whole):
-    """The statement gives the multiplier by the formulas as transcribed in two units of length."""
+    """The statement gives the multiplier by the transcribed formulas in two units of length."""
     (row,) = (row for row in statements_of(whole) if row["where"] == "(A6), (A7)")
     motion = vi.periodic(MASRI, 0.94, [0, 1.37 * math.pi], vi.Pattern("RL"))
     units = {
@@ -339,7 +339,7 @@ def test_unit_of_the_printed_multiplier(whole):
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "osc"), [("a", EQUAL), ("b", UNEQUAL)])
 def test_two_readings_of_figure_10(name, osc, whole):
-    """The words of the paper are quoted; at r = 0.98 they hold for some loads, and not for every load."""
+    """The statement quotes the paper; at r = 0.98 the quoted words hold for some loads, but not for every load."""
     rows = [
         row for row in statements_of(whole)
         if row["where"] == f"Figure 10{name}" and "“amplifications always occur”" in row["statement"]
@@ -354,7 +354,7 @@ def test_two_readings_of_figure_10(name, osc, whole):
 
 @pytest.mark.slow
 def test_simulations_are_not_called_measurements(whole):
-    """If only a simulation is compared, the verdict says so, and no text calls it an experiment."""
+    """If only a simulation is compared, the verdict states this, and no text calls it an experiment."""
     rows = [row for row in statements_of(whole) if "simulated" in row["found"]]
     assert len(rows) >= 8
     for row in rows:
@@ -370,7 +370,7 @@ def test_simulations_are_not_called_measurements(whole):
 
 @pytest.mark.slow
 def test_two_readings_of_section_2(whole):
-    """One row is on the verdicts, one on the accepted motions; with 1.5 % far fewer motions are accepted."""
+    """One row is about the verdicts, one about the accepted motions; with 1.5 % far fewer motions are accepted."""
     rows = [row for row in statements_of(whole) if "virtually no effect" in row["statement"]]
     assert [row["statement"].split("read as: on ")[1].split()[0] for row in rows] == [
         "the",
@@ -399,7 +399,7 @@ def test_counts_every_statement():
 
 
 def test_thinned_outline_is_the_same_curve():
-    """Every omitted point lies within the tolerance of the drawn line."""
+    """Every omitted point is within the tolerance of the drawn line."""
     angle = np.linspace(0, 2 * math.pi, 4001)
     line = np.stack([1 + 0.3 * np.cos(angle), np.exp(np.sin(3 * angle))], axis=1)
     few = canvas.thinned(line)
@@ -416,7 +416,7 @@ def test_thinned_outline_is_the_same_curve():
 
 
 def test_proof_of_figure_6a(tmp_path, monkeypatch):
-    """What a coarse proof of a part of it decides agrees with the traced zone, and its certificate is kept."""
+    """A coarse proof of a part of the zone agrees with the traced zone, and its certificate is kept."""
     pytest.importorskip("flint")
     monkeypatch.setattr(proof6a, "R", (1.2, 1.21))
     assert run.reproduce(["proof6a"], tmp_path, resolution=0.005, workers=1) == 0
@@ -433,7 +433,7 @@ def test_proof_of_figure_6a(tmp_path, monkeypatch):
 
 @pytest.mark.slow
 def test_report_stands_alone(whole):
-    """The page has no external references, and holds every figure and statement."""
+    """The page has no external references, and contains every figure and statement."""
     text = (whole / "report.html").read_text(encoding="utf-8")
     outside = re.findall(r'(?:src|href|url)\s*[=(]\s*["\']?(?!data:|#)([^"\')>\s]+)', text)
     assert outside == []
@@ -450,7 +450,7 @@ def test_report_stands_alone(whole):
 
 
 def test_interrupt_leaves_whole_items(tmp_path):
-    """Ctrl-C ends with status 1; the outputs of tasks that are done are whole."""
+    """Ctrl-C ends with status 1; the outputs of finished tasks are complete."""
     code = "import sys; from vibroimpact.commands.command import main; sys.exit(main(sys.argv[1:]))"
     names = ["figure3", "figure7", "figure8b", "figure10a"]
     command = [sys.executable, "-c", code, "reproduce", *names, "-o", str(tmp_path)]
@@ -465,7 +465,7 @@ def test_interrupt_leaves_whole_items(tmp_path):
     )
     while process.poll() is None and len(list(tmp_path.glob("data/.sweep*.done"))) < 2:
         time.sleep(0.005)
-    os.killpg(process.pid, signal.SIGINT)  # to all processes, as a terminal does
+    os.killpg(process.pid, signal.SIGINT)  # the signal goes to all processes, as from a terminal
     _, message = process.communicate()
     assert process.returncode == 1
     assert "interrupted" in message
@@ -492,9 +492,9 @@ def session_of(leader):
 
 @pytest.mark.skipif(not os.path.isdir("/proc/self"), reason="no /proc")
 def test_workers_end_with_a_killed_program(tmp_path):
-    """After kill -9 of the program its workers, busy or idle, end within seconds."""
+    """After kill -9 of the program its busy and idle workers end within seconds."""
     code = "import sys; from vibroimpact.commands.command import main; sys.exit(main(sys.argv[1:]))"
-    # two workers, of which one is idle as soon as the other has the last task
+    # two workers, one of which is idle as soon as the other has the last task
     start = "import os; os.sched_getaffinity = lambda _: {0, 1}\n" + code
     process = subprocess.Popen(
         [sys.executable, "-c", start, "reproduce", "figure8b", "-o", str(tmp_path)],
@@ -517,17 +517,17 @@ def test_workers_end_with_a_killed_program(tmp_path):
 
 
 def test_proofs_of_statements(monkeypatch):
-    """What is proven agrees with what is found; without python-flint nothing is, and the page says so."""
+    """The proofs agree with the motions found; without python-flint there are none, and the page states this."""
     pytest.importorskip("flint")
     stable = {name: motion.stable for name, motion in table1.motions().items()}
     text = statements.proof_of_motions()
     assert text.count(",") == len(stable) - 1
     for name, verdict in stable.items():
         assert f"{name} {'stable' if verdict else 'unstable'}" in text
-    # the whole range crosses resonance; beyond its ends the motions are not all stable
+    # the whole range crosses resonance; beyond its ends not all motions are stable
     assert "from 1.0390 to 1.0410" in statements.proof_of_line(1.039, 1.041)
     assert statements.proof_of_line(1.09, 1.1) == ""
-    # the ends of that range, by a stable and an unstable motion less than 1e-12 apart
+    # the ends of that range, from a stable and an unstable motion less than 1e-12 apart
     start = next(one for one in vi.equispaced(MASRI, 1.04, 37.0) if one.stable)
     line = vi.branch(start, "r", bounds=(0.9975, 1.0965))
     ends = [point.r for point in line.special_points if point.type in statements.ENDS]
@@ -537,7 +537,7 @@ def test_proofs_of_statements(monkeypatch):
         assert tuple(side.stable for side in sides) == stable
         places = [float(side.system["r"]) for side in sides]
         assert 0 < places[1] - places[0] < 1e-12
-    # another motion at these parameters is none of this branch
+    # another motion at these parameters is not on this branch
     other = next(one for one in vi.equispaced(MASRI, 1.04, 37.0) if not one.stable)
     near = vi.branch(start, "r", bounds=(1.0399, 1.0401)).prove()
     assert statements.lies_on(start.prove(), near)

@@ -1,4 +1,4 @@
-"""The response along r, against exact motions and scaling laws."""
+"""The response along r, compared with exact motions and scaling laws."""
 
 import gc
 
@@ -10,7 +10,7 @@ from shared_systems import FIGURE6, RIG
 
 @pytest.mark.parametrize("wall", [{"clearance": 25.0}, {"inverse_clearance": 0.03}])
 def test_the_namelist_of_a_response(wall, tmp_path):
-    """The namelist of a response gives it again, to the last bit."""
+    """The namelist of a response reproduces it to the last bit."""
     line = vi.spaced(1.0, 1.02, 3)
     result = vi.response(FIGURE6, line, **wall, states=4, load=1.1, settling=30, keep=9)
     (tmp_path / "case.nml").write_text(result.to_namelist())
@@ -23,7 +23,7 @@ def test_the_namelist_of_a_response(wall, tmp_path):
 
 @pytest.mark.parametrize("name", ["clearance", "inverse_clearance"])
 def test_lists_have_a_namelist_too(name, tmp_path):
-    """Uneven frequency ratios, with a clearance for each, have a namelist; no point depends on the others."""
+    """Uneven frequency ratios, with a clearance for each, have a namelist; points do not depend on each other."""
     line, walls = np.array([1.0, 1.003, 1.02]), {name: np.array([25.0, 0.03, 24.0])}
     result = vi.response(FIGURE6, line, **walls, states=4, settling=30, keep=9)
     (tmp_path / "case.nml").write_text(result.to_namelist())
@@ -61,7 +61,7 @@ def test_arrays_outlive_the_result():
 
 
 def test_response_is_that_of_the_exact_motions():
-    """Each attractor's max|X|/A is that of an exact motion."""
+    """max|X|/A of each attractor equals that of an exact motion."""
     r, inverse = np.array([1.04, 1.06]), 0.03
     result = vi.response(FIGURE6, r, inverse_clearance=inverse, states=8)
     for i, one in enumerate(r.tolist()):
@@ -80,14 +80,14 @@ def test_response_by_clearance_is_the_same():
 
 
 def test_load_scales_lengths():
-    """With twice the load and the clearance the motions are the same, twice as large."""
+    """With twice the load and clearance the motions are the same, twice as large."""
     plain = vi.response(FIGURE6, [1.04], clearance=30.0, states=4)
     twice = vi.response(FIGURE6, [1.04], clearance=60.0, states=4, load=2.0)
     np.testing.assert_allclose(plain.highest, twice.highest, rtol=1e-9)
 
 
 def test_near_a_flip_the_shortest_period_counts():
-    """A run that settles slowly, as just above the flip of RL/1 at 11.08153, is not one of two cycles."""
+    """A slowly settling run, as just above the flip of RL/1 at 11.08153, is not mistaken for one of two cycles."""
     result = vi.response(RIG, [1.1], clearance=11.0926, states=8)
     assert (result.cycles == 1).all()
     assert (result.symbols == 2).all()

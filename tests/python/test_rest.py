@@ -21,7 +21,7 @@ from shared_systems import RIG, TURN
 
 
 def accumulating():
-    """A plain state of the example half a time unit after a release, and its system."""
+    """A simple state of the example half a time unit after a release, and its system."""
     run = settled(2)
     release = run.events[run.events["kind"] == "release"][0]
     history = run.sample(release["time"] + 0.5)
@@ -55,7 +55,7 @@ def test_limit_of_an_accumulation_against_140_impacts():
 @pytest.mark.parametrize("restitution", [0.1, 0.5, 0.8])
 @pytest.mark.parametrize("mu", [0.0, 2.0])
 def test_accumulation_is_summed_not_cut_off(restitution, mu):
-    """From one small hop the limit is correct to 1e-15, for any R and mass ratio."""
+    """From one small bounce the limit is correct to 1e-15, for any R and mass ratio."""
     osc = vi.Oscillator(xi=0.2, mu=mu, restitution=restitution)
     first = state(x=1.0, z=2.0, z_dot=-0.02)
     run = vi.simulate(osc, 0.9, 2.0, 0.1, first)
@@ -70,7 +70,7 @@ def test_accumulation_is_summed_not_cut_off(restitution, mu):
 
 
 def rests(run):
-    """Pairs of (stick, release) of a trajectory, the rests that begin and end in it."""
+    """Pairs (stick, release) of a trajectory: the rests that begin and end within it."""
     ends = run.events[run.events["kind"] != "impact"]
     return [(a, b) for a, b in itertools.pairwise(ends) if a["kind"] == "stick"]
 
@@ -102,7 +102,7 @@ def test_rest_obeys_newton_and_the_contact_pushes():
 
 
 def test_the_example_repeats_every_cycle():
-    """The example repeats in each cycle one impact on one wall and a completed chatter with rest on the other."""
+    """In each cycle the example repeats one impact on one wall and a completed chatter with rest on the other."""
     run = settled(6)
     kinds = run.events["kind"]
     period = TURN / 0.9
@@ -191,7 +191,7 @@ def test_without_load_the_frequency_ratio_does_not_matter():
 
 @pytest.mark.parametrize("mu", [0.1, 2.0])
 def test_an_impact_that_leaves_neither_speed_nor_acceleration(mu):
-    """With R = 0 the masses move on together from x = 0, and part half a period of both later."""
+    """With R = 0 the masses move on together from x = 0, and part after half a period of their joint motion."""
     osc = vi.Oscillator(xi=0, mu=mu, restitution=0.0)
     run = vi.simulate(osc, 1.1, 2, 2, state(z_dot=1.0), load=0)
     assert run.events["kind"].tolist()[:3] == ["impact", "stick", "release"]
@@ -208,7 +208,7 @@ def test_an_impact_that_leaves_neither_speed_nor_acceleration(mu):
 @pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
 @pytest.mark.parametrize("x_dot", [1.0, -1.0])
 def test_masses_that_touch_without_acceleration_part_by_the_next_derivative(restitution, x_dot):
-    """At x = 0 the primary mass is not accelerated: its velocity decides on which wall the free mass stays."""
+    """At x = 0 the primary mass has no acceleration: its velocity decides on which wall the free mass stays."""
     osc = vi.Oscillator(xi=0, mu=0.5, restitution=restitution)
     for side in (1, -1):
         run = vi.simulate(osc, 1.1, 2, 1, state(x_dot=x_dot, z=float(side), z_dot=x_dot), load=0)

@@ -1,4 +1,4 @@
-"""Rests in which the contact force falls to zero briefly: the contact is lost and made again at once.
+"""Rests in which the contact force falls to zero briefly: the contact opens and closes again at once.
 
 The letter ends there, and another one of the same wall begins. The systems were found by simulating random
 ones at low frequency, where the free vibration of the primary mass lets the force fall several times a cycle.

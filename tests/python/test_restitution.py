@@ -1,4 +1,4 @@
-"""Coefficients of restitution that depend on the approach speed, against laws and an independent event loop."""
+"""Restitution that depends on the approach speed, compared with laws and an independent event loop."""
 
 import math
 
@@ -25,7 +25,7 @@ def test_values_stay_between_zero_and_one(law):
 
 @pytest.mark.parametrize("law", LAWS)
 def test_slopes(law):
-    """The slope agrees with central differences, also at the points of a table, where it is continuous."""
+    """The slope equals central differences, also at the points of a table, where it is continuous."""
     v = np.array([0.07, 0.2, 0.3, 0.5, 0.77, 1.0, 1.9, 3.0, 3.5, 4.0, 10.0])
     h = 1e-6
     differences = (law(v + h) - law(v - h)) / (2 * h)
@@ -63,7 +63,7 @@ def damper(law, masses=(1.0, 0.1), opening=0.5):
 
 @pytest.mark.parametrize("r", [0.0, 0.37, 0.8, 1.0])
 def test_constant_laws_equal_a_number(r):
-    """A constant law gives the bits of the number, for a structure outside the oscillator's own procedures."""
+    """A constant law gives the same bits as the number, for a structure that the oscillator does not cover."""
     load = vi.Load(1.04, sine=[0.3, 0])
 
     def dragged(law):
@@ -141,7 +141,7 @@ def test_against_an_independent_event_loop(law):
 
 @pytest.mark.parametrize("law", LAWS)
 def test_the_energy_lost_at_each_impact(law):
-    """Each impact takes the energy m v^2 (1 - R(v)^2)/2, m being the effective mass of the bodies."""
+    """Each impact dissipates m v^2 (1 - R(v)^2)/2, where m is the effective mass of the bodies."""
     s = damper(law)
     s = vi.Structure(s.mass, np.zeros((2, 2)), s.stiffness, s.gaps)
     run = vi.simulate(s, duration=60, state=([0, 0], [1, -1]))
@@ -161,7 +161,7 @@ def test_the_energy_lost_at_each_impact(law):
     vi.TabulatedRestitution([0, 1, 5], [0.4, 0.7, 0.2]),
 ])  # fmt: skip
 def test_a_ball_comes_to_rest(law):
-    """The hops of a ball follow v -> R(v) v, each 2 v/g long, and it rests at the limit of their sum."""
+    """The bounces of a ball follow v -> R(v) v, each lasts 2 v/g, and it rests at the limit of their sum."""
     g, height = 9.81, 1.0
     s = vi.Structure([2.0], [0.0], [0.0], [vi.Gap([-1.0], 0.0, law)])
     run = vi.simulate(s, vi.Load(1.0, constant=[-2.0 * g]), duration=5.0, state=([height], [0.0]))
@@ -179,7 +179,7 @@ def test_a_ball_comes_to_rest(law):
 
 
 def test_accumulation_is_not_completed_where_nothing_is_lost_in_the_limit():
-    """With R(v) = (1 + v^2)^(-1/8) the n-th speed falls as n^(-1/2), so that the sum of the hops has no limit."""
+    """With R(v) = (1 + v^2)^(-1/8) the n-th speed falls as n^(-1/2), and the sum of the bounces has no limit."""
     s = vi.Structure([1.0], [0.0], [0.0], [vi.Gap([-1.0], 0.0, vi.PowerLaw(1.0, 1.0, 0.25))])
     run = vi.simulate(
         s, vi.Load(1.0, constant=[-1.0]), duration=1e6, state=([1.0], [0.0]), max_events=3000
@@ -214,7 +214,7 @@ def oscillator(law):
 
 
 def test_an_oscillator_with_a_law_is_its_structure():
-    """Each verb gives what it gives for the structure with these laws, bit for bit."""
+    """Each verb gives the result of the structure with these laws, bit for bit."""
     laws = (vi.PowerLaw(0.75, 20, 0.25), vi.TabulatedRestitution([0, 10, 40], [0.8, 0.75, 0.6]))
     osc = oscillator(laws)
     pair, load = osc.structure(37.0), vi.Load(0.94, sine=[2.0, 0])
@@ -237,7 +237,7 @@ def test_an_oscillator_with_a_law_is_its_structure():
 
 
 def test_a_constant_law_of_an_oscillator_is_its_number():
-    """Motion, multipliers and the flip along the clearance, from a motion with the number as the guess."""
+    """Motion, multipliers and the flip along the clearance, starting from a motion with constant R."""
     plain, flat = oscillator(0.75), oscillator(vi.PowerLaw(0.75, 1.0, 0.0))
     motion = vi.exact(plain, 0.94, 37.0, ([0, 4.34], "RL"))
     same = vi.exact(flat, 0.94, 37.0, motion)
@@ -287,7 +287,7 @@ def test_what_takes_no_law_says_so(call, words):
 def test_diagrams_of_an_oscillator_with_a_law_are_those_of_its_structure(
     name, values, point, of_structure
 ):
-    """The parameters of the oscillator are those of the structure; a flat law gives what its number gives."""
+    """The parameters of the oscillator are those of the structure; a constant law acts as its number."""
     law = vi.PowerLaw(0.75, 20, 0.25)
     osc = vi.Oscillator(xi=0.005, mu=0.04 if name == "mu" else 0.042, restitution=law)
     start = osc.at(**{"r": 0.94, "clearance": 36.0} | point)
@@ -322,7 +322,7 @@ def test_the_response_of_an_oscillator_with_a_law_is_that_of_its_structure():
 
 
 def test_a_load_of_several_harmonics_makes_an_oscillator_a_structure():
-    """Every verb gives what it gives for the structure under this load; with one harmonic it is the oscillator."""
+    """Every verb gives the result of the structure under this load; one harmonic gives that of the oscillator."""
     osc = oscillator(0.75)
     load = vi.Load(0.94, sine=[[1, 0], [0.3, 0]])
     point = osc.at(0.94, 37.0, load)

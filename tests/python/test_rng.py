@@ -1,4 +1,4 @@
-"""Random numbers: every function that draws some takes `rng`, a seed, a Generator or None."""
+"""Random numbers: every function that uses them takes `rng`: a seed, a Generator or None."""
 
 import inspect
 
@@ -14,7 +14,7 @@ RIG = {
     "M": 2.7, "K": 42e3, "m": 0.11, "d": 0.006, "xi": 0.0114, "restitution": 0.7, "F0": 6.0, "frequency": 19.5,
 }  # fmt: skip
 UNCERTAIN = {"xi": (0.010, 0.012)}
-#: Calls of each function, and what their random numbers decide.
+#: Calls of each function, and the results that depend on random numbers.
 CALLS = {
     "find": lambda rng: vi.find(
         DAMPER, vi.Load(0.94, sine=[1, 0]), 1, 1, guesses=1, states=3, settling=5, rng=rng
@@ -52,7 +52,7 @@ def zone():
 
 @pytest.mark.parametrize("name", CALLS)
 def test_a_seed_a_generator_or_none(name):
-    """A seed gives the same numbers in each call, and a generator the next ones; None is never the same."""
+    """A seed gives the same numbers in each call, and a generator the next ones; None gives different ones."""
     call = CALLS[name]
     one, two = (np.random.default_rng(5) for _ in range(2))
     first, second = call(one), call(one)
@@ -74,14 +74,14 @@ def test_what_is_no_rng_is_refused(name, wrong):
 
 
 def test_the_seed_that_was_drawn_is_in_the_case():
-    """A result with fresh random numbers is computed again from its namelist."""
+    """A result with fresh random numbers is reproduced by its namelist."""
     result = vi.basins(FIGURE6, 1.04, 25.0, states=4, cycles=2, probes=1, rng=None)
     again = vi.basins(FIGURE6, 1.04, 25.0, states=4, cycles=2, probes=1, rng=result.keys["seed"])
     assert again.to_dict() == result.to_dict()
 
 
 def test_the_design_takes_a_generator():
-    """Both the search and its confirmation; the keys keep the seed."""
+    """Both the search and its confirmation are reproduced; the keys keep the seed."""
     order = {
         "r": (1.0, 1.02), "free": {"clearance": (20, 45)}, "samples": 0, "evaluations": 8, "specimens": 1,
         "nodes": 2, "states": 1, "settling": 20, "keep": 2,

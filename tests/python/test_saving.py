@@ -1,4 +1,4 @@
-"""Saving files: whole or not at all, with concurrent threads, links, limits and interrupts."""
+"""Saving files: completely or not at all, with concurrent threads, links, limits and interrupts."""
 
 import csv
 import os
@@ -40,7 +40,7 @@ def test_threads_that_save_to_one_path(form, motion, tmp_path):
     threads = [threading.Thread(target=save) for _ in range(4)]
     for thread in threads:
         thread.start()
-    # a .mat file begins with its date
+    # a .mat file starts with its date
     skip = 128 if form == "mat" else 0
     while any(thread.is_alive() for thread in threads):
         seen = path.read_bytes()
@@ -51,7 +51,7 @@ def test_threads_that_save_to_one_path(form, motion, tmp_path):
 
 
 def test_threads_that_save_one_result_under_other_names(motion, tmp_path):
-    """Threads that save one result as CSV under several names each get that name in the header."""
+    """Threads that save one result as CSV under several names each get their own name in the header."""
     names = [f"name_{i}" for i in range(8)]
 
     def save(name):
@@ -180,7 +180,7 @@ def test_words_of_any_characters_in_a_csv(word, tmp_path):
 
 @pytest.mark.parametrize("word", ["a\nb", "a\tb", "\ud800", "\x00"])
 def test_words_that_no_file_holds_are_refused(word):
-    """The core keeps words as lines."""
+    """The core stores words as lines."""
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
     data = vi.branch(vi.equispaced(osc, 0.94, 37.0)[0], "clearance", (36.0, 38.0)).to_dict()
     data["tables"]["points"]["columns"]["detail"][0] = word

@@ -1,4 +1,4 @@
-"""Self-excited motions: no load, the period is unknown, and one multiplier is 1."""
+"""Self-excited motions: no load, an unknown period, and one multiplier equal to 1."""
 
 import itertools
 import math
@@ -29,7 +29,7 @@ PAIR = vi.Structure(
 
 
 def slip_of(damping, mass, slip, stick, speed):
-    """Place and speed of a slip by the time since the spring overcame the stick level."""
+    """Position and speed of a slip as functions of the time since the spring exceeded the stick level."""
     sigma = damping / (2 * mass)
     w = math.sqrt(1 / mass - sigma**2)
     start = stick - damping * speed
@@ -75,7 +75,7 @@ def matched_period(damping, mass=1.0, slip=0.6, stick=1.0, speed=0.2):
     (0, 1, 0.2), (0.02, 1, 0.2), (0.1, 1, 0.2), (0.05, 2.5, 0.1),
 ])  # fmt: skip
 def test_period_of_stick_and_slip(damping, mass, speed):
-    """Stick and slip phases that are computed apart and matched."""
+    """Stick and slip phases that are computed separately and matched."""
     motion = self_excited(bow(damping, mass, speed=speed))
     assert motion.period == pytest.approx(matched_period(damping, mass, speed=speed), rel=1e-13)
     if not damping and mass == 1:
@@ -83,18 +83,18 @@ def test_period_of_stick_and_slip(damping, mass, speed):
     assert motion.self_excited
     assert motion.phases[0] == 0
     assert motion.multipliers[motion.trivial] == pytest.approx(1, abs=1e-12)
-    assert np.abs(motion.multipliers[1 - motion.trivial]) < 1e-12  # what sticks
+    assert np.abs(motion.multipliers[1 - motion.trivial]) < 1e-12  # sticking friction
     assert motion.stable
     assert motion.admissible
     assert motion.law == 0
 
 
 def test_two_masses_by_an_independent_program():
-    """It returns after a period, and the traces of [P] are those of differences."""
+    """The motion returns after a period, and the traces of [P] equal those of differences."""
     motion = self_excited(PAIR, 600)
     assert len({*motion.gaps.tolist()}) == 2
     _, (q, rate) = motion._run()._between_events()
-    assert min(abs(rate - 0.3)) > 0.1  # both slip there
+    assert min(abs(rate - 0.3)) > 0.1  # both masses slip there
     reference = ReferenceRegimes(PAIR, None, 5e-3)
     state = np.concatenate([q, rate])
 
@@ -121,7 +121,7 @@ def test_exponents_are_logarithms_of_the_multipliers():
 
 
 def test_from_another_motion_and_under_a_constant_force():
-    """A force moves the motion, without a change of the period; near motions are found from each other."""
+    """A constant force shifts the motion and keeps the period; neighbouring motions are found from each other."""
     motion = self_excited(bow())
     load = vi.Load(constant=[0.3])
     pushed = vi.exact(bow(), load, vi.simulate(bow(), load, duration=60))
@@ -157,7 +157,7 @@ def test_files_and_namelists(tmp_path):
     ("speed", (0.05, 0.6)), ("slip", (0.3, 0.9)), ("stick", (0.8, 2.0)), ("damping", (0.1, 3.0)),
 ])  # fmt: skip
 def test_branches_in_closed_form(parameter, bounds):
-    """The period along a branch is the closed form; so is that of the motion at a point."""
+    """The period along a branch equals the closed form, and so does that of the motion at a point."""
     own = BELT | {"damping": 0.02}
     branch = vi.branch(self_excited(bow(0.02)), parameter, bounds=bounds)
     assert branch.ends == ("bound of the parameter",) * 2
@@ -179,7 +179,7 @@ def test_branches_in_closed_form(parameter, bounds):
 
 
 def test_a_halt_vanishes():
-    """Damping ends stick and slip where the fastest slip is just as fast as the belt."""
+    """Damping ends stick-slip where the fastest slip just reaches the speed of the belt."""
     branch = vi.branch(self_excited(bow(0.05)), "damping_0_0", bounds=(0.01, 1.0))
     (end,) = (point for point in branch.special_points if point.type == "event_vanishes")
     assert "a halt or a slip vanishes" in branch.ends
@@ -201,12 +201,12 @@ PLANE = ("speed", (0.05, 0.6)), ("damping_0_0", (0.01, 0.6))
 
 @pytest.fixture(scope="module")
 def squeal():
-    """Where the mass on the belt squeals, over the speed of the belt and the damping."""
+    """The region where the mass on the belt squeals, over the speed of the belt and the damping."""
     return vi.zone(self_excited(bow(0.05)), *PLANE, lines=7)
 
 
 def test_zone_is_drawn(squeal):
-    """Each kind of boundary has a line of its own in the legend."""
+    """Each kind of boundary has a separate line in the legend."""
     matplotlib = pytest.importorskip("matplotlib")
     matplotlib.use("Agg")
     labels = {text.get_text() for text in squeal.plot().get_legend().get_texts()}
@@ -234,7 +234,7 @@ def test_zone_in_closed_form(squeal, tmp_path):
     assert 20 < inside.sum() < 180
     for i, (speed, damping) in enumerate(zip(x.tolist(), y.tolist(), strict=True)):
         assert inside[i] == (fastest_slip(damping, speed=speed)[1] > speed)
-        # once it has stuck, it sticks again or slides for ever
+        # a mass that has stuck sticks again or slides permanently
         run = vi.simulate(
             bow(damping, speed=speed), duration=200, state=([1 - damping * speed], [speed])
         )
@@ -264,7 +264,7 @@ def test_zone_in_closed_form(squeal, tmp_path):
 
 
 def test_a_chart_has_the_periods():
-    """One motion at each point before the end of stick and slip, with the period of the closed form."""
+    """One motion at each point before the end of stick-slip, with the period of the closed form."""
     pytest.importorskip("xarray")
     chart = vi.chart(self_excited(bow(0.05)), *PLANE, points=(4, 5))
     good = (chart.admissible.values == 1) & (chart.stable.values == 1)
@@ -289,7 +289,7 @@ TURNING = vi.Structure(
 
 
 def test_period_doubling():
-    """Where a multiplier passes -1 a motion of twice the period begins, whose branch ends at that flip."""
+    """Where a multiplier passes -1 a motion of twice the period begins, and its branch ends at that flip."""
     branch = vi.branch(self_excited(FLIPPING, 400), "speed", bounds=(0.05, 0.4))
     flips = [point for point in branch.special_points if point.type == "flip"]
     flip = flips[int(np.argmin([abs(point.value - 0.0969) for point in flips]))]
@@ -417,7 +417,7 @@ def test_derivatives(structure):
             if quantity == "multipliers":
                 own = np.nansum(own).real
             assert own == pytest.approx(slope, rel=1e-6, abs=1e-6), (name, quantity)
-    # the period does not depend on a constant force, by which the motion is shifted
+    # the period does not depend on a constant force, which shifts the motion
     if structure == bow(0.02):
         pushed = ("push", lambda f: (bow(0.02), vi.Load(constant=[f])), 0.0)
         found = motion.gradient([pushed])
@@ -451,7 +451,7 @@ def test_branches_by_functions_and_files(tmp_path):
 
 
 def test_two_periods_are_not_followed_as_one(tmp_path):
-    """A motion over twice its period is told from one that has doubled."""
+    """A motion counted over twice its period is distinguished from one whose period has doubled."""
     motion = self_excited(bow())
     q, rate = (float(values[0]) for values in motion._run()._between_events()[1])
     case = tmp_path / "case.nml"
@@ -464,7 +464,7 @@ def test_two_periods_are_not_followed_as_one(tmp_path):
 
 
 def test_what_is_not_self_excited():
-    """Sliding for ever, sticking for ever, no repetition, and other verbs, each by name."""
+    """Permanent sliding, permanent sticking, no repetition, and other verbs are refused by name."""
     with pytest.raises(vi.SingularError, match="a motion without impacts"):
         self_excited(bow(0.5))
     with pytest.raises(vi.SingularError, match="a permanent rest"):
@@ -475,7 +475,7 @@ def test_what_is_not_self_excited():
     for name in ("frequency", "load", "wall"):
         with pytest.raises(vi.ParameterError, match="a self-excited motion has no load") as caught:
             vi.branch(motion, name, bounds=(0.5, 0.9))
-        # what is refused is not among what is allowed
+        # the refused verb is not among the allowed ones
         assert str(caught.value).count(f"'{name}'") == 1
         for verb in (vi.zone, vi.chart):
             with pytest.raises(vi.ParameterError, match=f"y.0. = '{name}': must be another one"):
@@ -513,7 +513,7 @@ def test_bad_namelists(tmp_path, load, keys, message):
 
 @pytest.mark.parametrize("damping", [0.02, 0.28])
 def test_a_search_finds_the_one_limit_cycle(damping, tmp_path):
-    """It is that of `exact`, listed once whatever its first event; the other states slide steadily."""
+    """The motion equals that of `exact`, listed once whatever its first event; other states slide steadily."""
     found = vi.find(bow(damping), vi.Load.none())
     (motion,) = found
     assert motion.self_excited
@@ -545,7 +545,7 @@ def test_a_search_beyond_the_end_of_the_branch_finds_no_motion():
 
 
 def test_a_search_says_why_incommensurate_motions_are_not_found():
-    """Two masses that stick and slip apart have no common period; one of them may slide steadily."""
+    """Two masses that stick and slip independently have no common period; one of them may slide steadily."""
     belts = [vi.Friction([1, 0], **BELT), vi.Friction([0, 1], **BELT | {"speed": 0.25})]
     apart = vi.Structure([1, 1], [[0.02, 0], [0, 0.02]], [[1, 0], [0, 1.7]], friction=belts)
     found = vi.find(apart, vi.Load.none(), states=6, settling=100)
@@ -555,7 +555,7 @@ def test_a_search_says_why_incommensurate_motions_are_not_found():
 
 
 def test_searches_of_random_systems():
-    """Each motion that is found is simulated onto itself, and no two are the same."""
+    """Each motion found returns to itself in simulation, and no two are the same."""
     rng = np.random.default_rng(45)
     number = 0
     for _ in range(30):

@@ -1,4 +1,4 @@
-"""Files of sensor records: each format gives back the channels, and faults are named."""
+"""Files of sensor records: each format gives back the channels, and errors are named."""
 
 import json
 
@@ -18,7 +18,7 @@ RECORD = vi.SensorRecord(
 
 
 def test_the_sensors_are_in_the_repr():
-    """Of each channel what is known of its sensor, in SI units; nothing of a channel without."""
+    """The sensor data of each channel, in SI units; nothing for a channel without sensor data."""
     samples, told = np.arange(20) / 19, {"load": 2000, "acceleration": 600}
     record = vi.SensorRecord(
         1000, load=samples, acceleration=samples, bandwidth=told, delay=1e-4, range=5, noise=0.02,
@@ -32,7 +32,7 @@ def test_the_sensors_are_in_the_repr():
 
 
 def same(record):
-    """Whether a record that was read is RECORD."""
+    """Check that a record read from a file equals RECORD."""
     return (
         record.rate == pytest.approx(RECORD.rate)
         and np.allclose(record.load, RECORD.load, atol=1e-6)
@@ -137,7 +137,7 @@ def test_signals_in_memory_and_sound_are_read(tmp_path):
     ],
 )  # fmt: skip
 def test_faults_of_files_are_named(name, text, message, tmp_path):
-    """What is wrong with a file is said with its path."""
+    """An error in a file is reported with its path."""
     (tmp_path / name).write_text(text)
     rate = 1000 if "stone" in text else None
     with pytest.raises(vi.ParameterError, match=message):
@@ -151,7 +151,7 @@ def test_faults_of_files_are_named(name, text, message, tmp_path):
     [("time (ms),load (lbf),acc (g)", 1.0), ("t_us,force_lbf,acc_g", 1000.0), ("time [s],load_lbf,a g", 1e-3)],
 )  # fmt: skip
 def test_units_in_a_header_count(tmp_path, header, step):
-    """A record has the same samples in SI units whatever units its header names, those of time included."""
+    """A record has the same samples in SI units for any units in its header, including those of time."""
     rows = "\n".join(f"{i * step:.17g},{i % 7},{i % 5}" for i in range(100))
     (tmp_path / "bench.csv").write_text(f"{header}\n{rows}")
     found = vi.read_record(tmp_path / "bench.csv")
@@ -161,7 +161,7 @@ def test_units_in_a_header_count(tmp_path, header, step):
 
 
 def test_an_unknown_unit_of_time_is_an_error(tmp_path):
-    """Times in a unit that is not known are not taken for seconds."""
+    """Times in an unknown unit are not mistaken for seconds."""
     (tmp_path / "bench.csv").write_text(
         "time (days),load,a\n" + "\n".join(f"{i},1,2" for i in range(20))
     )
@@ -170,7 +170,7 @@ def test_an_unknown_unit_of_time_is_an_error(tmp_path):
 
 
 def rows_of(times):
-    """A table of loads and accelerations at some times."""
+    """A table of loads and accelerations at given times."""
     return "time,load,acc\n" + "".join(f"{t},{i % 7},{i % 5}\n" for i, t in enumerate(times))
 
 
@@ -191,7 +191,7 @@ def rows_of(times):
     ],
 )  # fmt: skip
 def test_faults_of_tables_are_named(text, options, message, tmp_path):
-    """The channel or the sample that is wrong is named with its value."""
+    """The invalid channel or sample is named with its value."""
     path = tmp_path / "a.csv"
     path.write_text(text)
     with pytest.raises(vi.ParameterError) as caught:
@@ -217,7 +217,7 @@ def test_faults_of_tables_are_named(text, options, message, tmp_path):
     ],
 )  # fmt: skip
 def test_faults_of_signals_are_named(change, message):
-    """Signals of different rates, and a signal whose channels lack names."""
+    """Signals of different rates, and a signal whose channels lack names, are refused."""
     first = {"name": "acceleration", "data": np.ones(20), "fs": 500}
     signals = (
         change
@@ -230,7 +230,7 @@ def test_faults_of_signals_are_named(change, message):
 
 
 def test_signals_of_several_channels_have_the_rate_of_their_times():
-    """One signal with the two channels of RECORD, and times in place of a rate."""
+    """One signal with the two channels of RECORD, and times instead of a rate."""
     data = np.array([RECORD.load, RECORD.acceleration])
     assert same(vi.read_record({"name": ["load", "a"], "data": data, "time": RECORD.times}))
 
@@ -263,13 +263,13 @@ SLOW, FAST = np.arange(60) / 100, np.arange(120) / 200
 
 
 def signal(name, times, **more):
-    """A channel by SEP005 whose samples tell their time."""
+    """A channel in SEP005 form whose samples encode their times."""
     return {"name": name, "data": np.sin(5 * times), "time": times} | more
 
 
 @pytest.mark.parametrize("shift", [-7, 0, 5])
 def test_channels_of_other_start_times_are_joined_by_time(shift):
-    """Samples of one time stand at one place, and the record is what both channels have."""
+    """Samples of one time have one position, and the record is the part that both channels have."""
     found = vi.read_record([signal("load", SLOW), signal("a", SLOW + shift / 100)])
     assert len(found) == len(SLOW) - abs(shift)
     assert found.start == pytest.approx(max(0, shift) / 100)
@@ -278,7 +278,7 @@ def test_channels_of_other_start_times_are_joined_by_time(shift):
 
 
 def test_start_timestamps_are_times():
-    """Signals with rates that begin at other moments."""
+    """Signals with rates that start at different times."""
     first = {
         "name": "load",
         "data": np.sin(5 * SLOW),
@@ -305,7 +305,7 @@ def test_start_timestamps_are_times():
 )  # fmt: skip
 @pytest.mark.parametrize("form", ["json", "nc", "uff"])
 def test_channels_that_do_not_fit_together_are_refused(form, times, message, tmp_path):
-    """Channels of other rates, or between the samples of others, are not joined by their index, in any format."""
+    """Channels of other rates, or with samples at other times, are not joined by their index, in any format."""
     signals = [signal("load", SLOW), signal("a", times)]
     path = tmp_path / f"bench.{form}"
     if form == "json":
@@ -338,7 +338,7 @@ def test_channels_that_do_not_fit_together_are_refused(form, times, message, tmp
 
 
 def test_a_rate_does_not_override_times(tmp_path):
-    """A rate that is not that of the file is refused, whether this has times or a rate."""
+    """A rate that differs from that of the file is refused, whether the file has times or a rate."""
     path = tmp_path / "bench.csv"
     path.write_text(rows_of(np.arange(40) / 1000))
     assert vi.read_record(path, rate=1000).rate == pytest.approx(1000)
@@ -358,7 +358,7 @@ def test_a_rate_does_not_override_times(tmp_path):
 
 
 def test_times_of_a_matlab_file_count(tmp_path):
-    """Times of another length, and a rate that is not theirs, are refused."""
+    """Times of another length, and a rate that does not match them, are refused."""
     from scipy.io import savemat
 
     path = tmp_path / "a.mat"
@@ -374,7 +374,7 @@ def test_times_of_a_matlab_file_count(tmp_path):
 
 
 def test_what_is_known_of_sensors_is_by_channel():
-    """A bare number is that of the motion; range and noise are in the unit of the channel."""
+    """A bare number applies to the motion; range and noise are in the unit of the channel."""
     found = vi.read_record(
         [signal("load", SLOW), signal("acc_g", SLOW)], bandwidth=40, delay={"load": -1e-3},
         range=[0, 50], noise=[0.1, 0.01],
@@ -395,14 +395,14 @@ def test_what_is_known_of_sensors_is_by_channel():
     ],
 )
 def test_faults_of_sensors_are_named(options, message):
-    """The quantity and the channel that are wrong."""
+    """The error names the wrong quantity and channel."""
     with pytest.raises(vi.ParameterError, match=message):
         vi.read_record([signal("load", SLOW), signal("acc_g", SLOW)], **options)
 
 
 @pytest.mark.parametrize("header", ["time_ms,shaker_N,acc_g", "time (ms),shaker (N),top (g)"])
 def test_a_unit_tells_a_channel_whose_name_does_not(header, tmp_path):
-    """A force has newtons, and an acceleration g, whatever the channel is called."""
+    """A channel in newtons is a force, and one in g an acceleration, whatever its name."""
     path = tmp_path / "bench.csv"
     rows = zip(RECORD.times * 1e3, RECORD.load, RECORD.acceleration / 9.80665, strict=True)
     path.write_text("\n".join([header, *(f"{t:.9g},{x:.17g},{a:.17g}" for t, x, a in rows)]))
@@ -410,7 +410,7 @@ def test_a_unit_tells_a_channel_whose_name_does_not(header, tmp_path):
 
 
 def test_what_is_not_read_is_named(tmp_path):
-    """A channel of no known quantity is left out with a warning, and without one where it is given as none."""
+    """A channel of unknown quantity is left out with a warning, or silently if it is declared as none."""
     path = tmp_path / "bench.csv"
     path.write_text("load,acc,tacho\n" + "1,2,3\n" * 20)
     with pytest.warns(
@@ -422,7 +422,7 @@ def test_what_is_not_read_is_named(tmp_path):
 
 
 def test_a_matrix_of_a_matlab_file_is_named(tmp_path):
-    """Which is no channel."""
+    """A column of sample numbers is not a channel."""
     from scipy.io import savemat
 
     savemat(
@@ -448,7 +448,7 @@ def test_a_matrix_of_a_matlab_file_is_named(tmp_path):
 )
 @pytest.mark.filterwarnings("error")
 def test_no_unit_of_a_header_is_dropped(tmp_path, header, rate, load, acceleration):
-    """Each spelling of a unit counts, whatever its case where that is unambiguous."""
+    """Each spelling of a unit is accepted, in any case where that is unambiguous."""
     rows = "\n".join(f"{i},{i % 7},{i % 5}" for i in range(50))
     (tmp_path / "bench.csv").write_text(f"{header}\n{rows}")
     found = vi.read_record(tmp_path / "bench.csv")
@@ -466,7 +466,7 @@ def test_no_unit_of_a_header_is_dropped(tmp_path, header, rate, load, accelerati
     ],
 )  # fmt: skip
 def test_units_of_something_else_are_refused(tmp_path, header, name):
-    """A unit that the quantity cannot have, or that has two readings, is an error that names the column."""
+    """A unit that does not fit the quantity, or that is ambiguous, is an error that names the column."""
     rows = "\n".join(f"{i},{i % 7},{i % 5}" for i in range(50))
     (tmp_path / "bench.csv").write_text(f"{header}\n{rows}")
     with pytest.raises(vi.ParameterError, match=f"channel '{name}': unit"):
@@ -474,7 +474,7 @@ def test_units_of_something_else_are_refused(tmp_path, header, name):
 
 
 def test_an_ending_that_is_no_unit_is_named(tmp_path):
-    """The warning says in which unit the channel is read."""
+    """The warning gives the unit in which the channel is read."""
     rows = "\n".join(f"{i},{i % 7},{i % 5}" for i in range(50))
     (tmp_path / "bench.csv").write_text(f"time_ms,load_N,acc_top\n{rows}")
     with pytest.warns(UserWarning, match="'acc_top': 'top' is not a known unit; .* in m/s"):
@@ -484,7 +484,7 @@ def test_an_ending_that_is_no_unit_is_named(tmp_path):
 @pytest.mark.parametrize("header", ["time_s,shaker,acc", "time_s,force,top"])
 @pytest.mark.filterwarnings("ignore:.*not read")
 def test_a_record_has_a_load_and_a_motion(tmp_path, header):
-    """What is missing is an error that names the columns, unless the caller says what they are."""
+    """A missing channel is an error that lists the columns, unless the caller identifies them."""
     rows = "\n".join(f"{i},{i % 7},{i % 5}" for i in range(50))
     path = tmp_path / "bench.csv"
     path.write_text(f"{header}\n{rows}")

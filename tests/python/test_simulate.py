@@ -17,7 +17,7 @@ from shared_systems import EPS, RIG, TURN, law
     (vi.Oscillator(xi=0.02, mu=0.5, restitution=(0.9, 0.5)), 0.7, 0.5, 0.0),
 ])  # fmt: skip
 def test_energy_is_accounted_for_at_every_event(osc, r, clearance, load):
-    """From event to event the energy changes by the work of the load less the losses in damper and impacts."""
+    """From event to event the energy changes by the work of the load minus the losses in damper and impacts."""
     run = vi.simulate(osc, r, clearance, 40, state(x_dot=0.4, z_dot=-0.2), load=load)
     assert run.events.size > 10
     assert_laws(run)
@@ -27,7 +27,7 @@ def test_energy_is_accounted_for_at_every_event(osc, r, clearance, load):
 @given(st.integers(0, 10**6))
 @law(25)
 def test_free_decay_only_loses_energy(seed):
-    """Without load the energy never grows, and all of it is lost to damper and impacts."""
+    """Without load the energy never grows, and damper and impacts account for all losses."""
     draw = np.random.default_rng(seed)
     osc = vi.Oscillator(
         xi=draw.uniform(0.01, 0.3),
@@ -48,7 +48,7 @@ def test_free_decay_only_loses_energy(seed):
 
 
 def mirrored(events, back=0):
-    """Return the numbers of the mirror image, with sides swapped and time counted back."""
+    """Return the numbers of the mirror image, with sides swapped and times measured back."""
     numbers = np.array([events["time"] - back] + [-events[name] for name in COLUMNS])
     return numbers, np.where(events["side"] == "R", "L", "R"), events["kind"]
 

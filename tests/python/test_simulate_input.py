@@ -1,4 +1,4 @@
-"""Wrong arguments of `simulate` are reported with their values and the allowed values."""
+"""Invalid arguments of `simulate` are reported with their values and the allowed values."""
 
 import math
 
@@ -36,7 +36,7 @@ def test_values_of_lengths_and_cycles(name, value):
 @pytest.mark.parametrize("name", [*GOOD, "load", "discard", "max_events"])
 @pytest.mark.parametrize("value", ["1", None, 1j, [1.0], b"1", True])
 def test_types(name, value):
-    """Arguments that are no numbers, bools included, are refused."""
+    """Arguments that are not numbers, including bools, are refused."""
     assert_refused({name: value}, name, repr(value), kind=TypeError)
 
 
@@ -59,7 +59,7 @@ def test_zero_clearance_and_undamped_resonance():
 @pytest.mark.parametrize("name", STATE)
 @pytest.mark.parametrize("value", [NAN, INF, 1.1e100, -1e250, "0", None, 1j])
 def test_state_values(name, value):
-    """Each number of a state must be real, and not beyond 1e100."""
+    """Each number of a state must be real and at most 1e100 in size."""
     assert_refused({"state": state() | {name: value}}, name, repr(value))
 
 
@@ -70,7 +70,7 @@ def test_state_types(bad):
 
 
 def test_state_keys():
-    """Keys that are left out are 0; unknown ones are named, and those that a final state lacks."""
+    """Omitted keys are 0; unknown keys are named, and so are those that a final state lacks."""
     assert_refused({"state": state() | {"y": 1.0}}, "'y'", kind=ValueError)
     assert_refused({"state": {}}, "state", "x_dot", kind=ValueError)
 

@@ -1,4 +1,4 @@
-"""Impacts on coupled gaps at one instant, by Newton's law at all of them and one after the other."""
+"""Simultaneous impacts on coupled gaps, by Newton's law at all of them and in sequence."""
 
 import numpy as np
 import pytest
@@ -26,7 +26,7 @@ def thrown(structure, speeds, duration=1e-9, **options):
 
 
 def test_both_laws_are_named_where_none_is_chosen():
-    """The refusal names the laws, and the change of an opening that avoids the question."""
+    """The error names the laws, and the change of an opening that avoids the ambiguity."""
     with pytest.raises(vi.SingularError) as caught:
         thrown(cradle(3, None), [1, 0, 0], 2)
     for word in ("simultaneous", "newton", "sequence", "1e-12"):
@@ -35,7 +35,7 @@ def test_both_laws_are_named_where_none_is_chosen():
 
 @pytest.mark.parametrize("balls", [3, 5])
 def test_cradle_of_balls_that_touch(balls):
-    """In sequence the last ball leaves alone; by Newton's law all but the first move on at 2/N, as is known."""
+    """In sequence the last ball leaves alone; by Newton's law all but the first move on at 2/N, a known result."""
     start = [1.0] + [0.0] * (balls - 1)
     run, speeds, impulses = thrown(cradle(balls, "sequence"), start, 3)
     assert speeds.tolist() == [0.0] * (balls - 1) + [1.0]
@@ -51,7 +51,7 @@ def test_cradle_of_balls_that_touch(balls):
 
 
 def test_rod_on_two_ends():
-    """A uniform rod that falls flat: by Newton's law both ends rebound at R, in sequence as end after end."""
+    """A uniform rod falls flat: by Newton's law both ends rebound at R, in sequence one end after the other."""
     to_ends = np.array([[-1.0, -0.5], [-1.0, 0.5]])
     a = to_ends @ np.diag([1.0, 12.0]) @ to_ends.T
     for restitution in (1.0, 0.5, 0.0):
@@ -113,7 +113,7 @@ def test_energy_and_momentum_of_random_structures():
 
 
 def test_legs_of_a_table():
-    """Four legs have dependent directions: with one R the speeds are determined nevertheless."""
+    """Four legs have dependent directions: with one R the speeds are still determined."""
     legs = np.array([[-1.0, x, y] for x in (-1, 1) for y in (-1, 1)])
     table = vi.Structure(
         [1, 0.5, 0.5], [0] * 3, [0] * 3, [vi.Gap(g, 0.0, 0.6) for g in legs], simultaneous="newton"
@@ -132,7 +132,7 @@ def test_sequence_that_hardly_ends():
 
 @pytest.mark.parametrize("law", LAWS)
 def test_ball_on_a_ball_at_rest(law):
-    """A ball falls on one that lies on a table; both come to rest, with other elements beside them or without."""
+    """A ball falls on a ball that lies on a table; both come to rest, with or without other elements."""
     gaps = [vi.Gap([-1, 0, 0], 0.0, 0.5), vi.Gap([1, -1, 0], 0.0, 0.5)]
     weights = vi.Load(constant=[-1.0, -1.0, 0.0])
     for parts in ({}, {"friction": [vi.Friction([0, 0, 1], 0.01)]}):
@@ -145,7 +145,7 @@ def test_ball_on_a_ball_at_rest(law):
         assert run.sample([12.0])[0][:2, 0] == pytest.approx([0, 0], abs=1e-7)
         times = run.events["time"]
         assert (np.diff(times) >= 0).all()
-        # energy of the balls after all impacts of an instant
+        # energy of the balls after all simultaneous impacts
         last = np.append(np.diff(times) > 0, True)
         q, rate = run.states[:, 0, :2], run.states[:, 1, :2]
         energy = q.sum(axis=1) + 0.5 * (rate**2 @ np.array([1, 0.7]))
@@ -153,7 +153,7 @@ def test_ball_on_a_ball_at_rest(law):
 
 
 def test_friction_after_impacts_at_one_instant():
-    """The last ball of a cradle slips, from where it stuck, in the direction of its speed."""
+    """The last ball of a cradle, which stuck before, slips in the direction of its speed."""
     gaps, friction = cradle(3, None).gaps, [vi.Friction([0, 0, 1], 0.1)]
     s = vi.Structure([1] * 3, [0] * 3, [0] * 3, gaps, friction, simultaneous="sequence")
     run = vi.simulate(s, duration=6, state=([0, 0, 0], [1, 0, 0]))
@@ -168,7 +168,7 @@ def rod_on_springs(law):
 
 
 def test_motion_with_impacts_at_one_instant():
-    """Such a motion repeats itself, but has no multipliers and says why; what needs them refuses it by name."""
+    """Such a motion repeats itself, but has no multipliers and gives the reason; other verbs refuse it by name."""
     s, load = rod_on_springs("newton"), vi.Load(0.9, sine=[0.5, 0])
     run = vi.simulate(s, load, cycles=100)
     motion = vi.exact(s, load, run)
@@ -198,7 +198,7 @@ def test_motion_with_impacts_at_one_instant():
 
 
 def test_law_is_kept(tmp_path):
-    """In files, namelists, texts and copies of a structure; another law is another structure."""
+    """Files, namelists, texts and copies keep the law; structures with different laws differ."""
     s = cradle(3, "sequence")
     assert "simultaneous='sequence'" in repr(s)
     assert s != cradle(3, "newton")

@@ -1,4 +1,4 @@
-"""Laws of [P_i], [P] and the multipliers, on random systems, against `first_principles`."""
+"""Laws of [P_i], [P] and the multipliers, on random systems, compared with `first_principles`."""
 
 from dataclasses import replace
 
@@ -21,7 +21,7 @@ from shared_systems import EPS, TURN, law
 
 
 def assert_impact_maps(case, motion):
-    """Assert P_i, [P] and the multipliers against the complex step; return the P_i, scaled."""
+    """Compare P_i, [P] and the multipliers with the complex step; return the P_i, scaled."""
     condition = event_condition(motion, case.system)
     assume(condition < 1e8)
     c, s = motion.A * np.cos(motion.tau), motion.A * np.sin(motion.tau)
@@ -63,11 +63,11 @@ def test_determinant_of_an_exact_motion(case):
     )
     found = np.prod(np.linalg.det(maps))
     if expected == 0.0:
-        # The product of the determinants holds a zero: a zero pivot to rounding in each factor.
+        # a product of determinants contains a zero: a zero pivot to rounding in each factor
         assert abs(found) <= 1e-10 * np.prod(np.linalg.norm(maps, 2, axis=(1, 2)))
         return
-    # The error of a determinant is that of its matrix's condition. The law also needs the approach speed
-    # of the flight to be that of the impact: their difference is the residual.
+    # the error of a determinant is that of the condition of its matrix; the law also needs the approach speed
+    # of the flight to be that of the impact: their difference is the residual
     rounding = EPS * np.linalg.cond(maps, 2).sum()
     residual = 1e-14 * np.abs(fp.linear_system(system, case.phases)[0]).max()
     speeds = event_condition(motion, system) * residual * (1 + np.abs(motion.X).max())
@@ -84,7 +84,7 @@ def test_determinant_of_an_exact_motion(case):
 @given(cases(most=5))
 @law(200)
 def test_exact_motion_is_a_fixed_point_of_the_impact_maps(case):
-    """From a wrong guess of the flight time Newton's method arrives at the next impact's state."""
+    """From an inaccurate guess of the flight time Newton's method reaches the state of the next impact."""
     case, _ = exact(case)
     system = case.system
     motion = vi.periodic(*case.arguments())
@@ -99,7 +99,7 @@ def test_exact_motion_is_a_fixed_point_of_the_impact_maps(case):
     size = motion.A + np.abs(states[:3]).max()
     for i, time in enumerate((end - motion.alpha) / system.r):
         j = (i + 1) % len(walls)
-        # Near enough for the root to be this one: the approach speed varies little over it.
+        # close enough for the root to be this one: the approach speed varies little over it
         guess = time * (1 + 1e-3 / condition)
         after, found = fp.impact_map(
             system, wave, system.restitution[j], states[:, i : i + 1], guess, walls[j] - walls[i]
@@ -129,7 +129,7 @@ def test_repeated_motion(case, times):
     once, often = vi.periodic(*case.arguments()), vi.periodic(*longer.arguments())
     size = np.linalg.norm(unknowns_of(often)) * once.clearance
     assert np.all(np.abs(often.X - np.tile(once.X, times)) <= bound * size)
-    # The bound of X moves the P_i by no more than the event's condition allows.
+    # the bound of X moves the P_i by no more than the condition of the event allows
     maps = np.tile(once.impact_maps(), (times, 1, 1))
     condition = event_condition(once, system)
     assume(condition < 1e6)

@@ -1,4 +1,4 @@
-"""Elastic stops in simulations, against laws, published numbers and independent routes."""
+"""Elastic stops in simulations, compared with laws, published numbers and independent calculations."""
 
 import itertools
 import math
@@ -13,7 +13,7 @@ TURN = 2 * math.pi
 
 
 def settled(structure, load, cycles=600):
-    """The events of a load cycle after many, from the first touch on, with load phases."""
+    """The events of one load cycle after many, from the first touch on, with load phases."""
     run = vi.simulate(structure, load, cycles=2, discard=cycles)
     kinds = run.events["kind"].tolist()
     begin = kinds.index("touch")
@@ -23,7 +23,7 @@ def settled(structure, load, cycles=600):
 
 
 def test_a_mass_on_a_stop():
-    """A contact of an undamped mass is half a period of both springs; half a period of its own spring follows."""
+    """An undamped contact is half a period on both springs; half a period on the mass's own spring follows."""
     s = vi.Structure([100.0], [0.0], [1e4], [vi.Stop([1.0], 0.0, 1e6)])
     run = vi.simulate(s, duration=1.0, state=([0.0], [1.0]))
     assert run.events["kind"].tolist() == ["touch", "leave"] * 3
@@ -45,7 +45,7 @@ def test_a_mass_on_a_stop():
     (1e8, None, 0.0758360073610025, 1.69574427200306, 3.14950821512081e-4, -0.5842934483009 + 0.0057887487234j),
 ])  # fmt: skip
 def test_settled_motion(k, c, phase, speed, duration, multiplier):
-    """The motion on which the oscillator with one stop settles, and how fast: det P = exp(-.1 T - c t_contact)."""
+    """The settled motion of the oscillator with one stop, and its stability: det P = exp(-.1 T - c t_contact)."""
     if c is None:
         ratio = -math.log(0.8) / math.hypot(math.pi, math.log(0.8))
         c = 2 * ratio * math.sqrt(k)
@@ -56,7 +56,7 @@ def test_settled_motion(k, c, phase, speed, duration, multiplier):
     assert events["speed"][0] == pytest.approx(speed, rel=1e-12)
     assert np.diff(events["time"])[0] == pytest.approx(duration, abs=2e-12)
     assert abs(multiplier) ** 2 == pytest.approx(math.exp(-0.1 * TURN - c * duration), rel=1e-10)
-    # P by differences of a load cycle from its middle on
+    # P by differences over a load cycle, starting from its middle
     structure, start = one_stop(1.0, stiffness=k, damping=c), TURN / 2
     q, rate = vi.simulate(structure, load, duration=start, discard=600 * TURN).final_state
     first = np.concatenate([q, rate])
@@ -75,7 +75,7 @@ def test_settled_motion(k, c, phase, speed, duration, multiplier):
     ({"preload": 0.3, "release": "force"}, ["touch", "leave"], [6.06036959344, 0.67637725064], []),
 ])  # fmt: skip
 def test_release_rules(stop, kinds, phases, speeds):
-    """Where contact ends, by the opening or by the force, and a preload."""
+    """Where contact ends, by the opening or by the force, and with a preload."""
     events, found = settled(one_stop(0.5, stiffness=20, **stop), vi.Load(1.3, cosine=[1.0]))
     assert events["kind"].tolist() == kinds
     assert found == pytest.approx(phases, abs=2e-11)
@@ -100,7 +100,7 @@ def test_stiff_stops_are_walls():
 
 
 def with_stops(rng, coupled, gaps, stops):
-    """A random structure with some gaps and some stops, and a load."""
+    """A random structure with some gaps and stops, and a load."""
     plain = random_structure(rng, coupled)
     n = plain.coordinates
     elements = [
@@ -124,8 +124,8 @@ def with_stops(rng, coupled, gaps, stops):
     return s, load
 
 
-#: Seed, whether damping couples the modes, gaps and stops: with contacts that last some steps of the reference,
-#: and without rests, which it has not.
+#: Seed, coupling of modes by damping, gaps and stops; contacts last several steps of the reference, and there are
+#: no rests, which the reference does not have.
 RANDOM = [
     (6, False, 0, 1), (0, True, 0, 1), (11, False, 0, 2), (14, True, 0, 2), (25, False, 1, 1), (26, True, 1, 1),
     (36, False, 1, 2), (35, True, 1, 2), (47, False, 0, 4), (45, True, 0, 4), (54, False, 2, 3), (56, True, 2, 3),
@@ -135,7 +135,7 @@ RANDOM = [
 
 @pytest.mark.parametrize(("seed", "coupled", "gaps", "stops"), RANDOM)
 def test_against_matrix_exponentials(tmp_path, seed, coupled, gaps, stops):
-    """All events of random structures, in order, as a simulation without modes and bounds finds them."""
+    """All events of random structures agree, in order, with a simulation without modes and bounds."""
     rng = np.random.default_rng(100 * seed + coupled)
     s, load = with_stops(rng, coupled, gaps, stops)
     start = (np.zeros(s.coordinates), 0.3 * rng.normal(size=s.coordinates))
@@ -149,7 +149,7 @@ def force_of(stop, q, rate):
 
 @pytest.mark.parametrize(("seed", "gaps", "stops"), [(1, 0, 2), (2, 1, 2), (3, 2, 4), (4, 0, 6)])
 def test_energy(seed, gaps, stops):
-    """From event to event the work of the load is what dashpots, impacts, stops and the change of energy take."""
+    """Between events the work of the load equals losses in dashpots, impacts and stops plus change of energy."""
     rng = np.random.default_rng(seed)
     s, load = with_stops(rng, False, gaps, stops)
     run = vi.simulate(
@@ -201,7 +201,7 @@ def test_energy(seed, gaps, stops):
 
 
 def test_backlash():
-    """Two opposite stops that are never left act as one spring."""
+    """Two opposite stops that are always in contact act as one spring."""
     free = vi.Structure([1.0], [0.02], [3.0])
     gaps = [vi.Stop([1.0], -2.0, 1.0), vi.Stop([-1.0], -2.0, 1.0)]
     both = vi.Structure([1.0], [0.02], [1.0], gaps)
@@ -213,7 +213,7 @@ def test_backlash():
 
 
 def test_a_stop_on_another_body():
-    """A free mass between two stops of its host: momentum is kept, and energy without dashpots."""
+    """A free mass between two stops of its host: momentum is conserved, and so is energy without dashpots."""
     gaps = [vi.Stop([-1.0, 1.0], 0.5, 40.0), vi.Stop([1.0, -1.0], 0.5, 40.0)]
     s = vi.Structure([1.0, 0.2], [0.0, 0.0], [0.0, 0.0], gaps)
     run = vi.simulate(s, duration=50, state=([0.0, 0.0], [0.3, -1.0]))
@@ -229,7 +229,7 @@ def test_a_stop_on_another_body():
 
 
 def test_two_stops_at_one_instant():
-    """Equal masses on equal stops: both events of each instant are found, and the masses move alike."""
+    """Equal masses on equal stops: both events at each instant are found, and the masses move alike."""
     gaps = [vi.Stop([1.0, 0.0], 0.1, 50.0, 0.5), vi.Stop([0.0, 1.0], 0.1, 50.0, 0.5)]
     s = vi.Structure([1.0, 1.0], [0.1, 0.1], [1.0, 1.0], gaps)
     load = vi.Load(1.1, cosine=[1.0, 1.0])
@@ -245,7 +245,7 @@ def test_two_stops_at_one_instant():
 
 @pytest.mark.parametrize("over", [1e-6, 1e-9, 1e-12, 0.0, -1e-12, -1e-9])
 def test_grazing(over):
-    """A steady motion that reaches a stop by much, by little or not at all: nothing is missed or invented."""
+    """A steady motion that exceeds a stop by much, by little or not at all: no contact is missed or spurious."""
     amplitude = 1 / abs(1 - 0.8**2)
     s = vi.Structure([1.0], [0.0], [1.0], [vi.Stop([1.0], amplitude * (1 - over), 10.0)])
     run = vi.simulate(
@@ -267,7 +267,7 @@ def test_grazing(over):
 
 
 def test_at_the_limit():
-    """What starts at a stop without a speed goes where the force points; what a preload would hold is refused."""
+    """A mass at a stop without speed moves as the force directs; a preload that would hold it is refused."""
 
     def started(force, **stop):
         s = vi.Structure([1.0], [0.0], [0.0], [vi.Stop([1.0], 0.0, 4.0, **stop)])
@@ -286,7 +286,7 @@ def test_at_the_limit():
 
 
 def test_with_rest():
-    """A rigid gap rests while a stop on its host is touched and left, by which the contact force jumps."""
+    """A rigid gap rests while a stop on its host closes and opens, so that the contact force jumps."""
     gaps = [vi.Gap([-1.0, 1.0], 0.0, 0.0), vi.Stop([1.0, 0.0], 0.3, 30.0, 1.0)]
     s = vi.Structure([1.0, 0.3], [0.1, 0.0], [1.0, 0.0], gaps)
     load = vi.Load(0.7, cosine=[1.4, 0.0], constant=[0.0, 0.4])
@@ -307,7 +307,7 @@ def test_with_rest():
     q, _ = run.sample(t)
     apart = q[0] - q[1]
     assert apart.min() > -1e-12
-    # both bodies accelerate alike while they rest, and the force between them pushes
+    # both bodies have one acceleration at rest, and the force between them pushes
     together = apart < 1e-12
     assert together.sum() > 1000
     acceleration = run.acceleration(t)
@@ -315,7 +315,7 @@ def test_with_rest():
 
 
 def test_under_a_record():
-    """A record whose samples are those of a line gives the motion of a constant force that grows."""
+    """A record whose samples are on a line gives the motion under a force that grows linearly."""
     s = vi.Structure([1.0], [0.1], [1.0], [vi.Stop([1.0], 0.3, 25.0, 1.0, release="force")])
     fine = vi.Record(0.005, np.sin(1.1 * 0.005 * np.arange(8001))[:, None])
     run = vi.simulate(s, fine)
@@ -329,7 +329,7 @@ def test_under_a_record():
 
 
 def test_in_parts():
-    """A run that is continued from its final state, in contact or not, is the whole one."""
+    """A run continued from its final state, in contact or not, equals the complete run."""
     s = one_stop(0.5, stiffness=20, damping=2, release="force")
     load = vi.Load(1.3, cosine=[1.0])
     check_parts(s, load, lambda whole: [10.0, *(whole.events["time"][10:14] + 0.05)], 1e-11)
@@ -389,7 +389,7 @@ def test_overdamped_stop_at_equilibrium(spring, stiffness, damping, duration):
 
 
 def test_values():
-    """Equality, text and the modes of a structure."""
+    """Equality, text and the modes of a structure with stops."""
     stop = vi.Stop([1, 0], 0.5, 20, damping=2, release="force")
     assert repr(stop) == "Stop([1.0, 0.0], 0.5, stiffness=20, damping=2, release='force')"
     assert stop == vi.Stop([1, 0], 0.5, 20, 2, 0, "force") != vi.Stop([1, 0], 0.5, 20, 2)

@@ -1,6 +1,6 @@
-"""Corners of the parameters against 50-digit arithmetic: each result is accurate, or refused, or unknown.
+"""Extreme parameters compared with 50-digit arithmetic: each result is accurate, refused, or unknown.
 
-The table of docs/limits.md is the accuracy that is promised; each test reads its row.
+The table of docs/limits.md is the promised accuracy; each test reads its row.
 """
 
 import math
@@ -16,7 +16,7 @@ from reference_periodic import GivenPhases
 from shared_motions import after_impact
 
 PAGE = Path(__file__).resolve().parents[2] / "docs/limits.md"
-#: The systems of each corner that are drawn.
+#: The number of random systems in each corner of the parameters.
 DRAWS = 14
 
 
@@ -30,7 +30,7 @@ def ends(*values):
     return lambda rng: float(rng.choice(values))
 
 
-#: Name in the table: what replaces a draw of xi, mu, r, R; impacts; load cycles; a short distance between phases.
+#: Name in the table: replacements for xi, mu, r, R; impacts; load cycles; a short distance between phases.
 CORNERS = {
     "ξ → 0": {"xi": ends(0.0, 1e-300, 1e-16, 1e-9)},
     "ξ → 1": {"xi": lambda rng: 1 - 10 ** rng.uniform(-15, -2)},
@@ -50,7 +50,7 @@ CORNERS = {
 
 
 def systems(name, count, pair=False):
-    """Random systems of a corner with phases; pairs of impacts if wanted."""
+    """Random systems of a corner with phases; only pairs of impacts if requested."""
     corner, rng = CORNERS[name], np.random.default_rng(list(CORNERS).index(name))
 
     def draw(key, usual):
@@ -65,7 +65,7 @@ def systems(name, count, pair=False):
         )
         r, cycles = float(draw("r", lambda rng: rng.uniform(0.5, 1.5))), corner.get("cycles", 1)
         among = corner.get("impacts", [2, 2, 3, 4])
-        # few are drawn of a corner with many impacts: one of each number
+        # corners with many impacts have few systems: one for each number of impacts
         n = 2 if pair else int(among[i % len(among)] if "impacts" in corner else rng.choice(among))
         sides = ["R", "L", *rng.choice(["R", "L"], n - 2)]
         phases = np.append(0.0, np.sort(rng.uniform(0.05, 6.2 * cycles, n - 1)))
@@ -75,7 +75,7 @@ def systems(name, count, pair=False):
 
 
 def promised(name):
-    """The row of a corner: largest errors of positions, the leading multiplier, exact motions (–: not tested)."""
+    """The row of a corner: largest errors of positions, leading multiplier, exact motions (–: not tested)."""
     row = re.search(rf"^\| {re.escape(name)} \|(.*)\|$", PAGE.read_text(encoding="utf-8"), re.M)
     return [float(cell) if cell.strip() != "–" else None for cell in row[1].split("|")]
 
@@ -87,7 +87,7 @@ def far(value, known):
 
 @pytest.mark.parametrize("name", CORNERS)
 def test_given_phases(name):
-    """Clearance, positions, tau and the leading multiplier of `periodic`; a wrong verdict is never given."""
+    """Clearance, positions, tau and the leading multiplier of `periodic`; no verdict is wrong."""
     place, leading, _ = promised(name)
     count = DRAWS if name != "N = 16 to 64" else 3
     compared = 0
@@ -230,7 +230,7 @@ def test_small_and_large_clearances(powers):
     assert compared > 20
 
 
-#: Heavy free masses: the residual hardly tells that these phases are not those of a motion.
+#: Heavy free masses: the residual hardly shows that these phases do not belong to a motion.
 HEAVY = [
     (8202.382721515947, 0.0074877, 1.150934473, (0.343461772, 0.62152920), "RLR", [0, 0.456120354, 2.72733036]),
     (275.2255982760631, 0.0771409, 1.074423710, (0.615117902, 0.82508250), "RRRL",
@@ -240,7 +240,7 @@ HEAVY = [
 
 @pytest.mark.parametrize(("mu", "xi", "r", "walls", "sides", "phases"), HEAVY)
 def test_no_verdict_without_the_law(mu, xi, r, walls, sides, phases):
-    """Where det[P] is not what its law says `stable` is unknown, in each way to ask for it."""
+    """Where det[P] does not obey its law, `stable` is unknown in every function that gives it."""
     osc = vi.Oscillator(xi=xi, mu=mu, restitution=walls)
     motion = vi.periodic(osc, r, phases, sides)
     determinant = np.linalg.det(np.linalg.multi_dot(motion.impact_maps()[::-1]))

@@ -1,4 +1,4 @@
-"""Simulations of linear structures with gaps, against laws and independent routes."""
+"""Simulations of linear structures with gaps, compared with laws and independent calculations."""
 
 import math
 
@@ -57,7 +57,7 @@ def test_one_wall():
 @pytest.mark.parametrize("restitution", [(0.9, 0.8), (0.2, 0.4)])
 @pytest.mark.parametrize("r", [0.5, 1.04])
 def test_the_oscillator_as_a_structure(restitution, r):
-    """Impacts, rests and releases are those of the kernel of the oscillator."""
+    """Impacts, rests and releases equal those of the simulation of the oscillator."""
     osc = vi.Oscillator(xi=0.05, mu=0.1, restitution=restitution)
     known = vi.simulate(osc, r, 4.0, cycles=6)
     gaps = [
@@ -104,7 +104,7 @@ def test_ball():
 
 @pytest.mark.parametrize("coupled", [False, True])
 def test_the_response_is_reciprocal(coupled):
-    """The response of coordinate i to a unit harmonic force on j is that of j to the same force on i."""
+    """The response of coordinate i to a unit harmonic force on j equals that of j to the same force on i."""
     rng = np.random.default_rng(6)
     for _ in range(10):
         s = random_structure(rng, coupled)
@@ -127,7 +127,7 @@ def test_the_response_is_reciprocal(coupled):
 
 @pytest.mark.parametrize("coupled", [False, True])
 def test_random_structures(coupled):
-    """Flights of any structure, with classical and with coupling damping, two harmonics and a constant force."""
+    """Flights of any structure, with classical and coupled damping, two harmonics and a constant force."""
     rng = np.random.default_rng(5)
     refusals, impacts = [], 0
     for _ in range(20):
@@ -151,7 +151,7 @@ def test_random_structures(coupled):
 
 
 def check_samples(run):
-    """Samples by the matrix exponential, up to the first rest."""
+    """Samples agree with the matrix exponential, up to the first rest."""
     s, t = run.structure, np.linspace(run.start, run.end, 30)
     q, rate = run.sample(t)
     for i, time in enumerate(t):
@@ -168,7 +168,7 @@ def check_samples(run):
 
 
 def test_rest_from_the_start():
-    """A ball on the floor stays there until a growing pull exceeds its weight, and is sampled there."""
+    """A ball on the floor stays there until a growing pull exceeds its weight; samples show it there."""
     ball = vi.Structure([1], [0], [0], [vi.Gap([-1], 0.0, 0.5)])
     load = vi.Load(1.0, sine=[15.0], constant=[-9.81])
     run = vi.simulate(ball, load, duration=8, state=([0], [0]))
@@ -247,7 +247,7 @@ def test_meta_impactor_cell():
 
 
 def test_what_is_discarded_changes_nothing_else():
-    """A run with `discard` keeps the events of the whole run from there on, in cycles, time and a record."""
+    """A run with `discard` keeps the later events of the complete run, in cycles, in time and for a record."""
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
     structure, load = osc.structure(6.0), vi.Load(0.9, sine=[1, 0])
     period = 2 * math.pi / 0.9

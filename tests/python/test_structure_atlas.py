@@ -1,4 +1,4 @@
-"""Atlases of structures: those of the oscillator, and simulations at their points."""
+"""Atlases of structures agree with those of the oscillator, and with simulations at their points."""
 
 import numpy as np
 import pytest
@@ -19,7 +19,7 @@ def atlas():
 
 
 def test_the_two_masses_of_1983_have_the_atlas_of_the_oscillator(atlas):
-    """Where a motion of two or three impacts is stable, at random points away from the boundaries."""
+    """The points, away from the boundaries, at which a motion of two or three impacts is stable."""
     theirs = vi.atlas(OSC, (1.0, 1.1), (20.0, 60.0), max_impacts=3, survey=30)
     assert {(len(zone.gaps), zone.cycles) for zone in atlas.zones} == {
         (len(zone.pattern), zone.pattern.cycles) for zone in theirs.zones
@@ -159,7 +159,7 @@ def test_errors_name_the_parameter(change, message):
 
 @pytest.mark.parametrize("study", ["atlas", "chart"])
 def test_it_stops_when_asked(study):
-    """A request to stop that is already made leaves at most the motion at the start, and says so."""
+    """If a stop is requested before the start, the result has at most the starting motion, and is marked."""
     group = (
         "&motion kind = 'exact', gaps = 1, 0, phases = 1.84, 4.98, cycles = 1 /\n&chart"
         if study == "chart" else "&atlas survey = 3"
@@ -182,7 +182,7 @@ def test_it_stops_when_asked(study):
 
 
 def test_an_atlas_with_a_stop_and_friction_agrees_with_simulations(tmp_path):
-    """Inside the zone of a motion `find` finds it, and outside it does not; with friction too, and from a file."""
+    """`find` finds the motion inside its zone and not outside; also with friction, and from a file."""
     stop, load = vi.Stop([1], 1.0, 100.0), vi.Load(1.0, cosine=[1.0])
     for gaps, friction, axes in (
         ([stop], [], (("frequency", 0.8, 1.3), ("load", 0.5, 2.0))),

@@ -1,4 +1,4 @@
-"""Basins of structures, against those of the oscillator, single simulations, and symmetry."""
+"""Basins of structures agree with those of the oscillator, single simulations, and symmetry."""
 
 from collections import Counter
 from pathlib import Path
@@ -15,7 +15,7 @@ PLANE = (("q_0", -6.8, 6.8, 9), ("q_dot_0", -9, 9, 10))
 
 
 def pair(xi, mu, restitution, clearance):
-    """The oscillator of 1983 by the matrices of its two masses."""
+    """The oscillator of the 1983 paper as the matrices of its two masses."""
     gaps = [
         vi.Gap([-1, 1], clearance / 2, restitution),
         vi.Gap([1, -1], clearance / 2, restitution),
@@ -68,7 +68,7 @@ def test_a_label_is_the_motion_of_the_simulation_alone(found):
 
 
 def numbered(run, motions):
-    """The labels of a run by the numbers of its attractors in a list of motions."""
+    """The labels of a run as indices of its attractors in a list of motions."""
     places = [
         next(i for i, motion in enumerate(motions) if vi.same_motion(item.motion, motion))
         for item in run.attractors
@@ -79,7 +79,7 @@ def numbered(run, motions):
 def test_the_mirror_image_of_a_state_has_that_of_its_attractor(found):
     """The state with all signs changed, half a cycle later, goes to the mirror image of the attractor.
 
-    States with chaotic transients so long that rounding decides do not count.
+    States whose long chaotic transients are decided by rounding do not count.
     """
     motions = [item.motion for item in found.attractors]
     images = [
@@ -124,7 +124,7 @@ def test_states_with_closed_gaps_have_no_attractor():
 
 
 def test_random_states_begin_alike():
-    """The first random states do not depend on their number, and are those that `find` simulates."""
+    """The first random states do not depend on the number of states, and are those that `find` simulates."""
     few, many = (vi.basins(DAMPER, LOAD, states=n, rng=3) for n in (5, 12))
     np.testing.assert_array_equal(few.states, many.states[:, :, :5])
     assert few.axes is None
@@ -213,7 +213,7 @@ def test_an_event_limit_is_a_label():
 
 
 def test_a_record_of_the_former_class_is_read(found):
-    """Earlier records had a class of their own for structures, and did not name the study."""
+    """Earlier records had a separate class for structures, and did not name the study."""
     data = found.to_dict() | {"type": "StructureBasins"}
     del data["study"]
     again = vi.Basins.from_dict(data)
@@ -245,7 +245,7 @@ def test_what_a_system_lacks_is_named(found):
 
 
 def test_kinds_follow_from_motions(found):
-    """An attractor is periodic if it has an exact motion, with rest if that has one."""
+    """An attractor is periodic if it has an exact motion, and has a rest if that motion has one."""
     table = vi.Structure([1], [0.3], [1], [vi.Gap([-1], 0.0, 0.2)])
     still = vi.basins(table, vi.Load(0.3, sine=[0.5], constant=[-0.2]), states=6, settling=200)
     kinds = {item.kind for item in (*found.attractors, *still.attractors)}
@@ -260,7 +260,7 @@ def test_kinds_follow_from_motions(found):
 
 @pytest.mark.parametrize("suffix", ["json", "nc", "mat"])
 def test_random_states_are_read_back(tmp_path, suffix):
-    """Basins of random states are read back, in which the states and the derivatives of motions differ in size."""
+    """Basins of random states are read back although states and derivatives of motions have different sizes."""
     wall = vi.Structure([1], [0.1], [1], [vi.Gap([1], 1, 0.8)])
     found = vi.basins(wall, vi.Load(1.0, cosine=[1]), states=20)
     found.save(tmp_path / f"a.{suffix}")
@@ -268,7 +268,7 @@ def test_random_states_are_read_back(tmp_path, suffix):
 
 
 def test_what_settles_slowly_is_not_chaotic():
-    """States that have not settled when they are first examined go on until they have."""
+    """States that have not settled when they are first examined continue until they have."""
     soon = vi.basins(DAMPER, LOAD, states=6, settling=5, max_cycles=2)
     late = vi.basins(DAMPER, LOAD, states=6, settling=4000, max_cycles=2)
     names = [[[*b.attractors][i].name for i in b.labels] for b in (soon, late)]
@@ -276,7 +276,7 @@ def test_what_settles_slowly_is_not_chaotic():
 
 
 def test_vibration_that_decays_for_a_million_cycles_is_no_attractor():
-    """With a heavy free mass both masses swing together long after volumes have contracted."""
+    """With a heavy free mass both masses oscillate together long after volumes have contracted."""
     walls = (0.6974883085198703, 0.701778734695422)
     gaps = [vi.Gap([s, -s], 7.889638987386798, R) for s, R in zip((-1, 1), walls, strict=True)]
     load = vi.Load(0.9286407087615169, sine=[1, 0])
@@ -298,7 +298,7 @@ def test_a_chaotic_attractor_has_a_positive_exponent():
 
 
 def test_a_chaotic_transient_is_no_attractor():
-    """Its states settle after 10^4 to 10^6 load cycles; two algorithms and two orders of rounding agree."""
+    """States settle after 10^4 to 10^6 load cycles; two algorithms and two orders of rounding agree."""
     wall, r, clearance = 0.7189674455988654, 1.4616163504310702, 33.7456669137705
     point = vi.Oscillator(xi=0.01154927445245723, mu=0.01757787366661444, restitution=wall).at(
         r, clearance

@@ -1,4 +1,4 @@
-"""Branches and zones of structures: those of the oscillator by another route, and laws on random structures."""
+"""Branches and zones of structures: those of the oscillator by another method, and laws on random structures."""
 
 import math
 from dataclasses import replace
@@ -45,7 +45,7 @@ def test_branches_of_the_oscillator(pair, name, bounds, parameter, factor):
 
 
 def test_a_load_factor_is_an_inverse_opening(pair):
-    """Motions under twice the load are those with half the openings."""
+    """Motions under twice the load equal those with half the openings."""
     loads = vi.branch(pair[0], "load", (18.5 / 30, 18.5 / 5)).special_points
     openings = vi.branch(pair[0], "opening", (5, 30)).special_points
     found = [(p.type, 18.5 / p.value) for p in reversed(loads)]
@@ -54,7 +54,7 @@ def test_a_load_factor_is_an_inverse_opening(pair):
 
 
 def test_symmetric_motions_are_followed_through_pitchforks():
-    """Special points by the map of half a period are those of the oscillator's branch."""
+    """Special points from the map of half a period equal those of the oscillator's branch."""
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
     motion = vi.exact(osc, 1.04, 25.0, vi.simulate(osc, 1.04, 25.0, cycles=100, discard=500))
     structure = damper(0.0114, 0.028, 0.75, 25.0)
@@ -67,7 +67,7 @@ def test_symmetric_motions_are_followed_through_pitchforks():
 
 
 def followed(seeds, names=None):
-    """Branches of random structures with drags, springs and free hosts, in some parameters or in all."""
+    """Branches of random structures with dampers, springs and free hosts, along some parameters or all."""
     for seed in seeds:
         rng = np.random.default_rng(seed)
         structure, load = random_structure(rng)
@@ -87,7 +87,7 @@ def followed(seeds, names=None):
 
 
 def law_of(kind, branch, i):
-    """The error of a special point in the equation that defines it."""
+    """The error of a special point in its defining equation."""
     multipliers = branch.multipliers[:, i]
     if kind not in ("zero_approach", "simultaneous") and (branch.speeds[:, i] <= 0).any():
         return 0.0  # beyond a zero of an approach speed there are no motions, and no multipliers
@@ -109,7 +109,7 @@ def law_of(kind, branch, i):
 
 
 def test_steps_stay_long_where_a_flight_almost_turns():
-    """A branch reaches both bounds: touches between which a gap hardly turns do not shorten its steps."""
+    """A branch reaches both bounds: touches between which a gap hardly reverses do not shorten its steps."""
     structure = vi.Structure(
         [0.15160234932171657], [0.004418069137949157], [2.6794677613851765],
         [vi.Gap([-1.0], 0.1580136296304347, 0.49250317537882704)],
@@ -125,7 +125,7 @@ def test_steps_stay_long_where_a_flight_almost_turns():
 
 
 def midway(motion):
-    """The phases midway between a motion of two impacts on opposite walls and its image, which swaps the walls."""
+    """The midpoint of the phases of a two-impact motion on opposite walls and its image with swapped walls."""
     assert motion.gaps.tolist() == [0, 1]
     assert motion.cycles == 1
     return (motion.phases + motion.phases[::-1] + [-math.pi, math.pi]) / 2
@@ -133,7 +133,7 @@ def midway(motion):
 
 @pytest.mark.slow
 def test_motions_of_branches_are_starts(pair):
-    """The motion of any point, at a fold too, begins simulations, exact motions and branches."""
+    """The motion at any point, including a fold, can start simulations, exact motions and branches."""
     shifted = ([phase - 2 * math.pi for phase in PHASES], [0, 1])
     motion = vi.exact(damper(), vi.Load(0.94, sine=[1, 0]), shifted)
     assert motion.phases == pytest.approx(pair[0].phases, abs=1e-12)
@@ -149,8 +149,8 @@ def test_motions_of_branches_are_starts(pair):
             start, omega = here.phases[0] / here.load.frequency, here.load.frequency
             same = vi.exact(here.structure, here.load, here)
             if special.get(i) == "pitchfork":
-                # the motion meets its image there: rounding decides how far apart they are, up to its cube
-                # root, but the motion midway between them is regular
+                # the motion meets its image there: rounding changes their distance up to its cube
+                # root, but the midpoint motion is regular
                 assert midway(same) == pytest.approx(midway(here), abs=1e-9)
                 for each in (same, here):
                     assert each.phases == pytest.approx(midway(each), abs=3e-5)
@@ -168,9 +168,9 @@ def test_motions_of_branches_are_starts(pair):
 
 @pytest.mark.slow
 def test_special_points_of_random_structures():
-    """Each special point meets its law; verdicts change only at special points; grazes touch."""
+    """Each special point obeys its law; verdicts change only at special points; grazes touch."""
     kinds = set()
-    # others have no motion; 7, a large structure, takes as long as all of these
+    # other cases have no motion; 7, a large structure, takes as long as all of these
     for name, branch in followed([0, 1, 3, 8, 9, 11]):
         special = {point.index: point for point in branch.special_points}
         assert branch.residual.max() < 1e-9, name
@@ -189,7 +189,7 @@ def test_special_points_of_random_structures():
         largest = np.abs(branch.multipliers).max(axis=0)
         for verdict in (branch.admissible, branch.stable):
             for i in np.flatnonzero(verdict[:-1] + verdict[1:] == 1).tolist():
-                # rounding decides at a motion that repeats itself, and where multipliers are huge
+                # rounding decides where a motion repeats itself, and where multipliers are huge
                 if np.abs(largest[i : i + 2] - 1).min() < 1e-7 or largest[i] > 1e6:
                     continue
                 if {verdict[i], verdict[i + 1]} == {0, 1}:
@@ -198,7 +198,7 @@ def test_special_points_of_random_structures():
 
 
 def test_points_are_exact_motions(pair):
-    """Phases, speeds and extremes of a point are those of its motion, which has the parameter's value."""
+    """Phases, speeds and extremes of a point equal those of its motion, which has the parameter's value."""
     branch = vi.branch(pair[0], "opening", (15, 30))
     for i in range(0, len(branch), 9):
         motion = branch[i]
@@ -243,7 +243,7 @@ def test_any_function_of_a_parameter(pair):
 
 
 def test_restitution_that_depends_on_the_speed():
-    """Where the points are stable, simulations settle on them; [P] meets its law with R'(v)."""
+    """Where the points are stable, simulations settle on them; [P] obeys its law with R'(v)."""
     law = vi.PowerLaw(0.9, speed=1.0, exponent=0.25)
     wall = vi.Structure([1], [0.1], [1], [vi.Gap([1], 1, law)])
     motion = vi.exact(wall, vi.Load(1.0, cosine=[1]), ([0.1], [0]))
@@ -292,7 +292,7 @@ def test_bad_options_are_named(pair, options, words):
 
 
 def test_series_that_do_not_meet_the_motion_are_named(tmp_path):
-    """A namelist whose series give another structure at the motion is refused."""
+    """A namelist whose series give a different structure at the motion is refused."""
     text = """&structure mass = 1, damping = 0.1, stiffness = 1 /
     &gap direction = 1, opening = 1, restitution = 0.8 /
     &load frequency = 1, cosine = 1 /
@@ -317,7 +317,7 @@ def test_a_function_keeps_the_laws_of_restitution(pair):
 
 
 def test_units_do_not_matter():
-    """In another unit of mass a structure with a free mass has the same branch, in about as many points."""
+    """In another unit of mass, a structure with a free mass has the same branch with about as many points."""
     found = []
     for unit in (1.0, 1e-9, 1e9):
         gaps = [vi.Gap([-1, 1], 18.5, 0.75), vi.Gap([1, -1], 18.5, 0.75)]
@@ -334,14 +334,14 @@ def test_units_do_not_matter():
 
 
 def one_wall(load):
-    """A motion with one impact in each load cycle on one wall."""
+    """A motion with one impact on one wall in each load cycle."""
     wall = vi.Structure([1], [0.1], [1], [vi.Gap([1], 1, 0.8)])
     motion = vi.exact(wall, vi.Load(1.0, cosine=[1]), ([0.1], [0]))
     return vi.branch(motion, "load", (load, 2.0))[0]
 
 
 def test_a_zone_down_to_impacts_without_restitution():
-    """At R = 0 an impact leaves its wall with speed 0, which is not reported as a grazing."""
+    """At R = 0 an impact leaves its wall with speed 0; this is not reported as a grazing."""
     zone = vi.zone(one_wall(0.6), x=("frequency", 0.8, 1.2), y=("restitution", 0.0, 1.0), lines=9)
     assert zone.closed
     assert len(zone.loops) == 1
@@ -349,7 +349,7 @@ def test_a_zone_down_to_impacts_without_restitution():
 
 
 def test_a_motion_in_a_zone_is_the_stable_one():
-    """Near a fold the nearest vertex of the boundary can lead to the unstable motion."""
+    """Near a fold the nearest vertex of the boundary may lead to the unstable motion."""
     undamped = vi.Structure([1], [0], [1], [vi.Gap([1], 1, 0.8)])
     load = vi.Load(1.3, cosine=[1])
     motion = vi.exact(undamped, load, vi.simulate(undamped, load, cycles=500))
@@ -367,7 +367,7 @@ def test_a_motion_in_a_zone_is_the_stable_one():
 
 
 def test_a_motion_in_a_zone_is_followed_from_any_order_of_impacts(pair, monkeypatch):
-    """Phases that begin with another impact keep their gaps; a vertex with two impacts at once is passed over."""
+    """Phases that start with another impact keep their gaps; a vertex with two simultaneous impacts is skipped."""
     zone = vi.zone(pair[0], x=("frequency", 0.8, 1.2), y=("opening", 2.0, 40.0), lines=9)
     wanted = zone.motion(0.94, 18.5)
     assert wanted.stable
@@ -388,7 +388,7 @@ def test_a_motion_in_a_zone_is_followed_from_any_order_of_impacts(pair, monkeypa
 
 
 def test_a_zone_up_to_a_resonance():
-    """Motions are continuous at a resonance of an undamped mode, their equations are not: a zone ends there."""
+    """At a resonance of an undamped mode motions are continuous, but not their equations: a zone ends there."""
     undamped = vi.Structure([1], [0], [1], [vi.Gap([1], 1, 0.8)])
     load = vi.Load(1.3, cosine=[1])
     motion = vi.exact(undamped, load, vi.simulate(undamped, load, cycles=500))
@@ -405,7 +405,7 @@ def test_a_zone_up_to_a_resonance():
 
 
 def test_a_zone_ends_exactly_at_its_window():
-    """A zone that is cut by all sides of its window has points exactly there, whatever the bounds."""
+    """A zone that all sides of its window cut has points exactly there, for any bounds."""
     wall = vi.Structure([1], [0.05], [1], [vi.Gap([1], 1, 0.8)])
     load = vi.Load(1.4, cosine=[1])
     motion = vi.exact(wall, load, vi.simulate(wall, load, cycles=500))
@@ -419,7 +419,7 @@ def test_a_zone_ends_exactly_at_its_window():
 
 
 def test_words_of_arguments(pair):
-    """A structure's motion can be given by its keyword, and a column to draw must be a name."""
+    """A motion of a structure can be given by its keyword; a column to draw must be a name."""
     path = vi.branch(motion=pair[0], parameter="opening", bounds=(18, 19))
     with pytest.raises(ParameterError, match="y = 3"):
         path.plot(y=3)
@@ -454,7 +454,7 @@ def test_zones_of_the_oscillator(zones):
     assert ours.closed
     assert ours.contains(0.94, 18.5)
     ring = min(theirs.loops, key=lambda loop: loop[:, 0].max())
-    # the rings are fine polygons of their curves, each over its own plane
+    # the rings are fine polygons of their curves, each over a different plane
     assert ours.loops[0].min(axis=0) * (1, 2) == pytest.approx(ring.min(axis=0), rel=1e-6)
     assert ours.loops[0].max(axis=0) * (1, 2) == pytest.approx(ring.max(axis=0), rel=1e-6)
     osc, checked = theirs.osc, 0
@@ -563,7 +563,7 @@ def test_bad_axes_are_named(pair):
 
 
 def test_results_are_read_back(pair, zones, tmp_path):
-    """The same bits from files, and from the case as a namelist."""
+    """Files, and the case as a namelist, give the same bits."""
     branch = vi.branch(pair[0], "opening", (15, 20))
     for found in (branch, zones[0]):
         for name in ("a.json", "a.nc", "a.mat"):
@@ -579,7 +579,7 @@ def test_results_are_read_back(pair, zones, tmp_path):
 
 
 def test_branches_of_both_systems_have_one_class(pair):
-    """Records of earlier versions, which had two classes, are read; what a system lacks is named."""
+    """Records of earlier versions, which had two classes, are read; attributes that a system lacks are named."""
     ours, theirs = (
         vi.branch(pair[0], "opening", (15, 20)), vi.branch(pair[1], "clearance", (30, 40))
     )  # fmt: skip
@@ -608,7 +608,7 @@ def test_branches_of_both_systems_have_one_class(pair):
 
 
 def test_zones_of_both_systems_have_one_class(zones):
-    """Records of earlier versions, which had two classes, are read; what a system lacks is named."""
+    """Records of earlier versions, which had two classes, are read; attributes that a system lacks are named."""
     ours, theirs = zones
     for found, name in ((ours, "StructureZone"), (theirs, "Zone")):
         record = found.to_dict() | {"type": name}
@@ -640,7 +640,7 @@ def test_zones_of_both_systems_have_one_class(zones):
 
 
 def test_an_open_zone_of_a_structure_is_not_decided(zones):
-    """Where a boundary could not be closed, a zone of a structure warns as one of an oscillator does."""
+    """If a boundary could not be closed, a zone of a structure warns as a zone of an oscillator does."""
     record = zones[0].to_dict()
     record["tables"]["families"]["columns"]["closed"] = [False]
     zone = vi.Zone.from_dict(record)
@@ -660,7 +660,7 @@ def _written(folder, text):
 
 
 def test_a_closed_branch():
-    """An isola: special points in the same order as those of the oscillator, until the branch meets its start."""
+    """An isola has the special points of the oscillator's in the same order, until the branch meets its start."""
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
     motion = vi.exact(osc, 0.85, 20.0, ([0.0, 2.01848, 6.07922], vi.Pattern("RRL", 2)))
     guess = (motion.phases, [0, 0, 1], 2)
@@ -676,7 +676,7 @@ def test_a_closed_branch():
 
 
 def integrated(flight, gap, start, time):
-    """Time and state at the next zero of a gap that closes, by integration; the flight begins on a wall."""
+    """Time and state at the next zero of a closing gap, by integration; the flight starts on a wall."""
     solve_ivp = pytest.importorskip("scipy.integrate").solve_ivp
     options = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-13}
 
@@ -690,7 +690,7 @@ def integrated(flight, gap, start, time):
 
 
 def bifurcation(period, guess, multiplier):
-    """The fixed point of a map at a parameter (its last argument) at which it has a multiplier, by fsolve."""
+    """The fixed point of a map, at the parameter (last argument) where it has a given multiplier, by fsolve."""
     fsolve = pytest.importorskip("scipy.optimize").fsolve
     n = len(guess) - 1
 
@@ -706,7 +706,7 @@ def bifurcation(period, guess, multiplier):
 
 
 def test_a_fold_by_integration():
-    """The map of phase and approach speed by an integrator has the multiplier 1 at the same frequency."""
+    """The map of phase and approach speed, by an integrator, has the multiplier 1 at the same frequency."""
     wall = vi.Structure([1], [0.1], [1], [vi.Gap([1], 1, 0.8)])
     motion = vi.exact(wall, vi.Load(1.0, cosine=[1]), ([0.1], [0]))
     branch = vi.branch(motion, "frequency", (0.6, 3.0))

@@ -1,4 +1,4 @@
-"""Charts of structures: those of the oscillator, zones, exact motions and simulations at their points."""
+"""Charts of structures agree with those of the oscillator, zones, exact motions and simulations."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ FREQUENCIES, OPENINGS = (0.9, 1.1), (5.0, 20.0)
 
 @pytest.fixture(scope="module")
 def motion():
-    """The equispaced motion at r = 1.04, D = 25, as that of a structure."""
+    """The equispaced motion at r = 1.04, D = 25, as a motion of a structure."""
     point = OSC.at(1.04, 25.0)
     guess = vi.equispaced(OSC, 1.04, 25.0)[0]
     phases = guess.load_phase + np.array([0, np.pi])
@@ -37,7 +37,7 @@ def test_the_two_masses_of_1983_have_the_chart_of_the_oscillator(data):
     np.testing.assert_allclose(2 * data.y, theirs.clearance, rtol=1e-15)
     np.testing.assert_array_equal(stable(data), stable(theirs))
     assert 0 < stable(data).sum() < stable(data).size
-    # the line of motions ends where an approach speed vanishes: only those of the closed form go on
+    # the line of motions ends where an approach speed vanishes: only the closed form continues
     found = np.sort(np.where(data.status == 0, data.multiplier_modulus[0], np.inf), axis=0)
     known = np.sort(np.where(theirs.status == 0, theirs.multiplier_modulus[0], np.inf), axis=0)
     both = np.isfinite(found[0]) & stable(theirs)
@@ -45,7 +45,7 @@ def test_the_two_masses_of_1983_have_the_chart_of_the_oscillator(data):
 
 
 def test_values_need_not_be_evenly_spaced(motion):
-    """Arrays of any spacing, rising or falling, have the chart of the oscillator at the same points."""
+    """Arrays with any spacing, rising or falling, give the chart of the oscillator at the same points."""
     r, gaps = [0.9, 0.97, 1.04, 1.1], np.geomspace(20.0, 5.0, 5)
     ours = vi.chart(motion, ("frequency", r), ("opening", gaps))
     theirs = vi.chart(OSC, "RL", r, 2 * gaps[::-1], symmetric=True)

@@ -10,7 +10,7 @@ from scipy.linalg import expm
 
 
 def flown(mass, damping, stiffness, state, t):
-    """Coordinates and velocities after a time, by a structure whose gap never closes."""
+    """Coordinates and velocities after a time, of a structure whose gap never closes."""
     gap = vi.Gap(np.eye(len(mass))[0], 1e9)
     run = vi.simulate(vi.Structure(mass, damping, stiffness, [gap]), duration=t, state=state)
     return np.ravel(run.sample(np.array([t])))
@@ -29,14 +29,14 @@ def exponential(mass, damping, stiffness, state, t):
 
 
 def real_eigenvalues(damping, stiffness):
-    """How many eigenvalues of a body of unit masses are real."""
+    """The number of real eigenvalues of a body of unit masses."""
     n = len(damping)
     first_order = np.block([[np.zeros((n, n)), np.eye(n)], [-stiffness, -damping]])
     return np.count_nonzero(np.linalg.eigvals(first_order).imag == 0)
 
 
 def critical(damping, stiffness):
-    """Factor of the damping at which two complex eigenvalues become a double real one."""
+    """The factor of the damping at which two complex eigenvalues become a double real one."""
     grid = np.geomspace(1e-3, 1e3, 300)
     counts = [real_eigenvalues(f * damping, stiffness) for f in grid]
     i = next(i for i in range(len(grid)) if counts[i] != counts[0])
@@ -72,7 +72,7 @@ def test_through_critical_damping(seed):
 
 @pytest.mark.parametrize("seed", range(12))
 def test_dashpots_between_free_bodies(seed):
-    """Several modes of frequency 0 keep their digits, whether dashpots join them or not."""
+    """Several modes of frequency 0 keep their digits, whether or not dashpots couple them."""
     rng = np.random.default_rng(seed)
     n = 2 + seed % 3
     for stiff in range(n):
@@ -97,7 +97,7 @@ def coinciding(ratio, sigma):
 
 @pytest.mark.parametrize(("ratio", "sigma"), [(1.5, 0.3), (1.2, 0.2), (2.0, 0.5)])
 def test_pairs_that_coincide(ratio, sigma):
-    """Two coinciding pairs of complex eigenvectors are refused; slightly apart they keep all digits."""
+    """Two coinciding pairs of complex eigenvectors are refused; a small distance apart they keep all digits."""
     damping, stiffness = coinciding(ratio, sigma)
     state, t = np.array([[1.0, -0.5], [0.3, 0.8]]), 7.0
     messages = {}
@@ -141,7 +141,7 @@ def ring(cells):
 
 @pytest.mark.parametrize("body", [*map(copies, range(24)), *map(ring, (3, 4, 5, 6, 8))])
 def test_repeated_pairs_of_symmetric_bodies(body):
-    """Repeated complex eigenvalues with independent eigenvectors cost no digits."""
+    """Repeated complex eigenvalues with independent eigenvectors lose no digits."""
     mass, damping, stiffness = body
     n = len(mass)
     first_order = np.block(

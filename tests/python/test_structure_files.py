@@ -48,7 +48,7 @@ def random_structure(rng):
 
 
 def outcome(compute):
-    """The trajectory, or the kind of the error."""
+    """The trajectory, or the type of the error."""
     try:
         return compute()
     except vi.VibroimpactError as error:
@@ -56,7 +56,7 @@ def outcome(compute):
 
 
 def assert_same(one, other):
-    """Two trajectories with the same bits, or the same kind of error."""
+    """Check that two trajectories have the same bits, or the same type of error."""
     if isinstance(one, str) or isinstance(other, str):
         assert one == other
         return
@@ -83,7 +83,7 @@ def run_case(text):
 
 
 def test_same_digits_through_every_door(tmp_path):
-    """Python's call, a namelist text, a namelist file, and the tables of `run` give the same digits."""
+    """A Python call, a namelist text, a namelist file, and the tables of `run` give the same digits."""
     rng = np.random.default_rng(11)
     found = 0
     for i in range(60):
@@ -93,7 +93,7 @@ def test_same_digits_through_every_door(tmp_path):
             span = {"cycles": 2.5}
         if rng.random() < 0.3:
             span["discard"] = float(rng.choice([1.25, 3.0]))
-        # all arguments of the call; the outcome can be an error that the motion cannot be followed
+        # all arguments of the call; it may also raise the error that the motion cannot be followed
         words = span | {"state": state, "start": float(rng.choice([0, 3.25]))}
         direct = outcome(lambda: vi.simulate(structure, load, max_events=400, **words))  # noqa: B023
         request = span | {
@@ -120,7 +120,7 @@ def test_same_digits_through_every_door(tmp_path):
         n = structure.coordinates
         velocities = [[float(row[f"q_dot_{k}"]) for k in range(n)] for row in rows]
         assert np.array_equal(np.reshape(velocities, (-1, n)), direct.states[:, 1])
-        # the header of the table gives the same table again
+        # the header of the table reproduces the table
         again = vi.run_namelists([log.results[0]], tmp_path / "again")
         assert again.results[0].read_bytes() == log.results[0].read_bytes()
     assert found > 500
@@ -185,7 +185,7 @@ def matrix_market(matrix, symmetric, coordinate):
 
 
 def test_matrices_of_files(tmp_path):
-    """All forms of a file give the same matrix, to the bit; paths are relative to the folder of the namelist."""
+    """All formats of a file give the same matrix, to the bit; paths are relative to the folder of the namelist."""
     rng = np.random.default_rng(3)
     root = rng.normal(size=(3, 3))
     matrix = np.array(root @ root.T)
@@ -244,7 +244,7 @@ def test_lists_of_four_numbers():
 
 
 def test_modes():
-    """A structure given by modes is that of `Structure.from_modes`, to the bit."""
+    """A structure given by modes equals that of `Structure.from_modes`, to the bit."""
     rng = np.random.default_rng(8)
     omega, zeta, shapes = rng.uniform(0, 9, 5), rng.uniform(0, 0.1, 5), rng.normal(size=(3, 5))
     gaps = [vi.Gap(rng.normal(size=3), 0.4, 0.6) for _ in range(2)]
@@ -295,7 +295,7 @@ def test_one_file_with_both_kinds_of_systems(tmp_path):
     cases = vi.read_namelist(path)
     assert [case.study for case in cases] == ["simulate", "simulate", "simulate"]
     assert cases[0].text.replace("both_1", "") == cases[2].text.replace("both_3", "")
-    # a zone of a structure starts from a motion, one of an oscillator does not
+    # a zone of a structure starts from a motion, a zone of an oscillator does not
     path.write_text(
         "&system xi = 0.1, mu = 0.1, restitution = 0.7, r = 0.9 /\n&motion kind = 'equispaced', clearance = 5 /\n"
         "&zone sides = 'RL', r_min = 0.8, r_max = 1, clearance_min = 2, clearance_max = 9 /\n", encoding="utf-8",
@@ -345,7 +345,7 @@ def results():
 
 @pytest.mark.parametrize("number", [2, 10**6, -5, -1])
 def test_gap_numbers_are_checked_when_they_are_read(results, number):
-    """The core would read beyond its arrays: samples, quantities and derivatives ended the interpreter."""
+    """Without checks the core would read beyond its arrays in samples, quantities and derivatives."""
     tried = 0
     for result in results:
         for name, table in result.to_dict()["tables"].items():
@@ -378,7 +378,7 @@ def test_gap_numbers_are_checked_when_they_are_read(results, number):
     ],
 )  # fmt: skip
 def test_trajectories_of_files_are_checked(results, change, message):
-    """What does not fit is named, before the core computes with it."""
+    """An inconsistent item is named before the core uses it."""
     data = results[0].to_dict()
     change(data["tables"])
     with pytest.raises(vi.ParameterError, match=message):
@@ -386,7 +386,7 @@ def test_trajectories_of_files_are_checked(results, change, message):
 
 
 def test_a_loaded_diagram_is_saved_as_the_first_one(results, tmp_path):
-    """The name of its study is the longest one."""
+    """A loaded diagram is saved like the original; this study has the longest name."""
     diagram = results[-1]
     again = type(diagram).from_json(diagram.to_json())
     again.save(tmp_path / "run.csv")
@@ -399,7 +399,7 @@ def test_a_loaded_diagram_is_saved_as_the_first_one(results, tmp_path):
     "case", ["", "&load\n  frequency = 1_0\n/\n", "&structure\n  mass = 9999999999*1.0\n/\n"]
 )
 def test_results_of_structures_need_their_case(results, case):
-    """One that is not that of a structure is an error of the package."""
+    """A record that is not that of a structure gives an error of the package."""
     data = results[-1].to_dict() | {"case": case}
     with pytest.raises(vi.ParameterError, match=r"case|a list of 9999999999 numbers"):
         type(results[-1]).from_dict(data)

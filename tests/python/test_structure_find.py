@@ -1,4 +1,4 @@
-"""What a search for motions of a structure finds: the motions of the oscillator, images, doubled periods."""
+"""Motions found by a search of a structure: those of the oscillator, mirror images, doubled periods."""
 
 import numpy as np
 import pytest
@@ -58,7 +58,7 @@ def test_an_order_that_repeats_itself_has_motions_of_its_own(frequency, cosine, 
 
 
 def two_particles(harmonics=1):
-    """A host with a slot and a stop on both sides; with two harmonics there are no mirror images."""
+    """A host with a slot and a stop on both sides; under two harmonics there are no mirror images."""
     gaps = [
         vi.Gap([sign * x for x in direction], opening, restitution)
         for direction, opening, restitution in (([-1, 1, 0], 0.5, 0.8), ([-1, 0, 1], 0.7, 0.6))
@@ -96,7 +96,7 @@ def test_mirror_images_are_found():
 
 
 def test_lines_reach_what_few_times_do_not():
-    """With few sets of times, the lines through what they give reach all that many times give."""
+    """With few sets of times, the lines through the motions found reach all motions found from many sets."""
     point = vi.Oscillator(xi=0.0429, mu=0.1937, restitution=0.7833).at(0.8855, 10.2346)
     assert len(search(point, guesses=16)) == len(search(point, guesses=200))
 

@@ -21,7 +21,7 @@ def search(**options):
 
 
 def same(one, other):
-    """All digits are equal."""
+    """Check that all digits are equal."""
     assert repr(one) == repr(other)
     assert (one.settled, one.failures) == (other.settled, other.failures)
     for a, b in zip(one, other, strict=True):
@@ -54,7 +54,7 @@ def test_each_motion_has_a_namelist_of_its_own(tmp_path):
 
 
 def test_a_motion_of_the_search_solves_its_equations():
-    """The state after a period of simulation is the one before it."""
+    """The state after a simulated period is the one before it."""
     for motion in search():
         if not motion.stable:
             continue
@@ -70,7 +70,7 @@ def test_states_that_settle_early_settle_on_the_motion_of_a_long_simulation():
     structure, load = found.structure, found.load
     wanted = vi.exact(structure, load, vi.simulate(structure, load, cycles=600))
     assert vi.same_motion(wanted, found[0])
-    # a state that has not settled when it is first examined goes on
+    # a state that has not settled when it is first examined continues
     early = search(settling=0, states=1)
     assert early.unsettled == 0
     assert vi.same_motion(wanted, early[0])
@@ -118,7 +118,7 @@ def test_what_fails_says_so():
 
 
 def test_permanent_rest_is_settled():
-    """A ball on a table that hardly shakes comes to rest for good: none of its states is unsettled."""
+    """A ball on a table that barely shakes comes to rest permanently: all its states settle."""
     table = vi.Structure([1], [0.1], [0], [vi.Gap([-1], 1.0, 0.5)])
     load = vi.Load(1.0, sine=[0.1], constant=[-1.0])
     found = vi.find(table, load, states=4, max_impacts=1, max_cycles=1, guesses=4)
@@ -129,7 +129,7 @@ def test_permanent_rest_is_settled():
 
 
 def test_both_systems_have_one_class(tmp_path):
-    """Files of earlier versions, with three classes and two studies, are read; what a system lacks is named."""
+    """Files of earlier versions, with three classes and two studies, are read; missing attributes are named."""
     osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
     of_osc = vi.find(osc, 0.94, 37.0, max_impacts=2, max_cycles=1, guesses=12, states=2)
     at_point = vi.find(osc.at(0.94, 37.0), max_impacts=2, max_cycles=1, guesses=12, states=2)

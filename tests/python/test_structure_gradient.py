@@ -1,4 +1,4 @@
-"""Derivatives of motions of structures, against those of the oscillator, laws, and differences."""
+"""Derivatives of motions of structures, compared with those of the oscillator, laws, and differences."""
 
 import math
 
@@ -34,7 +34,7 @@ def random_motions():
     ],
 )  # fmt: skip
 def test_agrees_with_the_oscillator(pair, name, parameter, factor):
-    """Two routes without a common formula: to 1e-10 of the largest derivative of each quantity."""
+    """Two methods without a common formula agree to 1e-10 of the largest derivative of each quantity."""
     ours, theirs = pair[0].gradient([name]), pair[1].gradient()
     for mine, other in [
         (ours["q", name][:, 0], theirs["X", parameter]),
@@ -56,7 +56,7 @@ def test_agrees_with_the_oscillator(pair, name, parameter, factor):
 
 
 def test_laws_of_random_structures(random_motions):
-    """The units of mass, length and time, and det P = exp(-tr(M^-1 C) T) prod R_i^2."""
+    """Scaling by the units of mass, length and time, and det P = exp(-tr(M^-1 C) T) prod R_i^2."""
     checked = 0
     for motion in random_motions:
         factors = ["mass", "damping", "stiffness", "load"]
@@ -110,7 +110,7 @@ def test_laws_of_random_structures(random_motions):
 
 
 def test_agrees_with_differences(random_motions):
-    """Differences of the sixth order between exact motions, as far as their rounding allows."""
+    """Derivatives equal sixth-order differences between exact motions, to the rounding of these."""
     motion = max(random_motions, key=lambda one: one.structure.coordinates)
     weights = {-3: -1, -2: 9, -1: -45, 1: 45, 2: -9, 3: 1}
 
@@ -147,7 +147,7 @@ def test_agrees_with_differences(random_motions):
 
 
 def test_a_function_is_a_name(pair):
-    """The same change by a name and by a function."""
+    """The same change by a name and by a function gives the same derivatives."""
     motion = pair[0]
 
     def heavier(m):
@@ -175,7 +175,7 @@ def test_a_function_is_a_name(pair):
     ],
 )
 def test_restitution_that_depends_on_the_speed(law):
-    """Fields against differences, and the determinant's law R (R + R' v)."""
+    """Derivatives equal differences, and the determinant obeys the law R (R + R' v)."""
     load = vi.Load(0.94, sine=[1, 0])
     motion = vi.exact(damper(restitution=law), load, (PHASES, [0, 1]))
     gradient = motion.gradient()
@@ -195,7 +195,7 @@ def test_restitution_that_depends_on_the_speed(law):
 
 
 def test_refuses_where_there_are_no_derivatives(pair):
-    """At a fold, and for phases that are not exact: by name."""
+    """A fold, and phases that are not exact, are refused by name."""
     branch = vi.branch(pair[0], "frequency", (0.85, 1.1))
     special = {point.type: branch[point.index] for point in branch.special_points}
     for kind in ("fold", "pitchfork"):
@@ -209,7 +209,7 @@ def test_refuses_where_there_are_no_derivatives(pair):
 
 
 def test_refuses_parameters_that_are_not_there(pair):
-    """Each with what is allowed."""
+    """Each error gives the allowed values."""
     motion = pair[0]
     for name in ("masses", "mass_0", "opening_0_1", "frequency_1", "x", ""):
         with pytest.raises(vi.ParameterError, match="must be 'frequency', 'load'"):
@@ -231,7 +231,7 @@ def test_refuses_parameters_that_are_not_there(pair):
 
 @pytest.mark.parametrize("ball", [None, *BALLS])
 def test_motions_that_rest_where_r_is_0_or_the_opening_is(ball):
-    """Against differences of motions, of which those by R = 0 are one-sided."""
+    """Derivatives equal differences of motions, which are one-sided at R = 0."""
     system = inelastic_walls() if ball is None else ball_on_a_table(*ball)
     motion = settled_with_rest(*system)
     structure, load = system
@@ -258,7 +258,7 @@ def test_motions_that_rest_where_r_is_0_or_the_opening_is(ball):
     h, weights = 1e-4, np.array([-25, 48, -36, 16, -3])
     hit = int(motion.gaps[0])
     for name in names:
-        # the first impact on this gap, whichever comes first in the period
+        # the first impact on this gap, at any position in the period
         parts = [moved(**{name: step * h}) for step in range(5)]
         first = [part.gaps.tolist().index(hit) for part in parts]
         for quantity in ("phases", "speeds", "q_dot"):
@@ -275,7 +275,7 @@ def test_motions_that_rest_where_r_is_0_or_the_opening_is(ball):
 
 
 def test_shows_itself(pair):
-    """The table for people, and the dataset."""
+    """The printed table, and the dataset."""
     gradient = pair[0].gradient()
     assert "q[1, 0]" in str(gradient)
     assert gradient.parameters[:2] == ("frequency", "load")
@@ -286,7 +286,7 @@ def test_shows_itself(pair):
     ("damping", "kind"), [(0.05, "coupled gaps"), (0.0, None)], ids=["dashpots", "uncoupled"]
 )
 def test_impacts_at_one_instant(damping, kind):
-    """Two impacts at once have derivatives only if their order does not matter: dashpots join them, too."""
+    """Two simultaneous impacts have derivatives only if their order does not matter; dashpots may couple them."""
     joined = np.array([[3.0, -1.0], [-1.0, 3.0]])
     structure = vi.Structure(
         np.diag([2.0, 2.0]), damping * joined + np.diag([0.1, 0.1]), joined,
@@ -304,18 +304,18 @@ def test_impacts_at_one_instant(damping, kind):
     assert run.gradient().status == {}
     phases = motion.gradient()["phases", "opening_0"]
     moved = []
-    # small: second derivatives differ between the two orders, so the error is O(h)
+    # small, as second derivatives differ between the two orders and the error is O(h)
     for h in (-1e-6, 1e-6):
         gaps = [vi.Gap([1, 0], 0.5 + h, 0.7), structure.gaps[1]]
         other = vi.Structure(structure.mass, structure.damping, joined, gaps)
-        order = [0, 1] if h < 0 else [1, 0]  # the narrower gap is struck first
+        order = [0, 1] if h < 0 else [1, 0]  # the narrower gap is hit first
         motion = vi.exact(other, load, ([1.6, 1.6], order, 1))
         moved.append(motion.phases[order])
     assert phases == pytest.approx((moved[1] - moved[0]) / 2e-6, rel=1e-5)
 
 
 def test_a_touch_between_impacts():
-    """A motion that touches a wall without an impact, and its trajectory, have no derivatives: by name."""
+    """A motion that touches a wall without an impact, and its trajectory, are refused by name."""
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
     three = next(m for m in vi.find(osc, 1.0, 20.0, max_impacts=3) if m.pattern.sides == "RLL")
     gaps = np.where(three.pattern.signs > 0, 0, 1)

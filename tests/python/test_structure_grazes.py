@@ -37,7 +37,7 @@ def crests(terms, end):
 
 
 def check_graze(s, load, state, terms, overshoot):
-    """The first crest beyond a stop is found, however low; no crest is beyond a slightly more distant stop."""
+    """The first crest beyond a stop is found, however low; no crest exceeds a slightly more distant stop."""
     (gap,), end = s.gaps, 40.0
     tops, heights = crests(terms, end)
     highest = heights.max()
@@ -59,7 +59,7 @@ def check_graze(s, load, state, terms, overshoot):
 
 
 def test_every_graze_of_a_host_of_20_modes():
-    """51 of 51 at overshoots down to 1e-12, each from its own state: the host swings freely in all modes."""
+    """51 of 51 at overshoots down to 1e-12, from different states: the host oscillates freely in all modes."""
     rng = np.random.default_rng(8)
     frequencies = np.sort(rng.uniform(0.5, 8, 20))
     ratios = rng.uniform(0.0005, 0.002, 20)
@@ -75,7 +75,7 @@ def test_every_graze_of_a_host_of_20_modes():
 
 
 def test_every_graze_of_a_one_wall_stop():
-    """51 of 51 at overshoots down to 1e-12, each from its own state: a load, and a transient that decays."""
+    """51 of 51 at overshoots down to 1e-12, from different states: a load, and a decaying transient."""
     rng = np.random.default_rng(9)
     ratio, frequency = 0.01, 0.3
     s = vi.Structure([1.0], [2 * ratio], [1.0], [vi.Gap([1.0], 1.0, 0.5)])

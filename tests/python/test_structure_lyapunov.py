@@ -1,4 +1,4 @@
-"""Lyapunov exponents of structures: multipliers, volume, those of the oscillator, divergence of neighbours."""
+"""Lyapunov exponents of structures: multipliers, volume, the oscillator, divergence of neighbours."""
 
 from pathlib import Path
 
@@ -14,7 +14,7 @@ WALL = vi.Structure([1], [0.1], [1], [vi.Gap([1], 1, 0.8)])
 
 
 def pair(clearance, walls=(0.75, 0.75), mu=0.028, xi=0.0114):
-    """The oscillator of 1983 by the matrices of its two masses."""
+    """The oscillator of the 1983 paper as the matrices of its two masses."""
     gaps = [vi.Gap([-1, 1], clearance / 2, walls[0]), vi.Gap([1, -1], clearance / 2, walls[1])]
     return vi.Structure([1, mu], [2 * xi, 0], [1, 0], gaps)
 
@@ -54,7 +54,7 @@ def test_of_periodic_motions_they_are_those_of_the_multipliers(structure, load):
 
 
 def test_the_two_masses_of_1983_have_the_exponents_of_the_oscillator():
-    """Exponents agree with the oscillator's: of periodic motion to rounding, of chaos within both errors."""
+    """Exponents agree with the oscillator's: to rounding in periodic motion, within both errors in chaos."""
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
     own = vi.lyapunov(osc, 1.04, 14.0)
     found = vi.lyapunov(pair(14), sine(1.04), cycles=10_000)
@@ -119,12 +119,12 @@ def test_a_rest_of_the_transient_extinguishes_no_direction_of_the_attractor():
     )
     assert np.isfinite(of_flight.exponents).all()
     np.testing.assert_allclose(sum(of_rest.exponents), sum(of_flight.exponents), rtol=1e-9)
-    # the multipliers are a complex pair, whose directions turn: how far when the average ends differs
+    # the multipliers are a complex pair with rotating directions, whose angles at the end of the average differ
     np.testing.assert_allclose(of_rest.exponents, of_flight.exponents, rtol=1e-3)
 
 
 def test_the_greatest_is_first_however_short_the_average():
-    """Equal exponents change places by the error of a short average; the errors go with them."""
+    """Equal exponents are swapped within the error of a short average; their errors are swapped with them."""
     load = vi.Load(1.0, cosine=[1])
     found = vi.lyapunov(WALL, load, cycles=40, batches=4)
     assert (np.diff(found.exponents) <= 0).all()
@@ -154,7 +154,7 @@ def test_without_impacts_they_are_the_damping_of_the_modes():
 
 
 def test_without_damping_they_are_in_pairs_of_opposite_sign():
-    """Without damping exponents are pairs of opposite sign; in free motion one pair is zero."""
+    """Without damping exponents come in pairs of opposite sign; in free motion one pair is zero."""
     gaps = [vi.Gap([-1, 1], 1.0), vi.Gap([1, -1], 1.0)]
     cell = vi.Structure([1, 0.3], [0, 0], [1, 0], gaps)
     found = vi.lyapunov(cell, cycles=20_000, state=([0, 0], [0, -1]))
@@ -174,7 +174,7 @@ def test_fewer_directions_are_the_first_ones():
     whole = vi.lyapunov(structure, load, cycles=200)
     part = vi.lyapunov(structure, load, cycles=200, directions=2)
     np.testing.assert_allclose(part.exponents[0], whole.exponents[0], rtol=1e-9)
-    # the second and the third are equal: the greater one depends on how far their directions have turned
+    # the second and the third are equal: the greater one depends on the rotation of their directions
     assert whole.exponents[1] - whole.exponents[2] < whole.standard_error[1]
     assert abs(part.exponents[1] - whole.exponents[1]) < whole.standard_error[1]
     assert np.isnan(part.dimension)
@@ -239,7 +239,7 @@ def test_a_record_and_a_structure_without_gaps_are_refused():
 def test_what_fails_says_so():
     with pytest.raises(vi.SingularError, match="max_events"):
         vi.lyapunov(WALL, vi.Load(1.0, cosine=[1]), max_events=100)
-    gaps = [vi.Gap([1, 0], 1.0), vi.Gap([1, -1], 1.0)]  # both close at once
+    gaps = [vi.Gap([1, 0], 1.0), vi.Gap([1, -1], 1.0)]  # both gaps close at once
     coupled = vi.Structure([1, 1], [0, 0], [0, 0], gaps)
     with pytest.raises(vi.SingularError, match="coupled"):
         vi.lyapunov(coupled, cycles=100, state=([0, 0], [1, 0]), discard=10)

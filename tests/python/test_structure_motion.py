@@ -1,4 +1,4 @@
-"""Periodic motions of structures with gaps: laws, published numbers, and independent routes."""
+"""Periodic motions of structures with gaps: laws, published numbers, and independent calculations."""
 
 import math
 
@@ -13,7 +13,7 @@ solve_ivp = pytest.importorskip("scipy.integrate").solve_ivp
 
 
 def damper(xi=0.005, mu=0.042, restitution=0.75, clearance=37.0):
-    """The oscillator of 1983 as a structure of two masses."""
+    """The oscillator of the 1983 paper as a structure of two masses."""
     gaps = [
         vi.Gap([-1, 1], clearance / 2, restitution),
         vi.Gap([1, -1], clearance / 2, restitution),
@@ -170,7 +170,7 @@ def test_oscillator_and_structure_have_the_same_motions(pattern, r, clearance):
             [0, 1],
         )
         motion = vi.exact(damper(0.0114, 0.028, 0.75, clearance), vi.Load(r, sine=[1, 0]), guess)
-        # rounding is relative to the largest entries of [P], and an error of the phases counts 1/v times: one
+        # rounding counts relative to the largest entries of [P], and an error of the phases counts 1/v times: one
         # motion has a multiplier of 2e4 and an approach speed of 0.4
         sums = np.poly(reference.multipliers)
         np.testing.assert_allclose(
@@ -251,7 +251,7 @@ def check_laws(count, seed):
         np.testing.assert_allclose(
             motion.matrix, reference, rtol=0, atol=1e-8 * np.abs(reference).max()
         )
-        # the simulation comes back after a period; an error grows by [P]
+        # the simulation returns after a period; an error grows by [P]
         start = motion.phases[0] / load.frequency
         run = vi.simulate(
             structure,
@@ -280,7 +280,7 @@ def check_laws(count, seed):
 def test_the_determinant_of_thousands_of_random_structures(share):
     """det[P] is exp(-tr(M^-1 C) T) times R (R + R'v) of every impact, and 0 with a rest.
 
-    Structures have up to 8 coordinates and six gaps, some with R(v). An error of P counts by the product
+    Structures have up to 8 coordinates and six gaps, some with R(v). An error of P counts with the product
     of the lengths of its columns, so the law is known to 1e-11 where that product times 1e-14 is less.
     """
     rng = np.random.default_rng(3)
@@ -308,7 +308,7 @@ def test_the_determinant_of_thousands_of_random_structures(share):
 
 
 def squared(restitution, v):
-    """R (R + R'v), which is R^2 if R is constant."""
+    """R (R + R'v), which is R^2 for constant R."""
     if not isinstance(restitution, vi.PowerLaw):
         return restitution**2
     # R = R0 (1 + w)^(-p/k) with w = (v/v0)^k: R'v = -p R w/(1 + w)
@@ -318,7 +318,7 @@ def squared(restitution, v):
 
 
 def structure_of_six_gaps(rng):
-    """A host of up to five modes with up to three free masses, each between two walls of their own R or R(v)."""
+    """A host of up to five modes with up to three free masses, each between two walls with separate R or R(v)."""
     hosts, masses = int(rng.integers(1, 6)), int(rng.integers(1, 4))
     n = hosts + masses
     mass, damping, stiffness = np.zeros((3, n, n))
@@ -345,7 +345,7 @@ def structure_of_six_gaps(rng):
 
 
 def between_forms(motion):
-    """The difference of both forms of the linear equations, over the largest unknown."""
+    """The difference of both forms of the linear equations, relative to the largest unknown."""
     arguments = (motion.structure, motion.load, motion.phases, motion.gaps, motion.cycles)
     eliminated, full = (vi.periodic(*arguments, full=full) for full in (False, True))
     largest = max(np.abs(full.states).max(), full.speeds.max())
@@ -357,7 +357,7 @@ def test_eliminated_and_full_problem_agree_to_rounding():
 
 
 def test_both_forms_agree_under_constant_forces():
-    """A mass bounces under its weight, which the impulses of a period balance."""
+    """A mass bounces under its weight, which balances the impulses of a period."""
     structure = vi.Structure([[1.0]], [[0.0]], [[0.0]], [vi.Gap([-1], 0.0, 0.9)])
     motion = vi.exact(structure, vi.Load(1.0, sine=[0.3], constant=[-1]), ([0.98], [0]))
     assert between_forms(motion) < 1e-12
@@ -366,7 +366,7 @@ def test_both_forms_agree_under_constant_forces():
 
 @pytest.mark.parametrize("detuning", [1e-1, 1e-3, 1e-5, 1e-7])
 def test_both_forms_agree_near_a_resonance_of_the_period(detuning):
-    """To rounding over the least |1 - lambda|, where lambda is what a period leaves of a mode."""
+    """Accurate to rounding over the least |1 - lambda|, where lambda is the factor of a mode over a period."""
     tested = 0
     for seed in range(6):
         rng = np.random.default_rng(seed)
@@ -409,7 +409,7 @@ def test_newton_converges_from_displaced_times():
     ],
 )  # fmt: skip
 def test_impacts_that_newton_exchanges_are_no_motion(damping, openings, frequency, guess):
-    """Poor guesses from which steps made phases descend, or lie further apart than a period."""
+    """Poor guesses from which steps lead to descending phases, or to phases more than a period apart."""
     gaps = [vi.Gap([1, -1], openings[0], 0.7), vi.Gap([-1, 1], openings[1], 0.7)]
     host = vi.Structure([1, 0.1], np.diag([damping, 0]), np.diag([1, 0]), gaps)
     with pytest.raises(vi.SingularError, match="did not converge"):
@@ -458,7 +458,7 @@ def test_a_motion_through_a_wall_is_not_admissible():
 
 
 def test_the_oscillator_as_a_structure():
-    """With constant R the motion is the oscillator's; with laws det[P] and the energy of each impact hold."""
+    """With constant R the motion equals that of the oscillator; with laws det[P] and the impact energies agree."""
     osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=(0.75, 0.7))
     load = vi.Load(0.94, sine=[1, 0])
     plain = vi.exact(osc, 0.94, 37.0, ([0, 4.4], "RL"))
@@ -505,7 +505,7 @@ def test_bad_oscillators_as_structures(words, wanted):
 
 @pytest.mark.parametrize("drag", [0.0, 1e-4, 1e-3])
 def test_fifty_periods_of_a_motion(drag):
-    """Its multipliers are powers; the response to a drag is a series for one period and not for fifty."""
+    """Its multipliers are powers; the response to damping is a series for one period and not for fifty."""
     gaps = [vi.Gap([-1, 1], 0.5, 0.8), vi.Gap([1, -1], 0.5, 0.8)]
     host = vi.Structure([1.0, 0.1], [0.02, drag], [1.0, 0.0], gaps)
     load = vi.Load(1.1, sine=[0.1, 0.0])
@@ -637,7 +637,7 @@ def test_a_mode_that_no_gap_meets_has_no_part_in_the_equations(seed):
     assert np.abs(motion.states).max() < 1e3
     last = run.events["speed"][-len(motion.speeds) :]
     np.testing.assert_allclose(np.sort(motion.speeds), np.sort(last), rtol=1e-6)
-    # the position of that body is free: a multiplier is 1
+    # the position of that body is free, so one multiplier is 1
     assert np.abs(motion.multipliers - 1).min() < 1e-9
     assert motion.stable is None
 
@@ -663,7 +663,7 @@ def test_a_load_without_frequency_has_no_period():
     ("frequency", "beyond", "of"), [(0.94, 0.915, "mirror image"), (None, None, "shorter period")]
 )
 def test_a_motion_is_lost_beyond_its_bifurcation(frequency, beyond, of):
-    """Newton's method finds the motion that is left beyond a pitchfork or a flip: an error, never that motion."""
+    """Newton's method would find the motion that remains beyond a pitchfork or a flip: an error instead."""
     osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
     uneven = vi.exact(osc, 0.94, 37.0, ([0, 1.37 * math.pi], vi.Pattern("RL")))
     if frequency:

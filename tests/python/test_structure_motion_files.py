@@ -38,7 +38,7 @@ MAKERS = {
 
 
 def same(one, other):
-    """All digits are equal."""
+    """Check that all digits are equal."""
     for name in (
         "gaps",
         "phases",
@@ -110,7 +110,7 @@ def test_refused_cases(keys, message, tmp_path):
 
 
 def test_one_phase_beyond_the_limit_is_refused(tmp_path):
-    """Whichever it is, and of either sign, where the other is within the limit."""
+    """One phase beyond the limit is refused, in either position and with either sign."""
     head = MAKERS["exact"]().to_namelist().split("&motion")[0]
     path = tmp_path / "case.nml"
     for phases in ("999999, 1000001", "-1000001, -999999"):
@@ -141,7 +141,7 @@ def test_a_settled_motion_without_impacts_says_so(tmp_path):
 
 
 def test_files_of_the_former_classes(tmp_path):
-    """Motions and trajectories of structures had classes of their own, by which their files were named."""
+    """Motions and trajectories of structures had separate classes, which named their files."""
     structure, load = damper()
     motion = with_rest()
     run = vi.simulate(structure, load, cycles=3, state=([0, 0], [60, 0]))

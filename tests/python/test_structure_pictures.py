@@ -36,7 +36,7 @@ def chain(hosts):
 
 
 def test_walls_that_move():
-    """Animations show each wall of one coordinate where it is; sketches the extremes of its opening."""
+    """Animations show each wall of one coordinate at its position, sketches the extremes of its opening."""
     walls = [vi.Gap([-1], 0.3, 0.7, sine=-0.02), vi.Stop([2], 0.4, 50, cosine=[0, 0.1])]
     ball = vi.Structure(mass=[1], damping=[0], stiffness=[0], gaps=walls)
     run = vi.simulate(ball, vi.Load(20.0, constant=[-9.81]), cycles=3)
@@ -56,7 +56,7 @@ def test_walls_that_move():
 
 
 def test_a_wall_between_two_masses():
-    """It moves with the other mass: the free one is at its wall at each impact, and between both otherwise."""
+    """The drawn mass moves with the other: the free mass is at its wall at each impact, and between otherwise."""
     slot = [vi.Gap([-1, 1], 0.5, 0.6, cosine=0.1), vi.Gap([1, -1], 0.5, 0.6, cosine=-0.1)]
     pair = vi.Structure([1, 0.1], [0.1, 0], [1, 0], slot)
     run = vi.simulate(pair, vi.Load(1.2, cosine=[1, 0]), cycles=3, discard=20)
@@ -85,7 +85,7 @@ def moving(kind, direction, opening, **words):
     [moving(vi.Gap, [1, 0, -1], 0.512)],
 ])  # fmt: skip
 def test_labels_of_walls_that_move_stand_apart(gaps):
-    """Openings from least to greatest are long; no two labels cover each other."""
+    """Openings of very different sizes fit, and no two labels overlap."""
     chain_of_three = [[2, -1, 0], [-1, 2, -1], [0, -1, 1]]
     structure = vi.Structure([1] * 3, [0.1] * 3, chain_of_three, gaps)
     ax, _ = sketch_of(structure, vi.Load(1.0, cosine=[1, 0, 0]))
@@ -122,7 +122,7 @@ def test_sketch_has_each_body_once(hosts):
         assert sum(name.startswith(f"$m_{{{i}}}$") for name in names) == (i in shown)
         assert sum(name.startswith(f"$m_{{{hosts + i}}}$") for name in names) == (i in shown)
     springs = [name for name in names if name.startswith("$k$")]
-    # springs between neighbours that are both shown, and at both ends; a single body has one spring
+    # springs between displayed neighbours, and at both ends; a single body has one spring
     assert len(springs) == {1: 1, 2: 3, 10: 11}.get(hosts, 4)
 
 
@@ -165,7 +165,7 @@ def test_every_impact_is_in_the_picture(hosts):
 
 @pytest.mark.parametrize("hosts", [2, 12])
 def test_modes_have_all_of_the_energy(hosts):
-    """The energy of the modes is that of the matrices, and the shares add up to 1."""
+    """The energy of the modes equals that of the matrices, and the shares add up to 1."""
     run = run_of(hosts)
     s = run.structure
     omega, shapes = modes_of(run)
@@ -197,7 +197,7 @@ def test_still_structure():
 
 
 def test_history_of_many_coordinates():
-    """Coordinates one above the other: each by its number, all by the same scale, and events on their curves."""
+    """Coordinates are stacked: each has its number, all have one scale, and events are on their curves."""
     run = run_of(5)
     ax = run.plot(kind="history")
     times = ax.lines[0].get_xdata()
@@ -234,7 +234,7 @@ def test_energy_of_one_coordinate():
 
 
 def test_times_of_contact_and_of_stick_are_shaded():
-    """While a span lasts, a stop is compressed or friction does not slide; outside, neither."""
+    """During a span a stop is compressed or friction does not slide; outside it the reverse holds."""
     stops = [
         vi.Stop([1], 0.5, stiffness=20, damping=2, release="force"),
         vi.Stop([-1], 0.8, stiffness=50),
@@ -258,7 +258,7 @@ def test_times_of_contact_and_of_stick_are_shaded():
 
 
 def test_spans_of_what_never_changes():
-    """A stop that stays compressed, and friction that never lets go, have no events."""
+    """A stop that stays compressed, and friction that always sticks, have no events."""
     stop = vi.Stop([1], 0.0, stiffness=1)
     pressed = vi.Structure(mass=[1], damping=[0], stiffness=[1], gaps=[stop])
     run = vi.simulate(pressed, vi.Load(constant=[1.0]), duration=3, state=([0.5], [0]))
@@ -284,7 +284,7 @@ def test_animation(tmp_path):
 
 
 def test_frames_show_the_state_and_the_contact():
-    """Dots stand at the coordinates by their numbers, and those in contact have the colour of rest."""
+    """Dots are at the coordinates by their numbers, and those in contact have the colour of rest."""
     structure = vi.Structure([1, 1], [0.05] * 2, [1, 1], [vi.Gap([1, 0], 0.1, 0.2)])
     load = vi.Load(0.3, sine=[0, 0.1], constant=[1.0, 0])
     run = vi.simulate(structure, load, duration=40)
@@ -327,12 +327,12 @@ def text_of(ax, words):
 
 
 def stops_of(ax):
-    """The abscissae of the vertical thick lines, which stand for stops."""
+    """The abscissae of the thick vertical lines, which represent stops."""
     return sorted(line.get_xdata()[0] for line in ax.lines if line.get_lw() == 2.6)
 
 
 def test_sketch_of_links_beyond_neighbours_and_to_the_ground():
-    """A link over a body is drawn above it, from middle to middle; one to the ground stands below its body."""
+    """A link that spans a body is drawn above it, from middle to middle; one to the ground is below its body."""
     stiffness, damping = links({(0, 1): 2.0, (0, 2): 0.5}, {(1, 2): 0.25}, {1: 0.125, 2: 4.0})
     gap = vi.Gap([1, 0, -1], 0.3)
     ax, boxes = sketch_of(vi.Structure([1, 2, 3], damping, stiffness, [gap]))
@@ -361,7 +361,7 @@ def test_sketch_of_links_beyond_neighbours_and_to_the_ground():
 
 @pytest.mark.parametrize("side", [-1, 1])
 def test_sketch_of_fixed_stops(side):
-    """A stop of an outer body is a wall beside it, one of an inner or held body a post below it."""
+    """A stop of an outer body is a wall next to it; a stop of an inner or held body is a post below it."""
     stiffness, damping = links({(0, 1): 1.0, (1, 2): 1.0}, (), {2 if side < 0 else 0: 0.5})
     outer, inner = np.zeros((2, 3))
     outer[0 if side < 0 else 2], inner[1] = side, side
@@ -384,7 +384,7 @@ def test_sketch_of_fixed_stops(side):
 
 
 def test_sketch_of_elastic_stops_and_friction():
-    """A stop is a plate on a spring, friction a hatched contact on the ground, a belt, a body or in a slot."""
+    """A stop is a plate on a spring; friction is a hatched contact on the ground, a belt, a body or in a slot."""
     stop = vi.Stop([1], 1, stiffness=50)
     ax, boxes = sketch_of(vi.Structure([1], [0.1], [1], [stop], [vi.Friction([1], 0.6, 1, 0.2)]))
     plate = boxes[0][1] + 1.4 - 0.6
@@ -415,7 +415,7 @@ def test_sketch_of_elastic_stops_and_friction():
 
 @pytest.mark.parametrize("count", [1, 6])
 def test_sketch_of_modes(count):
-    """Coordinates of modes are no bodies: a block with the frequencies and up to four gaps."""
+    """Modal coordinates are not bodies: a block with the frequencies and up to four gaps."""
     omega = [1.0, 6.27, 17.5, 34.4, 56.8][: max(2, count - 1)]
     shapes = [np.arange(1, len(omega) + 1)]
     gaps = [vi.Gap([(-1.0) ** k], 0.05 * (k + 1)) for k in range(count)]
@@ -442,7 +442,7 @@ def test_labels_of_parameters(name, label):
 
 @pytest.fixture(scope="module")
 def motion():
-    """A motion of Table 1 of the 1983 paper as that of a structure, periodic by its closed form."""
+    """A motion of Table 1 of the 1983 paper as a motion of a structure, periodic by its closed form."""
     phases = [0.517272128279 * np.pi, 1.899298624085 * np.pi]
     gaps = [vi.Gap([-1, 1], 18.5, 0.75), vi.Gap([1, -1], 18.5, 0.75)]
     damper = vi.Structure([1, 0.042], [0.01, 0], [1, 0], gaps)
@@ -450,7 +450,7 @@ def motion():
 
 
 def test_branches_are_drawn_whole(motion):
-    """Each point of a branch is drawn by its verdict, and a bad column is named with all that there are."""
+    """Each point of a branch is drawn according to its verdict; an invalid column is named with the valid ones."""
     branch = vi.branch(motion, "frequency", (0.85, 1.1))
     for y, column, label in (
         ("q_max_1", branch.q_max[1], r"$\max q_{1}$"), ("speed_2", branch.speeds[1], "$v_{2}$"),
@@ -490,7 +490,7 @@ def test_zones_are_drawn_whole(motion):
     assert sorted(text.get_text() for text in ax.get_legend().get_texts()) == sorted(kinds)
     assert (ax.get_xlim(), ax.get_ylim()) == ((0.9, 1.1), (5.0, 25.0))
     assert (ax.get_xlabel(), ax.get_ylabel()) == (r"$\Omega$", "$e$")
-    # a second zone in the same axes has another colour, and no second entries
+    # a second zone in the same axes has another colour, and no duplicate entries
     with pytest.raises(vi.ParameterError, match=r"^inverse = True: must be False"):
         zone.plot(inverse=True)
     zone.plot(ax)

@@ -1,4 +1,4 @@
-"""Response quantities of structures: those of the oscillator, the balance of energy, Newton's law, and records."""
+"""Response quantities of structures: the oscillator, energy balance, Newton's law, and records."""
 
 from itertools import pairwise
 
@@ -40,7 +40,7 @@ RUNS = runs()
 
 @pytest.mark.parametrize("name", RUNS)
 def test_energy_balance(name):
-    """What the load puts in is taken by the dashpots and the impacts, or is there at the end."""
+    """The energy that the load supplies is dissipated in dashpots and impacts, or stored at the end."""
     q = RUNS[name].quantities()
     scale = abs(q.work) + q.damping_loss + q.impact_loss
     assert scale > 0.01
@@ -52,7 +52,7 @@ def test_energy_balance(name):
 
 @pytest.mark.parametrize("name", RUNS)
 def test_accelerations_solve_newtons_law(name):
-    """M q'' differs from the forces by forces of gaps that rest, which do no work on these gaps."""
+    """M q'' differs from the forces by the contact forces of resting gaps, which do no work on these gaps."""
     run = RUNS[name]
     first, last = (0.0, run.period) if name == "motion" else (run.start, run.end)
     t = np.linspace(first, last, 4001)[1:-1]
@@ -68,7 +68,7 @@ def test_accelerations_solve_newtons_law(name):
 
 
 def test_those_of_the_oscillator():
-    """A motion of the oscillator and of its two masses as a structure has the same quantities."""
+    """A motion of the oscillator and the motion of its two masses as a structure have the same quantities."""
     motion = vi.exact(OSC, 0.94, 37.0, vi.exact(OSC, 0.94, 37.0, ([0, 1.38 * np.pi], "RL")))
     q, p = RUNS["motion"].quantities(), motion.quantities()
     if q.q.peak[0] != pytest.approx(p.x.peak, rel=1e-9):  # the mirror image
@@ -96,7 +96,7 @@ def test_those_of_the_oscillator():
 
 @pytest.mark.parametrize("name", RUNS)
 def test_extremes(name):
-    """No dense sample is beyond the extremes, and one comes near them."""
+    """No dense sample is beyond the extremes, and one comes near each."""
     run = RUNS[name]
     q = run.quantities()
     first, last = (0.0, run.period) if name == "motion" else (run.start, run.end)
@@ -111,7 +111,7 @@ def test_extremes(name):
 
 
 def test_windows_add_up():
-    """Energies over two windows are those over both."""
+    """Energies over two windows add up to those over both."""
     run = RUNS["harmonics"]
     middle = 0.4 * run.end
     parts = [run.quantities(window=window) for window in ((run.start, middle), (middle, run.end))]
@@ -165,7 +165,7 @@ def test_quadrature(name):
 
 
 def test_names():
-    """Quantities of an oscillator have names of their own, and those of its structure."""
+    """Quantities of an oscillator have separate names, in addition to those of its structure."""
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
     point = osc.at(0.9, 6.0)
     own = vi.simulate(osc, 0.9, 6.0, cycles=7).quantities()

@@ -1,4 +1,4 @@
-"""Records of forces and of motions of the base, in namelists, files and saved results."""
+"""Records of forces and base motions in namelists, files and saved results."""
 
 import itertools
 import math
@@ -57,7 +57,7 @@ def kanai_tajimi():
 
 
 def test_earthquake_of_the_inputs():
-    """The file holds the motion of its header, and between impacts the response obeys the equations of motion."""
+    """The file holds the motion named in its header; between impacts the response obeys the equation of motion."""
     t, ground = kanai_tajimi()
     rows = np.loadtxt(INPUTS / "structure_frame.csv", delimiter=",", comments="#", skiprows=5)
     assert np.abs(rows - np.stack([t, ground], axis=1)).max() <= 0.5001e-5
@@ -130,7 +130,7 @@ def test_a_coordinate_or_weights(tmp_path):
 
 
 def test_body_without_gaps_whose_damping_is_not_classical():
-    """Its pairs are complex, and their positions depend on the record directly."""
+    """The structure's mode pairs are complex, and positions depend on the record directly."""
     mass, step = np.array([1, 1.5, 1.0]), 0.1
     stiffness, damping = np.array([[3, -1, 0], [-1, 2, 0], [0, 0, 1]]), np.diag([0.5, 0.02, 0.1])
     force = np.random.default_rng(1).normal(size=(400, 3))
@@ -149,9 +149,9 @@ def test_body_without_gaps_whose_damping_is_not_classical():
 
 @pytest.mark.parametrize("damping", [[[0.3, -0.1], [-0.1, 0.1]], [[0.5, -0.3], [-0.3, 0.3]]])
 def test_more_numbers_on_the_same_lines(damping):
-    """A record is linear between its numbers: four times as many on its lines are the same force.
+    """A record is linear between its numbers: four times as many on the same lines are the same force.
 
-    Intervals that are proved to be without an event are passed at once, whether the gaps are open or a body rests.
+    Intervals that are proven to be without an event are passed at once, with open gaps or a resting body.
     """
     coarse, step = np.random.default_rng(7).normal(size=(60, 2)) * [1.5, 0.5] + [0.8, 0.4], 0.8
     fine = np.array([np.interp(np.arange(237) / 4, np.arange(60), column) for column in coarse.T]).T
@@ -173,7 +173,7 @@ def test_more_numbers_on_the_same_lines(damping):
 
 @pytest.mark.parametrize("direction", [None, [1.0, 0.25]])
 def test_motion_of_the_base(tmp_path, direction):
-    """A base motion is that of `base_record`, bit for bit; gaps are the same in both kinds of coordinates."""
+    """A base motion equals that of `base_record`, bit for bit; gaps are the same in both kinds of coordinates."""
     t = 0.01 * np.arange(3001)
     y, y_dot, acceleration = np.sin(t) - t * np.exp(-t), np.cos(t) - (1 - t) * np.exp(-t), None
     acceleration = -np.sin(t) + (2 - t) * np.exp(-t)
@@ -255,7 +255,7 @@ HARMONICS = "base_cosine = 0, 0.02, base_sine = 0.1"
 
 @pytest.mark.parametrize("direction", [None, [1.0, 0.25]])
 def test_harmonics_of_the_base(tmp_path, direction):
-    """They are those of `base_motion`, are added to the forces of the group, and are echoed as forces."""
+    """The forces equal those of `base_motion`, add to the forces of the group, and are echoed as forces."""
     s = structure()
     end = "" if direction is None else f", base_direction = {direction[0]}, {direction[1]}"
     motion = {"cosine": [0, 0.02], "sine": [0.1], "direction": direction}

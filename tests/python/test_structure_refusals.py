@@ -1,4 +1,4 @@
-"""What structures, loads and simulations of them refuse, and what is kept of a run that stops."""
+"""Refusals of structures, loads and their simulations, and results kept when a run stops."""
 
 import math
 
@@ -8,7 +8,7 @@ import vibroimpact as vi
 
 
 def test_coupled_impacts_at_one_instant_are_refused():
-    """A ball hits a wall and another ball at the same time: the impact law does not determine the result."""
+    """A ball hits a wall and another ball simultaneously: the impact law does not determine the result."""
     gaps = [vi.Gap([1, 0], 1.0), vi.Gap([-1, 1], 1.0)]
     s = vi.Structure([1, 1], [0, 0], [0, 0], gaps)
     with pytest.raises(vi.SingularError, match="coupled gaps"):
@@ -85,7 +85,7 @@ def test_bad_structures(words, message):
     ["simulate", "periodic", "exact", "find", "branch", "zone", "basins", "lyapunov", "response"],
 )
 def test_help_describes_both_systems(name):
-    """One text for oscillators and structures; no name of a procedure for structures alone."""
+    """The help describes oscillators and structures, and names no procedure for structures only."""
     text = getattr(vi, name).__doc__
     assert "structure" in text
     assert "_structure" not in text
@@ -148,13 +148,13 @@ def test_sizes_are_checked_before_matrices_are_made(n):
 
 @pytest.mark.parametrize("gaps", [None, 3, [3]])
 def test_gaps_of_modes_are_a_list_of_gaps(gaps):
-    """As those of matrices."""
+    """The same as for matrices."""
     with pytest.raises(vi.ParameterTypeError, match="gaps"):
         vi.Structure.from_modes([1.0], [0.01], [[1.0]], gaps)
 
 
 def test_events_that_do_not_fit_into_memory(monkeypatch):
-    """One error of the package that says what there is too much of; samples and quantities as well."""
+    """One error of the package names the excessive size; the same holds for samples and quantities."""
     wall = vi.Structure([1.0], [0.1], [1.0], [vi.Gap([1.0], 1.0, 0.8)])
     run = vi.simulate(wall, vi.Load(1.0, cosine=[3.0]), cycles=5)
 
@@ -172,7 +172,7 @@ def test_events_that_do_not_fit_into_memory(monkeypatch):
 
 
 def test_quantities_of_many_harmonics_are_those_of_few():
-    """The number of harmonics changes none of them."""
+    """Harmonics do not depend on the number of harmonics requested."""
     wall = vi.Structure([1.0], [0.1], [1.0], [vi.Gap([1.0], 1.0, 0.8)])
     run = vi.simulate(wall, vi.Load(1.0, cosine=[3.0]), cycles=5)
     few, many = (run.quantities(harmonics=n).q.harmonics for n in (2, 400))
@@ -195,7 +195,7 @@ def test_modes_that_overflow(words, message):
 @pytest.mark.parametrize("scale", [1e-9, 1.0, 1e9])
 @pytest.mark.parametrize("fault", [0.0, 1e-9])
 def test_units_of_coordinates_do_not_change_what_is_refused(scale, fault):
-    """An eigenvalue below 0 counts by the frequency it stands for, whatever the units of each coordinate."""
+    """A negative eigenvalue counts by its frequency, in any units of each coordinate."""
     mass = np.array([[2, 0.5, 0], [0.5, 2, 0.5], [0, 0.5, 1.0]])
     springs = np.array([[1, -1, 0], [-1, 2, -1], [0, -1, 1.0]])
     units = np.diag([scale, 1.0, 1 / scale])
@@ -221,7 +221,7 @@ def test_units_of_coordinates_do_not_change_what_is_refused(scale, fault):
     ([[-1, 1], [1, -1]], r"gaps\[0\].opening \+ gaps\[1\].opening = 2e-09: must be at least 7.8e-05"),
 ])  # fmt: skip
 def test_openings_below_the_rounding_of_displacements(directions, wanted):
-    """Both masses swing by 3e5: the first impact would be at 9.1e-10 instead of 1e-9."""
+    """Both masses oscillate with 3e5: the first impact would be at 9.1e-10 instead of 1e-9."""
     springs = [[1, -1], [-1, 1]]
     load = vi.Load(1.0, sine=[1, 0])
     state = ([0, 0], [0, 1])
@@ -240,7 +240,7 @@ def test_openings_below_the_rounding_of_displacements(directions, wanted):
 
 
 def test_a_load_that_does_not_act_on_a_mode_does_not_resonate_with_it():
-    """A symmetric load at the frequency of an antisymmetric mode without damping: the motion is symmetric."""
+    """A symmetric load at the frequency of an undamped antisymmetric mode: the motion is symmetric."""
     rng = np.random.default_rng(4)
     for _ in range(50):
         a, b, c, outer, inner = 10 ** rng.uniform(-1, 1, 5)
@@ -255,7 +255,7 @@ def test_a_load_that_does_not_act_on_a_mode_does_not_resonate_with_it():
 
 
 def test_damping_that_swallows_a_slow_motion_is_refused():
-    """A dashpot of 1e100 leaves of the slow eigenvalue of its mode a 0 that belongs to no mode of frequency 0."""
+    """A dashpot of 1e100 turns the slow eigenvalue of its mode into a 0 that belongs to no mode of frequency 0."""
     with pytest.raises(vi.SingularError, match="stiff"):
         vi.simulate(
             vi.Structure([1, 1], [0.97, 1e100], [[2, -1], [-1, 1]], [vi.Gap([1, 0], 0.5, 0.8)]),
@@ -264,7 +264,7 @@ def test_damping_that_swallows_a_slow_motion_is_refused():
 
 
 def test_long_lists_are_shortened():
-    """A message names the parameter and what is allowed, with the ends of a long list."""
+    """A message names the parameter and the allowed values, with the ends of a long list."""
     wall = vi.Structure([1], [0.1], [1], [vi.Gap([1], 1)])
     load = vi.Load(1.0, cosine=[1])
     for ask in (
@@ -283,7 +283,7 @@ def test_long_lists_are_shortened():
 
 @pytest.mark.parametrize("openings", [(0.5, -0.7), (-0.5, 0.3)])
 def test_walls_that_overlap(openings, tmp_path):
-    """No position is between two opposite walls that overlap: the message names both and the sum."""
+    """Two opposite walls that overlap leave no position: the message names both and the sum."""
     gaps = [vi.Gap([side], e, 0.8) for side, e in zip((1, -1), openings, strict=True)]
     s, load = vi.Structure([1], [0.1], [1], gaps), vi.Load(1.0, cosine=[1.0])
     named = r"face each other and overlap: the sum of their openings is -0\.2, must be >= 0"
@@ -303,7 +303,7 @@ def test_walls_that_overlap(openings, tmp_path):
 
 
 def test_moving_walls_that_overlap():
-    """They do in a part of the cycle, which a shorter simulation does not reach."""
+    """The walls overlap in a part of the cycle, which a shorter simulation does not reach."""
     walls = [
         vi.Gap([1], 0.5, 0.8, cosine=[0.4]),
         vi.Gap([-1], 0.1, 0.8, cosine=[0.4]),
@@ -317,7 +317,7 @@ def test_moving_walls_that_overlap():
 
 
 def test_a_base_that_moves_too_far():
-    """An amplitude of which no motion can be computed is refused by name."""
+    """An amplitude for which no motion can be computed is refused by name."""
     s = vi.Structure([1], [0.1], [1], [vi.Gap([1], 1)])
     for name in ("sine", "cosine"):
         with pytest.raises(vi.ParameterError, match=rf"{name} = \[1e\+300\]: must be .* 1e40"):

@@ -1,4 +1,4 @@
-"""Periodic motions of structures with accumulation and rest, and the search for periodic motions."""
+"""Periodic motions of structures with accumulation and rest, and searches for periodic motions."""
 
 from itertools import pairwise
 
@@ -119,7 +119,7 @@ def test_sample_holds_the_gap_closed_during_rest():
 
 @pytest.mark.parametrize("system", [unequal_walls, host_with_dashpot])
 def test_flights_of_a_motion_with_rest(system):
-    """The flights and rests of a motion are those of a simulation."""
+    """The flights and rests of a motion equal those of a simulation."""
     structure, load = system()
     motion = settled_with_rest(structure, load)
     run = motion._run()
@@ -159,7 +159,7 @@ BALLS = [
 
 @pytest.mark.parametrize("ball", [None, *BALLS])
 def test_a_motion_stays_between_its_walls(ball):
-    """Whatever the opening and R are, samples stay behind the walls, energy balances, and the motion goes on."""
+    """For any opening and R, samples stay behind the walls, energy balances, and the motion continues."""
     structure, load = inelastic_walls() if ball is None else ball_on_a_table(*ball)
     motion = settled_with_rest(structure, load)
     assert len(motion.rests)
@@ -178,7 +178,7 @@ def test_a_motion_stays_between_its_walls(ball):
     found = motion.quantities()
     taken = found.damping_loss + found.impact_loss
     assert found.work == pytest.approx(taken, rel=1e-10, abs=1e-12 * taken)
-    # the state after an impact is one from which a simulation can begin
+    # the state after an impact can start a simulation
     again = vi.simulate(
         structure, load, cycles=motion.cycles, start=run.start, state=(motion.q, motion.q_dot)
     )
@@ -279,7 +279,7 @@ def test_a_contact_that_the_end_of_a_record_makes_pull(last):
 @pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
 @pytest.mark.parametrize("step", [0.6914710939708643, 1.0, 0.3])
 def test_a_force_that_only_touches_zero_at_a_sample_ends_no_rest(restitution, step):
-    """A record falls to 0 at a sample and rises again, or stays 0 after its end: the mass rests for ever."""
+    """A record falls to 0 at a sample and rises again, or stays 0 after its end: the mass rests permanently."""
     structure = vi.Structure([1.7], [0.3], [2.0], [vi.Gap([1], 0.0, restitution)])
     for force in ([1.0, 0.0, 1.0], [2.0, 0.5, 0.0]):
         record = vi.Record(step, [[one - 0.5] for one in force], constant=[0.5])
@@ -291,7 +291,7 @@ def test_a_force_that_only_touches_zero_at_a_sample_ends_no_rest(restitution, st
 @pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
 @pytest.mark.parametrize("frequency", [0.9608379963332302, 1.3, 2.0])
 def test_a_force_that_only_touches_zero_ends_no_rest(restitution, frequency):
-    """A load 1 + cos that presses a mass against a wall is 0 once a period: the mass rests, in any units."""
+    """A load 1 + cos that presses a mass against a wall is 0 once per period: the mass rests, in any units."""
     for mass, length, time in [(1, 1, 1), (3, 1, 1), (1, 2.0**-20, 1), (1, 1 / 3, 1), (1, 1, 3)]:
         force = mass * length / time**2
         structure = vi.Structure(
@@ -305,7 +305,7 @@ def test_a_force_that_only_touches_zero_ends_no_rest(restitution, frequency):
 
 @pytest.mark.parametrize("dip", [1e-15, 1e-14, 1e-13, 1e-12])
 def test_a_gap_that_comes_back_with_a_speed_of_rounding_rests(dip):
-    """With R = 1 a gap that its load opens for a moment does not hop for ever at 1e-18 of the speeds."""
+    """With R = 1 a gap that its load opens briefly does not bounce endlessly at 1e-18 of the speeds."""
     for scale in (1.0, 3.0, 2.0**-30):
         structure = vi.Structure([2.3], [0.08], [1.0], [vi.Gap([1], 0.0, 1.0)])
         load = vi.Load(1.0, cosine=[[scale]], constant=[scale * (1 - dip)])
@@ -317,7 +317,7 @@ def test_a_gap_that_comes_back_with_a_speed_of_rounding_rests(dip):
 
 
 def dashpot_between(restitution=1.0):
-    """Two bodies and a dashpot between them; a wall touches the first, and one is 1 from the second."""
+    """Two bodies with a dashpot between them; a wall touches the first, and another is 1 from the second."""
     gaps = [vi.Gap([1, 0], 0.0, 0.0), vi.Gap([0, 1], 1.0, restitution)]
     return vi.Structure([1, 1], [[0.5, -0.5], [-0.5, 0.5]], [0, 0], gaps)
 
@@ -374,7 +374,7 @@ def test_bodies_that_touch_part_by_the_first_derivative_that_is_not_zero(restitu
 
 
 def test_bodies_that_move_on_together_rest():
-    """Particles without forces stay together after an impact with R = 0, and at the start; none is hit again."""
+    """Particles without forces stay together after an impact with R = 0, and at the start; no impact follows."""
     structure = vi.Structure(
         [1, 2, 3], [0] * 3, [0] * 3, [vi.Gap([1, -1, 0], 1.0, 0.0), vi.Gap([0, 1, -1], 90.0, 0.5)]
     )
@@ -389,7 +389,7 @@ def test_bodies_that_move_on_together_rest():
 
 
 def test_rests_that_end_together():
-    """Each contact that pulls is released, also several at one instant, and each has its event."""
+    """Each contact that pulls is released, also several simultaneously, and each has its event."""
     gaps = [vi.Gap([1, 0, 0], 0.0, 0.0), vi.Gap([0, 1, 0], 0.0, 0.3), vi.Gap([0, 0, 1], 0.0, 1.0)]
     structure = vi.Structure([1, 2, 3], [0] * 3, [0] * 3, gaps)
     record = vi.Record(1.0, [[2.0, 2.0, 4.0]] * 3, constant=[-1.0, -1.0, 1.0])
@@ -447,7 +447,7 @@ def random_rests(seed):
 
 
 def test_no_contact_pulls():
-    """Resting forces at dense times, from the equations of motion: none is negative, and no gap is."""
+    """Contact forces at rest at dense times, from the equations of motion: neither they nor gaps are negative."""
     rests = 0
     for seed in range(60):
         structure, load, start = random_rests(seed)
@@ -493,7 +493,7 @@ def test_no_contact_pulls():
 
 @pytest.mark.parametrize("discard", [0.0, 0.03])
 def test_a_gap_that_rests_from_the_start_is_sampled_at_rest(discard):
-    """Velocities at the start are 0 but for rounding, in proportion to nothing: the gap rests all the same."""
+    """The start has only rounding velocities, and no scale to compare them with: the gap still rests."""
     direction = np.array([-1.1, 0.7])
     structure = vi.Structure([2.0, 0.9], [0, 0], [1.3, 0.4], [vi.Gap(direction, 0.0, 0.3)])
     load = vi.Load(1.7, cosine=[-1.0, 0.0], sine=[0.5, 1.0])
@@ -512,7 +512,7 @@ def test_a_gap_that_rests_from_the_start_is_sampled_at_rest(discard):
 
 @pytest.mark.parametrize("seed", range(12))
 def test_a_run_that_begins_with_rests_is_sampled_as_it_was_simulated(seed):
-    """Gaps may rest at the start and where a transient ends; no sample lies beyond a wall."""
+    """Gaps may rest at the start and where a transient ends; no sample is beyond a wall."""
     structure, load, state = random_rests(seed)
     whole = vi.simulate(structure, load, duration=6, state=state)
     directions = np.array([gap.direction for gap in structure.gaps])
@@ -528,7 +528,7 @@ def test_a_run_that_begins_with_rests_is_sampled_as_it_was_simulated(seed):
 
 @pytest.mark.parametrize("step", [0.5, 0.7213308177841445, 1.0])
 def test_contacts_whose_forces_vanish_together_with_those_of_a_record(step):
-    """A record cancels the constant load, and both forces of a stack with it: the two bodies part at once."""
+    """A record cancels the constant load, and thus both forces of a stack: the two bodies part at once."""
     structure = vi.Structure(
         [0.4591464024330024, 2.348501480227643],
         [[0.3210681079705415, -0.10292307465894909], [-0.10292307465894909, 0.3061762046835734]],
@@ -554,7 +554,7 @@ def test_phases_of_an_accumulation(many):
     for s, load in (one_wall, unequal_walls()):
         settled = vi.exact(s, load, vi.simulate(s, load, cycles=4, discard=200))
         assert len(settled.rests) == 1
-        # the last one of two walls is on the other wall
+        # the last impact on two walls is on the other wall
         kept = np.r_[: len(settled.gaps) if many is None else many]
         if many and settled.gaps[-1] != settled.gaps[0]:
             with pytest.raises(SingularError, match="accumulate"):
@@ -581,7 +581,7 @@ def test_phases_of_an_accumulation_of_an_oscillator():
 
 
 def test_phases_that_do_not_accumulate():
-    """A guess that does not converge, without impacts that follow each other ever faster."""
+    """A guess whose impacts do not accumulate, and that does not converge, is an error."""
     s, load = unequal_walls()
     with pytest.raises(SingularError, match="did not converge"):
         vi.exact(s, load, ([0.1, 0.5, 0.9, 1.3, 4.0], [0, 0, 0, 0, 1]))

@@ -1,4 +1,4 @@
-"""Branches and zones of motions of structures with rests, against simulation and the zones of oscillators."""
+"""Branches and zones of motions of structures with rests, compared with simulations and oscillator zones."""
 
 import numpy as np
 import pytest
@@ -26,13 +26,13 @@ def middle(motion):
 
 
 def from_motion(motion, system):
-    """The motion at another system, simulated from the middle of a flight of this one."""
+    """The motion of a changed system, simulated from the middle of a flight of this one."""
     phase, q, rate = middle(motion)
     return settled(*system, phase / system[1].frequency, (q, rate), cycles=motion.cycles)
 
 
 def agrees(branch, i):
-    """Whether a point of a branch is the motion that a simulation from there gives."""
+    """Whether a point of a branch is the motion that a simulation from it gives."""
     motion = branch[i]
     assert motion.admissible
     assert sorted(gap for gap, _, _ in motion.rests) == sorted(branch.resting)
@@ -79,7 +79,7 @@ def test_points_are_those_of_simulations(start, path):
 
 
 def test_multipliers_are_those_of_the_simulated_period(path):
-    """Two are 0; the others are those of the differences of simulated periods."""
+    """Two multipliers are 0; the others equal those of differences of simulated periods."""
     i = inner(path)[3]
     motion = path[i]
     structure, load = path.at(path.values[i])
@@ -110,7 +110,7 @@ def test_ends_are_the_boundary_of_the_zone_of_the_oscillator(path):
 
 
 def test_a_rest_vanishes_where_simulations_have_none(path):
-    """Just inside of each end the simulated motion rests, just outside it does not."""
+    """Just inside each end the simulated motion rests, just outside it does not."""
     for end, inward in ((0, 1), (-1, -1)):
         near = path[inner(path)[0 if end == 0 else -1]]
         at = path.values[end]
@@ -131,7 +131,7 @@ def test_that_of_an_oscillator_is_followed_as_a_structure():
 
 
 def test_without_restitution():
-    """An impact without restitution is the beginning of its rest, and makes two multipliers 0."""
+    """An impact without restitution begins its rest, and makes two multipliers 0."""
     stops = [vi.Gap([-1, 1], 1.2, 0.0), vi.Gap([1, -1], 1.2, 0.0)]
     structure = vi.Structure([1, 0.2], [0.05, 0], [1, 0], stops)
     load = vi.Load(0.85, sine=[1, 0])
@@ -175,7 +175,7 @@ def random_structure(seed):
 
 @pytest.mark.parametrize("seed", range(12))
 def test_random_structures(seed):
-    """Points are reproduced by simulation; beyond an end the simulated motion is another one."""
+    """Points are reproduced by simulation; beyond an end the simulated motion is different."""
     structure, load = random_structure(seed)
     try:
         motion = vi.exact(structure, load, vi.simulate(structure, load, cycles=300))
@@ -211,7 +211,7 @@ def test_random_structures(seed):
 
 
 def test_zone(start):
-    """The zone over frequency and opening is that of the oscillator."""
+    """The zone over frequency and opening equals that of the oscillator."""
     ours = vi.zone(start, ("frequency", 0.85, 0.95), ("opening", 2.25, 3.75), lines=9)
     theirs = vi.zone(OSC, "RL*", r=(0.85, 0.95), clearance=(4.5, 7.5))
     assert ours.closed
@@ -221,12 +221,12 @@ def test_zone(start):
     inside = [theirs.contains(*place) for place in zip(r, d, strict=True)]
     assert sum(inside) > 20
     same = [ours.contains(a, b / 2) == c for a, b, c in zip(r, d, inside, strict=True)]
-    # a place may lie between both polygons
+    # a point may be between the two polygons
     assert sum(same) >= 399
 
 
 def test_zone_without_restitution():
-    """With R = 0 on one wall the zone of the structure is that of the oscillator, and has the same bounds."""
+    """With R = 0 on one wall the zone of the structure equals that of the oscillator, and has the same bounds."""
     osc = vi.Oscillator(xi=0.0114, mu=0.1, restitution=(0.0, 0.4))
     point = osc.at(1.1, 2.0)
     system = point.structure, point.load
@@ -283,7 +283,7 @@ def test_a_doubled_period_ends_at_its_flip():
 
 
 def test_zone_ends_where_events_exchange():
-    """Lines are not followed beyond two events at one instant; there the zone has a bound."""
+    """Lines are not followed beyond two simultaneous events; the zone has a bound there."""
     structure, load = random_structure(28)
     motion = vi.exact(structure, load, vi.simulate(structure, load, cycles=300))
     low, high = 0.97 * load.frequency, 1.03 * load.frequency

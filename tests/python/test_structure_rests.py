@@ -1,4 +1,4 @@
-"""Several gaps at rest simultaneously, against event-driven integration of the equations of motion."""
+"""Several gaps at rest simultaneously, compared with event-driven integration of the equations of motion."""
 
 import numpy as np
 import pytest
@@ -57,7 +57,7 @@ class Integration:
         return free - self.inverse @ rows.T @ pushes, pushes
 
     def piece(self, t, y, end, longest):
-        """Integrates to the first gap that closes or force that ends; their number and kind."""
+        """Integrate to the first gap that closes or contact force that ends; return their number and kind."""
         watched = []
         for j in range(len(self.directions)):
             if j in self.active:
@@ -93,7 +93,7 @@ class Integration:
                 hop = self.impact(t, y, j)
 
     def impact(self, t, y, j):
-        """The impact in `y`, or the beginning of a rest; the length of the hop that follows."""
+        """The impact in `y`, or the start of a rest; the duration of the bounce that follows."""
         row, v = self.directions[j], y[self.n :]
         restitution = self.s.gaps[j].restitution
         speed = row @ v
@@ -109,7 +109,7 @@ class Integration:
         return 2 * rebound / closing if closing > 0 else np.inf
 
     def sample(self, times):
-        """Coordinates at some times."""
+        """Coordinates at given times."""
         begins = np.array([begin for begin, _, _ in self.pieces])
         places = np.searchsorted(begins, times, side="right") - 1
         return np.array([
@@ -142,7 +142,7 @@ def test_three_gaps_at_rest(seed):
 
 
 def test_rest_across_the_ends_of_a_spring():
-    """Two bodies that rest on each other move as one, whatever spring and dashpot hold their ends."""
+    """Two bodies that rest on each other move as one, for any spring and dashpot at their ends."""
     masses = np.array([3.194308434581922, 1.8461862772452002, 2.688583956279266])
     springs = 0.1 * np.array([[0, 0, 0], [0, 1, -1], [0, -1, 1]])
     for unit in (1.0, 3.0, 1e-9, 1e9):
@@ -157,9 +157,9 @@ def test_rest_across_the_ends_of_a_spring():
 
 @pytest.mark.parametrize("seed", range(2))
 def test_no_rest_of_a_free_chain_is_refused(seed):
-    """Chains of bodies that springs and dashpots join at random, with rest across some of them.
+    """Chains of bodies with random springs and dashpots, with rest across some of them.
 
-    Nothing holds them: their momentum is that of the load.
+    They are not connected to the ground: their momentum is that of the load.
     """
     rng = np.random.default_rng(seed + 1)
     coupled = 0
@@ -188,7 +188,7 @@ def test_no_rest_of_a_free_chain_is_refused(seed):
 
 
 def linked(n, rng, share):
-    """Springs or dashpots between n bodies at random, from 0.01 to 100; nothing leads to the ground."""
+    """Random springs or dashpots between n bodies, from 0.01 to 100, without a connection to the ground."""
     matrix = np.zeros((n, n))
     for i in range(n):
         for j in range(i):
@@ -199,7 +199,7 @@ def linked(n, rng, share):
 
 @pytest.mark.parametrize("seed", range(4))
 def test_rest_does_not_depend_on_the_units_of_mass_and_time(seed):
-    """Free bodies, springs and dashpots at random, some of them pressed together: no unit is refused."""
+    """Free bodies with random springs and dashpots, some of them pressed together: no unit is refused."""
     rng = np.random.default_rng(seed + 20)
     for _ in range(150):
         n = int(rng.integers(4, 9))
@@ -209,7 +209,7 @@ def test_rest_does_not_depend_on_the_units_of_mass_and_time(seed):
         gaps = [np.eye(n)[i] - np.eye(n)[j] if i != j else np.eye(n)[i] for i, j in at]
         if np.linalg.matrix_rank(gaps) < len(gaps):
             continue
-        # forces that push on the gaps, and one that moves the bodies
+        # forces that push on the gaps, and a force that moves the bodies
         push = rng.uniform(0.5, 2, 3) @ gaps
         wave = 0.1 * rng.normal(size=n)
         found = []
@@ -227,13 +227,13 @@ def test_rest_does_not_depend_on_the_units_of_mass_and_time(seed):
             )
             assert not run.events.size
             found.append(run.final_state[0])
-        # what no gap holds moves by half of the acceleration times the time squared, and more terms
+        # the displacement where no gap prevents motion is half the acceleration times the time squared, and more terms
         assert np.abs(found[0]).max() > 1e-9
         assert np.abs(found - found[0]).max() < 1e-9 * np.abs(found[0]).max()
 
 
 def test_rest_leaves_soft_springs_of_other_bodies():
-    """A rest between stiff bodies does not set another body free, whose spring is 1e-17 as stiff."""
+    """A rest between stiff bodies does not free another body whose spring is 1e-17 as stiff."""
     gaps = [vi.Gap([1, -1, 0], 0.0, 0.0)]
     s = vi.Structure([1, 1, 1], [0, 0, 0], [1e17, 1e17, 1], gaps)
     load = vi.Load(constant=[1.0, -1.0, 0.0])
@@ -244,10 +244,10 @@ def test_rest_leaves_soft_springs_of_other_bodies():
 
 @pytest.mark.parametrize("light", [1.0, 1e-8, 1e-16])
 def test_a_light_body_between_heavy_ones_that_rest_on_it(light):
-    """The forces on it follow from the heavy bodies; the products of directions would lose them."""
+    """The forces on the light body follow from the heavy bodies; the products of directions would lose them."""
     gaps = [vi.Gap([1, -1, 0], 0.0, 0.0), vi.Gap([0, 1, -1], 0.0, 0.0)]
     s = vi.Structure([1, light, 1], [0, 0, 0], [0, 0, 0], gaps)
-    # the last body is drawn more and more, until it leaves where both accelerate alike
+    # the last body is pulled more and more, until it leaves where both accelerations are equal
     load = vi.Record(1.0, np.outer(np.arange(4.0), [0, 0, 1]), constant=[1.0, 0, 0])
     run = vi.simulate(s, load, duration=3)
     released = run.events[run.events["kind"] == "release"]
@@ -259,7 +259,7 @@ def test_a_light_body_between_heavy_ones_that_rest_on_it(light):
 
 
 def test_a_rest_that_never_ends_is_named():
-    """A mass that lies on a table has no events; the trajectory says that it rests."""
+    """A mass that lies on a table has no events; the trajectory states that it rests."""
     table = vi.Structure([1], [0], [0], [vi.Gap([1], 0.0, 0.5)])
     weight = vi.Load(constant=[1.0])
     run = vi.simulate(table, weight, duration=4)

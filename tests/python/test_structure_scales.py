@@ -1,4 +1,4 @@
-"""Structures whose masses, stiffnesses, rates, units or times differ by many orders."""
+"""Structures whose masses, stiffnesses, rates, units or times differ by many orders of magnitude."""
 
 import math
 
@@ -46,7 +46,7 @@ def exact_pull(mass, stiffness, force, t):
 @pytest.mark.parametrize("tiny", [1e-3, 1e-6, 1e-9, 1e-12])
 @pytest.mark.parametrize(("n", "at"), [(3, 0), (3, 1), (5, 2), (8, 0), (8, 4), (8, 7)])
 def test_very_light_bodies(n, at, tiny, free):
-    """A very light body leaves the slow modes of a chain their digits, and a free chain its rigid mode."""
+    """A very light body does not cost the slow modes of a chain digits, nor a free chain its rigid mode."""
     stiffness = 2 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
     if free:
         stiffness[0, 0] = stiffness[-1, -1] = 1
@@ -61,7 +61,7 @@ def test_very_light_bodies(n, at, tiny, free):
 @pytest.mark.parametrize("n", [3, 5, 8])
 @pytest.mark.parametrize("stiff", [1e2, 1e4, 1e6, 1e7, 1e8, 1e9, 1e10, 1e12])
 def test_very_stiff_springs(n, stiff):
-    """A spring that is very stiff is refused, by name, before fewer than 7 digits are left."""
+    """A spring that is too stiff is refused, by name, before fewer than 7 digits are left."""
     springs = np.ones(n + 1)
     springs[n // 2] = stiff
     stiffness = np.diag(springs[:-1] + springs[1:])
@@ -91,14 +91,14 @@ def test_rest_does_not_depend_on_the_units_of_coordinates():
         )
         ends.append(run.events["time"][run.events["kind"] == "stick"])
     for other in ends[1:]:
-        # the impacts before a rest magnify rounding errors
+        # the impacts before a rest amplify rounding errors
         np.testing.assert_allclose(other, ends[0], rtol=1e-9)
 
 
 @pytest.mark.parametrize("tiny", [1e-8, 1e-12, 1e-16, 1e-24, 1e-100])
 @pytest.mark.parametrize("of", ["damping", "stiffness"])
 def test_rates_that_differ_by_many_orders(tiny, of):
-    """A damping or a stiffness far below all others changes no event, and makes none of its own."""
+    """A damping or stiffness far below all others neither changes nor adds an event."""
     matrices = {"damping": [0.02, 0.0, 0.0], "stiffness": [1.0, 3.0, 0.0]}
 
     def events(**changed):
@@ -137,7 +137,7 @@ def test_samples_after_many_cycles():
     early, later = (np.array(run.sample(t + run.start)) for run in (first, other))
     free = t < first.events["time"][0]
     assert np.array_equal(early[..., free], later[..., free])
-    # an impact that is rounded to another side of a sample changes the velocities there
+    # an impact that is rounded to the other side of a sample changes the velocities there
     near = np.abs(t[:, None] - first.events["time"]).min(axis=1) < 1e-6
     assert np.abs(early - later)[..., ~near].max() < 16 * np.spacing(late)
 

@@ -1,6 +1,6 @@
-"""Structures under stress against 50-digit arithmetic: each result is accurate, or refused, or unknown.
+"""Structures under stress compared with 50-digit arithmetic: each result is accurate, refused, or unknown.
 
-The table of docs/limits.md is the accuracy that is promised; each test reads its row.
+The table of docs/limits.md is the promised accuracy; each test reads its row.
 """
 
 import re
@@ -15,7 +15,7 @@ from reference_structure import DIGITS, ReferenceStructure
 PAGE = Path(__file__).resolve().parents[2] / "docs/limits.md"
 DRAWS = 4
 """The systems of a corner that are drawn, unless it has a number of its own."""
-#: Name in the table: what differs from a grounded chain of 3 masses with damping that couples its modes.
+#: Name in the table: differences from a grounded chain of 3 masses with damping that couples its modes.
 CORNERS = {
     "stiffness ratio 1e6": {"stiffness": 6},
     "stiffness ratio 1e12": {"stiffness": 12, "draws": 12},
@@ -37,12 +37,12 @@ CORNERS = {
 
 
 def exact_in_binary(values, bits):
-    """Round so that sums of them have no rounding errors: a free structure has to be free."""
+    """Round so that sums have no rounding errors: a free structure must be exactly free."""
     return np.ceil(np.asarray(values) * 2.0**bits) / 2.0**bits
 
 
 def chain(corner, rng):
-    """Mass, damping and stiffness of a chain of springs between neighbours, the first one to the ground."""
+    """Mass, damping and stiffness of a chain of springs between neighbours, with the first one to the ground."""
     n, free = corner.get("masses", 3), corner.get("free", False)
     ratio, spread = corner.get("stiffness", 0), corner.get("mass", 0)
     springs = 10 ** rng.permutation(np.linspace(0, ratio, n)) if ratio else rng.uniform(0.5, 2, n)
@@ -63,7 +63,7 @@ def chain(corner, rng):
 
 
 def cases(name):
-    """Structures with a load, phases, and the motion with 50 digits; each impact has a gap of its own."""
+    """Structures with a load, phases, and the motion with 50 digits; each impact has a separate gap."""
     corner, rng = CORNERS[name], np.random.default_rng(list(CORNERS).index(name))
     many, cycles = corner.get("impacts", 2), corner.get("cycles", 1)
     for _ in range(corner.get("draws", DRAWS)):
@@ -106,7 +106,7 @@ def off(values, known):
 
 @pytest.mark.parametrize("name", CORNERS)
 def test_structure_under_stress(name):
-    """States, speeds and multipliers of `periodic`, both ways, and of `exact`; a flight of `simulate`."""
+    """States, speeds and multipliers of `periodic`, in two ways, and of `exact`; a flight of `simulate`."""
     row = re.search(rf"^\| {re.escape(name)} \|(.*)\|$", PAGE.read_text(encoding="utf-8"), re.M)
     place, leading, exact = (float(cell) for cell in row[1].split("|"))
     corner, compared = CORNERS[name], 0
@@ -125,7 +125,7 @@ def test_structure_under_stress(name):
             compared += 1
             radius = max(abs(value) for value in known.multipliers())
             for bound, motion in found:
-                # a free structure may be anywhere
+                # the position of a free structure is arbitrary
                 q = motion.q - (motion.q[0] if corner.get("free") else 0)
                 assert off(q, known.start[:n]) <= bound
                 assert off(motion.q_dot, known.start[n:]) <= bound

@@ -223,12 +223,12 @@ def test_errors_name_the_parameter(change, message):
 
 
 def test_values_have_any_spacing_and_order():
-    """Each value of a list is what it is alone; the sweep goes through the list in order."""
+    """Each value of a list gives the result that it has alone; the sweep follows the order of the list."""
     given = [1.2, 0.9, 0.97, 1.1]
     found = vi.response(WALL, LOAD, given, sweep="up")
     assert found.values.tolist() == sorted(given)
     assert "list = " in found.to_namelist()
-    # the same carries from value to value by hand
+    # the same with the state passed from value to value in the test
     state = ([0.0], [0.0])
     for i, value in enumerate(sorted(given)):
         pair = vi.response(WALL, LOAD, [value, 2.0], sweep="up", state=state)
@@ -289,7 +289,7 @@ def shortened(found, rows):
 
 
 def test_a_sweep_that_was_stopped_has_what_was_reached(diagram):
-    """In the way down values that were not reached say so; those that no run reached are left out."""
+    """In the sweep down values that were not reached are marked; those that no run reached are left out."""
     part = vi.BifurcationDiagram.from_dict(shortened(diagram, 7))
     np.testing.assert_array_equal(part.values, diagram.values)
     down = [""] * 3 + ["1/2"] * 2
@@ -314,7 +314,7 @@ def test_a_sweep_that_was_stopped_has_what_was_reached(diagram):
     [("BifurcationDiagram", "StructureBifurcation"), ("Response", "StructureResponse")],
 )
 def test_records_of_the_former_classes_are_read(name, former, diagram):
-    """Earlier records had classes of their own for structures, and did not name the study."""
+    """Earlier records had separate classes for structures, and did not name the study."""
     found = diagram
     if name == "Response":
         found = vi.response(WALL, LOAD, [0.9, 1.0], settling=20)
@@ -400,7 +400,7 @@ def test_namelists_refuse_states_beyond_their_range(group, key, tmp_path):
 
 
 def test_an_event_limit_after_settling_leaves_no_values():
-    """A value whose motion is examined in part has neither states nor a number of impacts."""
+    """A value whose motion is only partly examined has neither states nor a number of impacts."""
     found = vi.bifurcation_diagram(WALL, LOAD, "load", [0.36, 0.37], settling=2, max_events=10)
     assert list(found.failures) == [vi.status_text(13)]
     assert not found.impacts.any()
@@ -408,7 +408,7 @@ def test_an_event_limit_after_settling_leaves_no_values():
 
 
 def test_the_shortest_period_counts():
-    """With a pair of multipliers .975 exp(2 pi i .283) a run that settles slowly repeats itself after 7 cycles."""
+    """With a pair of multipliers .975 exp(2 pi i .283) a slowly settling run repeats itself after 7 cycles."""
     gaps = [vi.Gap([-1, 1], 0.5, 0.8), vi.Gap([1, -1], 0.5, 0.8)]
     host = vi.Structure([1.0, 0.1], [0.02, 0.0], [1.0, 0.0], gaps)
     for frequency in np.linspace(1.15, 1.35, 9):
@@ -425,7 +425,7 @@ def test_the_shortest_period_counts():
 
 
 def test_a_run_that_has_not_settled_has_no_label():
-    """Near a motion that is left slowly, or approached slowly from far, no stable motion is confirmed."""
+    """Near a motion that is left slowly, or approached slowly from far away, no stable motion is confirmed."""
     unstable = vi.exact(WALL, vi.Load(0.81, cosine=[0.3476]), ([0.07], [0]))
     assert unstable.cycles == 1
     assert unstable.stable is False

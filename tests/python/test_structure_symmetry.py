@@ -1,4 +1,4 @@
-"""Symmetries of structures: motions that have one are followed with it, and lose it at pitchforks."""
+"""Symmetries of structures: symmetric motions are followed as such, and lose the symmetry at pitchforks."""
 
 import numpy as np
 import pytest
@@ -6,19 +6,19 @@ import vibroimpact as vi
 from vibroimpact.base.errors import SingularError
 
 EXCHANGE = np.array([[0.0, 1.0], [1.0, 0.0]])
-#: Half periods by which the image of a motion of two impacts begins earlier.
+#: Number of half periods by which the image of a motion of two impacts starts earlier.
 SHIFT = np.array([-1.0, 1.0])
 
 
 def stops(restitution=(0.7, 0.7), opening=0.3):
-    """Two equal masses on springs, coupled, each with a stop on its right."""
+    """Two equal masses on coupled springs, each with a stop on its right."""
     k = 0.3
     gaps = [vi.Gap([1, 0], opening, restitution[0]), vi.Gap([0, 1], opening, restitution[1])]
     return vi.Structure([1, 1], [0.1, 0.1], [[1 + k, -k], [-k, 1 + k]], gaps)
 
 
 def opposite(structure=None):
-    """Motion of these masses under opposite forces: the stops are hit in turn."""
+    """Motion of these masses under opposite forces: the stops are hit alternately."""
     guess = ([0.63 * np.pi, 1.63 * np.pi], [0, 1])
     return vi.exact(structure or stops(), vi.Load(1.6, sine=[0.5, -0.5]), guess)
 
@@ -71,7 +71,7 @@ def of_type(branch, kind):
     [("opening", (0.1, 0.9)), ("load", (0.4, 3)), ("stiffness_0_1", (-0.7, -0.1)), ("frequency", (1.4, 1.9))],
 )  # fmt: skip
 def test_a_pitchfork_where_an_exchange_is_lost(name, bounds):
-    """The simulated period has the multiplier 1 there, whose vector breaks the symmetry; beyond, images."""
+    """The simulated period has the multiplier 1 there, whose vector breaks the symmetry; images exist beyond."""
     branch = vi.branch(opposite(), name, bounds)
     (pitchfork,) = of_type(branch, "pitchfork")
     assert not of_type(branch, "fold") or name == "opening"
@@ -83,7 +83,7 @@ def test_a_pitchfork_where_an_exchange_is_lost(name, bounds):
         assert branch.q_max[0, i] == pytest.approx(branch.q_max[1, i], rel=1e-9)
     there = branch[pitchfork.index]
     assert np.abs(np.linalg.eigvals(period_map(there)) - 1).min() < 1e-4
-    # multipliers of exact motions without the symmetry nearby pass 1 at the same value
+    # multipliers of nearby exact motions without the symmetry pass 1 at the same value
     shares = 1e-3 * np.array([-6, -4, -2, 2, 4, 6])
     values = [
         vi.exact(*branch.at(pitchfork.value * (1 + x)), there).multipliers for x in shares.tolist()
@@ -114,7 +114,7 @@ def test_motions_beyond_a_pitchfork_are_images_of_each_other():
 
 
 def test_two_dampers_in_one_host():
-    """A symmetry with free masses, of which one displacement remains unknown, in any coordinates."""
+    """A symmetry with free masses, where one displacement remains unknown, in any coordinates."""
     motion = dampers()
     ours = vi.branch(motion, "opening", (0.3, 0.8))
     symmetry = -np.array([[1, 0, 0], [0, 0, 1], [0, 1, 0]])
@@ -140,7 +140,7 @@ def test_two_dampers_in_one_host():
 
 
 def test_units_that_take_turns():
-    """Under equal forces each unit does in one load cycle what the other does in the next one."""
+    """Under equal forces each unit does in one load cycle what the other one does in the next."""
     load, guess = vi.Load(1.2, sine=[0.3, 0.3]), ([4.156, 10.439], [0, 1], 2)
     branch = vi.branch(vi.exact(stops(opening=1.0), load, guess), "opening", (0.1, 3.0))
     (fold,) = of_type(branch, "fold")
@@ -161,7 +161,7 @@ def test_without_the_symmetry_there_is_no_pitchfork():
 
 
 def test_zones_end_at_pitchforks():
-    """Zones of symmetric motions and of those without the symmetry; multipliers at their boundaries."""
+    """Zones of symmetric and unsymmetric motions; multipliers at their boundaries."""
     zone = vi.zone(opposite(), x=("frequency", 1.4, 1.9), y=("opening", 0.1, 0.9))
     kinds = {piece.type for piece in zone.boundary}
     assert "pitchfork" in kinds
@@ -178,7 +178,7 @@ def test_zones_end_at_pitchforks():
 
 
 def cells(opening=0.6, weights=(1.0, 1.0), coupling=0.05, damper=0.0):
-    """Equal oscillators, each with a free mass in a slot, in a chain; their loads and masses can have weights."""
+    """A chain of equal oscillators, each with a free mass in a slot; loads and masses can have weights."""
     n = len(weights)
     w = np.array(weights)
     link = np.zeros((n, n))
@@ -197,7 +197,7 @@ def cells(opening=0.6, weights=(1.0, 1.0), coupling=0.05, damper=0.0):
 
 
 def in_step(*args, **kwargs):
-    """The motion in which all cells do the same: each free mass hits its left wall and then the right one."""
+    """The motion in which all cells move alike: each free mass hits its left wall and then the right one."""
     structure, load = cells(*args, **kwargs)
     n = structure.coordinates // 2
     gaps = [*range(1, 2 * n, 2), *range(0, 2 * n, 2)]
@@ -205,7 +205,7 @@ def in_step(*args, **kwargs):
 
 
 def one_cell(opening, frequency=1.1):
-    """The motion of one of these cells alone."""
+    """The same motion of a single cell."""
     gaps = [vi.Gap([-1, 1], opening, 0.7), vi.Gap([1, -1], opening, 0.7)]
     cell = vi.Structure([1, 0.05], [0.02, 0], [1, 0], gaps)
     guess = ([0.5492 * np.pi, 1.5492 * np.pi], [1, 0])
@@ -213,7 +213,7 @@ def one_cell(opening, frequency=1.1):
 
 
 def parting(opening):
-    """The multipliers of two cells in step that are not those of one cell, from the phases of one cell."""
+    """The multipliers of two cells in step that a single cell does not have, from the phases of a single cell."""
     small = one_cell(opening)
     structure, load = cells(opening)
     both = vi.periodic(structure, load, np.repeat(small.phases, 2), [1, 3, 0, 2])
@@ -229,7 +229,7 @@ def parting(opening):
 
 
 def test_units_in_step_are_followed_and_part_at_a_pitchfork():
-    """Located as by bisection on multipliers of the whole structure; beyond it simulation leaves the branch."""
+    """The pitchfork agrees with bisection on multipliers of the whole structure; beyond it simulation leaves."""
     branch = vi.branch(in_step(), "opening", (0.3, 0.8))
     places = [point.value for point in of_type(branch, "pitchfork")]
     low, high = 0.481, 0.484
@@ -242,7 +242,7 @@ def test_units_in_step_are_followed_and_part_at_a_pitchfork():
         middle = (low + high) / 2
         low, high = (middle, high) if product(middle) < 0 else (low, middle)
     assert np.abs(np.array(places) - low).min() < 1e-9
-    # the other one is that of one cell: its free mass loses the mirror symmetry
+    # the other one is that of a single cell: its free mass loses the mirror symmetry
     alone = of_type(vi.branch(one_cell(0.6), "opening", (0.3, 0.8)), "pitchfork")
     assert np.abs(np.array(places) - alone[0].value).min() < 1e-9
     for place in places:
@@ -252,8 +252,8 @@ def test_units_in_step_are_followed_and_part_at_a_pitchfork():
     state = (1e-3 * np.array([1, -1, 0, 0]), np.zeros(4))
     motion = vi.exact(structure, load, vi.simulate(structure, load, cycles=1500, state=state))
     assert motion.stable
-    # the order of the impacts changes with the sign of a disturbance, whose square therefore counts with that
-    # sign: the times part in proportion to the distance of the parameter, not to its square root
+    # the order of the impacts changes with the sign of a perturbation, so that its square counts with that
+    # sign: the times separate in proportion to the distance of the parameter, not to its square root
     together = np.sort(np.repeat(one_cell(low).phases, 2))
     apart = []
     for beside in 2e-4 / 2.0 ** np.arange(8):
@@ -268,7 +268,7 @@ def test_units_in_step_are_followed_and_part_at_a_pitchfork():
 
 
 def test_units_in_step_have_the_multipliers_of_the_whole():
-    """Along a branch through a Neimark-Sacker point, against the motions of the whole structure."""
+    """Along a branch through a Neimark-Sacker point, compared with the motions of the whole structure."""
     branch = vi.branch(in_step(), "frequency", (1.05, 1.35))
     assert branch.gaps.tolist() == [1, 3, 0, 2]
     assert {"pitchfork", "neimark_sacker"} <= {point.type for point in branch.special_points}
@@ -335,7 +335,7 @@ def test_impacts_that_would_part_are_refused_by_name():
 
 
 def test_impacts_at_one_instant_that_damping_couples_have_no_multipliers():
-    """The period as simulated is not linear: a disturbance and its opposite do not give opposite changes."""
+    """The simulated period is not linear: opposite perturbations do not give opposite changes."""
     motion = in_step(damper=0.01)
     assert motion.admissible
     assert motion.stable is None
@@ -370,7 +370,7 @@ def test_impacts_at_one_instant_have_any_order(gaps):
 
 
 def test_simulations_beyond_a_pitchfork_settle_on_either_image():
-    """Below 0.44 two stable motions without the symmetry; their zone ends at the pitchfork, too."""
+    """Below 0.44 there are two stable motions without the symmetry; their zone also ends at the pitchfork."""
     load = vi.Load(0.418, sine=[0.5, -0.5])
     found = []
     for seed in (0, 1):

@@ -1,4 +1,4 @@
-"""Derivatives of trajectories of structures, against those of the oscillator, laws, and differences."""
+"""Derivatives of trajectories of structures, compared with those of the oscillator, laws, and differences."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from shared_systems import RIG
 from test_structure_motion import damper, random_structure
 from test_trajectory_gradient import FLYING, RESTING, simulated
 
-#: Parameters of the structure by those of the oscillator, and what one is worth in the other.
+#: Parameters of the structure for those of the oscillator, with the derivative of one by the other.
 NAMES = {
     "t": ("start", 1), "x": ("q_0", 1), "x_dot": ("q_dot_0", 1), "z": ("q_1", 1), "z_dot": ("q_dot_1", 1),
     "r": ("frequency", 1), "clearance": ("opening", 2), "xi": ("damping_0_0", 0.5), "mu": ("mass_1_1", 1),
@@ -17,7 +17,7 @@ WEIGHTS = {-2: 1, -1: -8, 1: 8, 2: -1}
 
 
 def as_structure(values, cycles):
-    """The trajectory of the oscillator as that of a structure."""
+    """The trajectory of the oscillator as a trajectory of a structure."""
     structure = damper(
         values["xi"], values["mu"], restitution=values["R1"], clearance=values["clearance"]
     )
@@ -33,11 +33,11 @@ def as_structure(values, cycles):
 
 @pytest.mark.parametrize(("values", "close"), [(FLYING, 1e-10), (RESTING, 2e-8)])
 def test_agrees_with_the_oscillator(values, close):
-    """Two routes without a common formula, through impacts, and through accumulations and rests."""
+    """Two methods without a common formula agree, through impacts, accumulations and rests."""
     ours, theirs = as_structure(values, 3), simulated(values, 3)
     mine = ours.gradient([name for name, _ in NAMES.values()])
     other = theirs.gradient()
-    # the last of some dozen impacts that accumulate may differ
+    # the last of some dozen accumulating impacts may differ
     hits = np.flatnonzero((ours.events["kind"] == "impact") & (ours.events["speed"] > 1e-4))
     same = np.flatnonzero(
         (theirs.events["kind"] == "impact")
@@ -65,7 +65,7 @@ def test_agrees_with_the_oscillator(values, close):
 
 @pytest.mark.parametrize("seed", range(4))
 def test_agrees_with_differences(seed):
-    """Differences of the fourth order of simulations of random structures."""
+    """Fourth-order differences of simulations of random structures."""
     structure, load = random_structure(np.random.default_rng(seed))
     n = structure.coordinates
     start = (np.zeros(n), np.random.default_rng(seed).normal(size=n))
@@ -99,7 +99,7 @@ def test_agrees_with_differences(seed):
 
 
 def test_a_record():
-    """Samples of a force: its factor, the stiffness and the start, against differences."""
+    """Samples of a force: derivatives by its factor, the stiffness and the start equal differences."""
     times = 0.05 * np.arange(400)
     force = np.column_stack([0 * times, np.sin(0.9 * times) + 0.3 * np.sin(2.3 * times)])[:, ::-1]
     structure = damper(clearance=2.0, xi=0.02, mu=0.1)
@@ -130,7 +130,7 @@ def test_a_record():
 
 
 def test_a_period_has_the_multipliers():
-    """Over a period from the middle of a flight, with rest too, the derivative is that of the motion."""
+    """Over a period from the middle of a flight, also with rest, the derivative is that of the motion."""
     run = as_structure(
         {**RESTING, "r": 0.9, "clearance": 6.0, "mu": 0.028, "xi": 0.0114, "R1": 0.75, "R2": 0.61},
         200,
@@ -154,7 +154,7 @@ def test_a_period_has_the_multipliers():
 
 
 def test_a_motion_with_rest():
-    """Its fields against those of the oscillator, and its multipliers against differences."""
+    """Derivatives equal those of the oscillator, and multipliers those of differences."""
     own = vi.exact(RIG, 0.9, 6.0, vi.simulate(RIG, 0.9, 6.0, cycles=8, discard=200))
     theirs = own.gradient()
 
@@ -228,7 +228,7 @@ def test_a_start_at_rest(duration):
 
 
 def test_a_graze():
-    """NaN by name from an impact without approach speed on, beside the largest velocity."""
+    """Values are NaN, by name, after an impact with an approach speed of 0 relative to the largest velocity."""
     wall = vi.Structure([1, 1], [0, 0], [0, 0], [vi.Gap([1, 0], 1, 0.7)])
     push = vi.Load(constant=[-0.5, 0])
     slow, fast = (
@@ -244,7 +244,7 @@ def test_a_graze():
 
 
 def test_a_touch():
-    """A flight that touches a wall without an impact has no derivatives at its end; one off the wall has."""
+    """A flight that touches a wall without an impact has no derivatives at its end; one that does not has."""
     wall = vi.Structure(mass=[1], damping=[0], stiffness=[0], gaps=[vi.Gap([1], 1, 0.7)])
     for speed, touches in ((1 - 1e-14, True), (1 - 1e-8, False)):
         run = vi.simulate(wall, vi.Load(constant=[-0.5]), duration=5, state=([0], [speed]))
@@ -255,7 +255,7 @@ def test_a_touch():
 
 
 def test_a_bounce():
-    """The place after a bounce by hand, and what is refused."""
+    """The position after a bounce, checked by hand, and the refused arguments."""
     wall = vi.Structure(mass=[2], damping=[0], stiffness=[0], gaps=[vi.Gap([1], 1, 0.7)])
     gradient = vi.simulate(wall, duration=3, state=([0.2], [1.3])).gradient()
     assert gradient["final_q", "q_0"] == pytest.approx(-0.7, rel=1e-14)

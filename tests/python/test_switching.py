@@ -1,4 +1,4 @@
-"""Branch switching at a flip, a pitchfork and a grazing, against simulation."""
+"""Branch switching at a flip, a pitchfork and a grazing, compared with simulation."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from shared_systems import FIGURE6
 
 
 def settles_on(motion):
-    """Whether a simulation from a disturbed motion returns to it."""
+    """Whether a simulation from a perturbed motion returns to it."""
     i = 0
     state = {
         "t": motion.load_phase / motion.r,
@@ -27,7 +27,7 @@ def settles_on(motion):
 
 
 def test_switching_at_a_flip():
-    """The doubled motion is exact, has twice the period, and its stability is that of simulation."""
+    """The doubled motion is exact, has twice the period, and is as stable as its simulation."""
     branch = vi.branch(pair_motion(), "clearance", (10, 60))
     flip = next(p for p in branch.special_points if p.type == "flip")
     (doubled,) = flip.switch()
@@ -41,7 +41,7 @@ def test_switching_at_a_flip():
 
 
 def test_a_motion_is_lost_beyond_its_flip():
-    """Where the doubled motion has ended, Newton's method finds the simple one twice: an error, never that one."""
+    """Where the doubled motion has ended, Newton's method finds the simple one twice: an error instead."""
     branch = vi.branch(pair_motion(), "clearance", (10, 60))
     flip = next(p for p in branch.special_points if p.type == "flip")
     (doubled,) = flip.switch()
@@ -52,7 +52,7 @@ def test_a_motion_is_lost_beyond_its_flip():
     assert vi.exact(osc, r, nearer, doubled).pattern == doubled.pattern
     with pytest.raises(vi.SingularError, match=r"shorter period: .* beyond the flip"):
         vi.exact(osc, r, beyond, doubled)
-    # presumed phases are not a motion: the simple one twice is a solution of this pattern
+    # presumed phases are not a motion: the simple motion twice is a solution of this pattern
     phases = (doubled.alpha, doubled.pattern)
     twice = vi.exact(osc, r, beyond, phases)
     assert vi.standard_motion(twice).pattern == vi.Pattern("RL")
@@ -130,7 +130,7 @@ def test_switching_at_grazing_adds_an_impact():
 
 @pytest.mark.parametrize("parameter", ["clearance", "r", "mu"])
 def test_switching_at_a_grazing_of_a_symmetric_motion(parameter):
-    """Both walls are grazed at once: branches with one more impact, or a mirrored pair of them, begin there."""
+    """Both walls are grazed at once: branches with one more impact, or a mirrored pair of them, start there."""
     osc = vi.Oscillator(xi=0.05, mu=0.3, restitution=0.6)
     start = next(m for m in vi.equispaced(osc, 0.36, 2.2) if m.admissible)
     bounds = {"clearance": (1.1, 4.4), "r": (0.342, 0.378), "mu": (0.21, 0.39)}[parameter]

@@ -1,4 +1,4 @@
-"""Table 1 of the paper, by the package, the reference and the printed digits."""
+"""Table 1 of the paper, from the package, the reference and the printed digits."""
 
 import csv
 from pathlib import Path
@@ -13,7 +13,7 @@ COLUMNS = ("equispaced_1", "equispaced_2", "unequispaced")
 SYSTEM = fp.System(0.005, 0.042, 0.94, "RL", 1, (0.75, 0.75))
 D = 37.0
 
-# The recomputed digits, as text: half a unit of the last one is the tolerance.
+# the recomputed digits, as text: half a unit of the last one is the tolerance
 DIGITS = {
     "load_phase/pi": "0.6807 -0.5323 0.5256",
     "tau/pi": "0.6550 -0.5579 0.4999",
@@ -42,7 +42,7 @@ def last_digit(text):
 
 @pytest.fixture(scope="module")
 def motions():
-    """The three motions by the package."""
+    """The three motions from the package."""
     osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)
     pair = vi.equispaced(osc, r=0.94, clearance=D)
     assert len(pair) == 2
@@ -52,7 +52,7 @@ def motions():
 
 
 def quantities(motion):
-    """Every row of the table by name, in the paper's unit of length d/37."""
+    """Every row of the table by name, in the unit of length d/37 of the paper."""
     unit = D / motion.clearance
     lag = np.arctan2(2 * motion.osc.xi * motion.r, 1 - motion.r**2)
     rows = {
@@ -81,7 +81,7 @@ def test_recomputed_digits(motions, column):
 
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: f"{row['quantity']}-{row['column']}")
 def test_every_row(motions, row):
-    """Each entry agrees with six recomputed decimals, and with the printed digits unless these are a misprint."""
+    """Each entry agrees with six recomputed decimals, and with the printed digits unless these are misprints."""
     found = quantities(motions[row["column"]])[row["quantity"]]
     assert found == pytest.approx(float(row["recomputed"]), abs=6e-7)
     printed = abs(found - float(row["printed"])) <= last_digit(row["printed"])
@@ -111,7 +111,7 @@ def test_the_misprints_break_laws_by_their_own_neighbours():
 
 
 def test_verdicts(motions):
-    """The first two columns are unstable, the third stable; all are physical."""
+    """The first two columns are unstable, the third is stable; all are physical."""
     assert [motions[column].stable for column in COLUMNS] == [False, False, True]
     assert all(motions[column].consistent is True for column in COLUMNS)
     assert all(motions[column].admissible is True for column in COLUMNS)

@@ -1,4 +1,4 @@
-"""Namelist files read and run by eight threads give the results of one thread; numbers of computing threads."""
+"""Namelist files read and run by eight threads give the results of one thread; numbers of threads."""
 
 import os
 import subprocess
@@ -36,14 +36,14 @@ def run(paths, folder):
 
 @pytest.fixture
 def files(tmp_path):
-    """All inputs, a file that is refused, and one that is not there."""
+    """All inputs, a file that is refused, and a missing file."""
     wrong = tmp_path / "wrong.nml"
     wrong.write_text(WRONG)
     return [*FILES, wrong, tmp_path / "missing.nml"]
 
 
 def test_reading(files):
-    """Each thread begins with another file; every file is read by several threads at a time."""
+    """Each thread starts with a different file; several threads read every file at the same time."""
     alone = [answer(path) for path in files]
     assert "must be left out" in alone[-2]
     assert "No such file" in alone[-1]
@@ -78,7 +78,7 @@ def test_running(tmp_path):
 
 
 def test_running_into_one_folder(tmp_path):
-    """Threads that write one result replace it whole, and none of them is refused."""
+    """Threads that write the same result replace it completely, and none of them is refused."""
     paths = [Path(__file__).parents[2] / "inputs/table1.nml"]
     alone = run(paths, tmp_path / "alone")
     folder = tmp_path / "all"
@@ -93,7 +93,7 @@ def test_running_into_one_folder(tmp_path):
 
 @pytest.mark.parametrize("suffix", ["csv", "json"])
 def test_saving_one_file(suffix, tmp_path):
-    """Threads that save a motion under one name replace it whole."""
+    """Threads that save a motion under the same name replace it completely."""
     path = tmp_path / f"motion.{suffix}"
     motion = vi.equispaced(
         vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75), r=0.94, clearance=37.0
@@ -105,7 +105,7 @@ def test_saving_one_file(suffix, tmp_path):
     assert path.read_bytes() == alone
 
 
-#: Counts the threads of the process after a case that one thread computes, and one that four do.
+#: Counts the threads of the process after a case computed by one thread, and one computed by four.
 COUNT = """
 import os, sys
 import vibroimpact as vi

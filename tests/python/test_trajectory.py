@@ -1,4 +1,4 @@
-"""Trajectories: beginning and end, continuation, samples."""
+"""Trajectories: start and end, continuation, samples."""
 
 import math
 
@@ -8,11 +8,11 @@ import vibroimpact as vi
 from shared_simulations import COLUMNS, STATE, assert_laws, plain, settled, state
 from shared_systems import EPS, RIG, TURN
 
-# --- where a run begins and ends ------------------------------------------------------------
+# --- start and end of a run -----------------------------------------------------------------
 
 
 def test_a_run_in_two_parts_is_the_whole_run():
-    """A run continued from a final state has the events of the whole run, bit for bit."""
+    """A run continued from a final state has the events of the complete run, bit for bit."""
     whole = vi.simulate(RIG, 0.9, 6.0, 20)
     first = vi.simulate(RIG, 0.9, 6.0, 10)
     second = vi.simulate(RIG, 0.9, 6.0, 10, state=first.final_state)
@@ -62,7 +62,7 @@ def test_event_budget_that_is_just_enough():
 
 @pytest.mark.parametrize(("name", "size"), [("CHUNK", 5), ("CHUNK", 64), ("SPAN", 1), ("SPAN", 3)])
 def test_calls_of_bounded_work_are_one_run(monkeypatch, name, size):
-    """A long run, divided into calls of the core, does not depend on where it is divided."""
+    """A long run, divided into calls of the core, does not depend on the divisions."""
     whole = vi.simulate(RIG, 0.9, 6.0, 20.3)
     monkeypatch.setattr(f"vibroimpact.motions.trajectory.{name}", size)
     for budget in (10**6, whole.events.size, whole.events.size - 1):
@@ -73,13 +73,13 @@ def test_calls_of_bounded_work_are_one_run(monkeypatch, name, size):
 
 
 def test_event_budget_with_discard():
-    """A budget that the discarded cycles use up is an error that names it."""
+    """If the discarded cycles use up the budget of events, the error names it."""
     with pytest.raises(vi.errors.VibroimpactError, match="max_events"):
         vi.simulate(RIG, 0.9, 6.0, 1, discard=50, max_events=20)
 
 
 def test_a_run_may_end_anywhere_in_an_accumulation():
-    """No event lies after the end of the run, wherever in an accumulation it ends."""
+    """No event is after the end of the run, even if the run ends within an accumulation."""
     run = settled(2)
     stick = run.events["time"][run.events["kind"] == "stick"][0]
     for before in (1e-3, 1e-7, 2e-8, 1e-8, 3e-9, 1e-9, 3e-10, 1e-12):
@@ -111,7 +111,7 @@ def test_plain_and_full_states_are_the_same_state(kind):
 
 @pytest.mark.parametrize("beside", [0, 1, -1])
 def test_the_time_of_a_state_is_kept(beside):
-    """A state at whole load periods, to either side of the last bit, keeps its time and phase."""
+    """A state at whole load periods, to the last bit on either side, keeps its time and phase."""
     for r in (0.9, 0.94, 1.0, 2.37):
         for i in [*range(-40, 41), 1001, 12_345, 199_999]:
             t = TURN * i / r
@@ -123,7 +123,7 @@ def test_the_time_of_a_state_is_kept(beside):
 
 
 def test_default_state_and_zero_cycles():
-    """The default state is zero; a trajectory of no cycles is one instant."""
+    """The default state is zero; a trajectory of zero cycles is one instant."""
     run = vi.simulate(RIG, 0.9, 6.0, 0)
     assert plain(run.initial_state) == plain(run.final_state) == state()
     assert run.events.size == 0
@@ -177,7 +177,7 @@ def test_samples_in_any_order_and_shape():
 
 @pytest.mark.parametrize("bad", [-1.0, 1e9, np.nan, np.inf, [0.0, 1e9], "now", None, 1j])
 def test_sample_outside_or_wrong(bad):
-    """Times that are not in the trajectory are refused, not extrapolated."""
+    """Times outside the trajectory are refused, not extrapolated."""
     run = vi.simulate(RIG, 0.9, 6.0, 2)
     with pytest.raises(vi.errors.VibroimpactError) as caught:
         run.sample(bad)
@@ -203,7 +203,7 @@ def test_trajectory_is_frozen_and_says_what_it_is():
 
 
 def test_a_stopped_case_keeps_its_events(tmp_path, monkeypatch):
-    """A stopped case has the events of the whole up to the stop, whose time survives saving and loading."""
+    """A stopped case has the complete run's events up to the stop; files keep the time of the stop."""
     monkeypatch.setattr("vibroimpact.base.interrupt.INTERVAL", 0.001)
     path = tmp_path / "case.nml"
     path.write_text(

@@ -1,4 +1,4 @@
-"""Derivatives of trajectories through impacts and rests, against differences with 100 digits and laws."""
+"""Derivatives of trajectories through impacts and rests, compared with differences with 100 digits and laws."""
 
 import math
 
@@ -12,7 +12,7 @@ from shared_systems import RIG, TABLE
 
 STATE = ("t", "x", "x_dot", "z", "z_dot")
 SYSTEM = ("r", "clearance", "xi", "mu", "R1", "R2", "load")
-#: Nine impacts on both walls; impacts that accumulate, two rests, and an impact between them.
+#: Nine impacts on both walls; accumulating impacts, two rests, and an impact between the rests.
 FLYING = dict(
     zip(STATE + SYSTEM, [0.3, 0.1, 0.2, 0.4, 1.5, 0.9, 6.0, 0.02, 0.1, 0.8, 0.6, 1.1], strict=True)
 )
@@ -29,7 +29,7 @@ def simulated(values, cycles):
 
 
 def followed(values, cycles):
-    """Events, and the final state, with 100 digits."""
+    """Events and the final state, with 100 digits."""
     walls = (values["R1"], values["R2"])
     names = (values[name] for name in ("r", "clearance", "load"))
     system = rs.System(values["xi"], values["mu"], walls, *names)
@@ -43,7 +43,7 @@ def followed(values, cycles):
 
 
 def difference(ahead, behind, step):
-    """Central difference of numbers with 100 digits."""
+    """Central difference of a function with 100 digits."""
     return float((ahead - behind) / (2 * step))
 
 
@@ -95,7 +95,7 @@ def test_agrees_through_rest(name):
 
 
 def test_unit_of_length():
-    """All lengths, the load included, times a factor: lengths and velocities grow by it, times do not."""
+    """Scaling all lengths, including the load, scales lengths and velocities, and leaves times unchanged."""
     gradient = simulated(FLYING, 3).gradient()
     for name, values in gradient.values.items():
         lengths = ("x", "x_dot", "z", "z_dot", "clearance", "load")
@@ -108,7 +108,7 @@ def test_unit_of_length():
 
 
 def test_period_has_the_multipliers():
-    """Over a period of a motion the final state by the initial one has the multipliers as eigenvalues."""
+    """Over a period the derivative of the final by the initial state has the multipliers as eigenvalues."""
     motion = vi.exact(TABLE, 0.94, 37.0, COLUMN)
     middle = motion.sample(motion.alpha[1] / motion.r / 2)
     start = {"t": motion.load_phase / motion.r + motion.alpha[1] / motion.r / 2}
@@ -142,7 +142,7 @@ def test_period_with_rest_has_the_multipliers():
 
 
 def test_starts_at_rest():
-    """Where the free mass rests at the start, it has no velocity of its own to vary."""
+    """Where the free mass rests at the start, it has no independent velocity to vary."""
     run = vi.simulate(RIG, 0.9, 6.0, cycles=8, discard=200)
     stick = run.events[run.events["kind"] == "stick"][0]
     start = {"t": float(stick["time"]) + 0.01}
@@ -167,7 +167,7 @@ def test_starts_at_rest():
 
 
 def test_continues():
-    """The derivative over two parts is the product of those over each."""
+    """The derivative over two parts is the product of the derivatives over each."""
     whole = simulated(FLYING, 4).gradient()
     first = simulated(FLYING, 2)
     second = vi.simulate(first.osc, first.r, first.clearance, 2, first.final_state, load=first.load)
@@ -180,7 +180,7 @@ def test_continues():
 
 
 def test_no_derivative_after_a_graze():
-    """An impact without approach speed: NaN from there on, and the status names it."""
+    """After an impact without approach speed derivatives are NaN, and the status names it."""
     run = simulated(FLYING, 3)
     events = run.events.copy()
     events["z_dot_before"][5] = events["x_dot_before"][5]
@@ -192,7 +192,7 @@ def test_no_derivative_after_a_graze():
 
 
 def test_refuses_what_is_cut_short():
-    """A trajectory that reached max_events ends at an event, not after given cycles."""
+    """A trajectory that reached max_events ends at an event, not after a given number of cycles."""
     run = vi.simulate(RIG, 0.9, 6.0, cycles=8, max_events=3, state=None)
     assert not run.complete
     with pytest.raises(vi.ParameterError, match="must be complete"):

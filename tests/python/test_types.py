@@ -1,4 +1,4 @@
-"""Annotations: calls of all forms, with points and units, pass a type checker, and each gives its class."""
+"""Annotations: calls of all forms, with points and units, pass a type checker, and return the right class."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[2]
 
 @pytest.mark.slow
 def test_calls_of_all_forms_pass_mypy(tmp_path):
-    """`typed_calls.py` without an error, and a wrong type in it with one."""
+    """`typed_calls.py` passes without an error, and fails after a wrong type is inserted."""
     pytest.importorskip("mypy")
     wrong = tmp_path / "wrong_calls.py"
     wrong.write_text(CALLS.read_text() + "\nvi.equispaced(point, cycles=[1])\n")

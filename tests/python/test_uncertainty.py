@@ -1,4 +1,4 @@
-"""Uncertain parameters: maps against charts, bands against zones of other systems, exact probabilities."""
+"""Uncertain parameters: maps and charts, bands and zones of other systems, exact probabilities."""
 
 import math
 
@@ -49,7 +49,7 @@ def given(osc, width):
 
 @pytest.mark.parametrize(("pattern", "symmetric"), [("RL", True), ("RL", False), ("RRL", None)])
 def test_a_certain_map_is_the_chart(pattern, symmetric):
-    """With distributions of no width the map has the verdicts of the chart, exactly."""
+    """With distributions of zero width the map has exactly the verdicts of the chart."""
     certain = {"xi": 0.0114, "clearance": 1.0, "restitution": (0.75, 0.75), "r": 1, "load": 1}
     found = vi.uncertainty(FIGURE6, pattern, R, D, certain, symmetric, bands=False, samples=7)
     pytest.importorskip("xarray")
@@ -75,13 +75,13 @@ def test_the_probability_of_an_uncertain_clearance_is_the_covered_share():
     exact = np.trapezoid(inside, dx=1 / 800, axis=-1)
     some = (exact > 0.05) & (exact < 0.95)
     assert some.sum() > 20
-    # a stratified sample of one parameter differs by at most one of the samples for each boundary
+    # a stratified sample of one parameter is off by at most one sample for each boundary
     assert abs(found.probability - exact)[some].max() < 2 / samples + 2 / 800
     assert np.array_equal(found.probability[exact == 1] == 1, np.ones((exact == 1).sum(), bool))
 
 
 def test_factors_move_a_point():
-    """A factor of the load is one of the inverse clearance; one of r moves along r."""
+    """A factor of the load equals one of the inverse clearance; a factor of r moves along r."""
     at = {"samples": 1, "bands": False, "symmetric": True}
     load = vi.uncertainty(FIGURE6, "RL", R, D, {"load": stats.uniform(0.5, 1e-12 + 0.5)}, **at)
     gap = vi.uncertainty(FIGURE6, "RL", R, D, {"clearance": (1, 1)}, **at)
@@ -97,7 +97,7 @@ def test_factors_move_a_point():
 
 
 def test_limits_lower_the_probability():
-    """Within the limits is never more probable than stable; a limit that all keep changes nothing."""
+    """Systems are never more probably within the limits than stable; a limit that all keep changes nothing."""
     uncertain = {"xi": (0.0109, 0.0119), "clearance": (0.9, 1.1)}
     options = {"symmetric": True, "bands": False, "samples": 16}
     loose = vi.uncertainty(FIGURE6, "RL", R, D, uncertain, limit={"attenuation": 1e6}, **options)
@@ -118,7 +118,7 @@ def test_limits_lower_the_probability():
 
 
 def test_threads_and_seeds():
-    """Any number of threads gives the same bits; another seed gives other samples."""
+    """Any number of threads gives the same bits; a different seed gives different samples."""
     uncertain = {"restitution": stats.norm(0.75, 0.01), "clearance": (0.95, 1.05)}
     first, second = (
         vi.uncertainty(FIGURE6, "RRL", R[::4], D[::4], uncertain, samples=6, threads=n, vertices=9)
@@ -135,7 +135,7 @@ def test_threads_and_seeds():
 
 
 def test_a_pattern_with_rest_has_a_map():
-    """Its samples are zones: without width the map is what the zone contains."""
+    """The samples are zones: with zero width the map equals the zone."""
     r, clearance = np.linspace(0.86, 0.92, 4), np.geomspace(5, 7, 5)
     found = vi.uncertainty(RIG, "RL*", r, clearance, {}, samples=2, bands=False)
     zone = vi.zone(RIG, "RL*", (0.8, 1.0), (4, 9))
@@ -148,7 +148,7 @@ def test_a_pattern_with_rest_has_a_map():
 
 @pytest.mark.parametrize("name", ["pair", "unequal phases", "three", "four", "rig", "rest"])
 def test_first_order_and_samples_agree_to_second_order(zones, name):
-    """A tenth of the width divides the difference of both bands by a hundred, for all types of boundaries."""
+    """A tenth of the width divides the difference between both bands by a hundred, for all types of boundaries."""
     zone = zones[name]
     largest = 1e-4 if name == "rest" else 1e-3
     wide, narrow = (
@@ -157,7 +157,7 @@ def test_first_order_and_samples_agree_to_second_order(zones, name):
     )
     assert {band.type for band in wide} == {piece.type for piece in zone.boundary} - {"window"}
     for a, b in zip(wide, narrow, strict=True):
-        # beside a corner, the other condition bounds the zone for some samples
+        # near a corner, the other condition bounds the zone for some samples
         assert b.holds[1:-1].mean() > 0.8
         good = a.holds & b.holds
         off = [abs(band.first_order - band.sampled).max(axis=0)[good] for band in (a, b)]
@@ -167,7 +167,7 @@ def test_first_order_and_samples_agree_to_second_order(zones, name):
 
 
 def test_a_zone_that_vanishes(zones):
-    """Where the zone no longer exists for 2 % less R1, first order is said not to hold."""
+    """Where the zone no longer exists for 2 % less R1, first order is reported as invalid."""
     for band in vi.boundary_bands(zones["rest"], {"R1": (0.735, 0.75)}, samples=6, vertices=3):
         assert not band.holds.any()
         assert (band.found < 1).all()
@@ -176,7 +176,7 @@ def test_a_zone_that_vanishes(zones):
 
 
 def test_sampled_bands_are_the_boundaries_of_other_systems(zones):
-    """The displaced vertices lie on the zone that is traced from the beginning for the displaced system."""
+    """The displaced vertices lie on the zone that is traced anew for the displaced system."""
     zone = zones["pair"]
     for name, value in (("xi", 0.0119), ("restitution", 0.70), ("mu", 0.03)):
         bands = vi.boundary_bands(zone, {name: value}, samples=1, vertices=15)
@@ -193,7 +193,7 @@ def test_sampled_bands_are_the_boundaries_of_other_systems(zones):
 
 
 def nearest(zone, r, log_clearance):
-    """Distance to the boundary, the window being the unit square, by the polygons of the loops."""
+    """Distance to the boundary from the polygons of the loops, with the window as the unit square."""
     best = math.inf
     scale = np.array([np.ptp(zone.r), np.ptp(np.log(zone.clearance))])
     for loop in zone.loops:
@@ -244,7 +244,7 @@ def test_where_first_order_fails_it_is_said():
 
 
 def test_displacements_point_out_of_the_zone(zones):
-    """A step along the normal leaves the zone, one against it enters it."""
+    """A step along the normal leaves the zone, a step against it enters the zone."""
     for name in ("pair", "three"):
         zone = zones[name]
         for band in vi.boundary_bands(zone, {"xi": (0.011, 0.012)}, samples=1, vertices=15):
@@ -256,7 +256,7 @@ def test_displacements_point_out_of_the_zone(zones):
 
 
 def test_more_clearance_moves_boundaries_along_it_alone(zones):
-    """If the true clearance is 1 % greater, the boundary lies at a nominal clearance that is 1 % less."""
+    """If the true clearance is 1 % greater, the boundary is at a nominal clearance that is 1 % less."""
     for band in vi.boundary_bands(
         zones["three"], {"clearance": (1.0, 1.01)}, samples=1, vertices=15
     ):
@@ -338,7 +338,7 @@ def test_limit_probability_is_that_of_an_exact_case():
 
 @pytest.mark.parametrize(("holds", "count"), [(0, 20), (7, 20), (20, 20), (993, 1000)])
 def test_intervals_are_those_of_scipy(holds, count):
-    """The interval of Clopper and Pearson, against quantiles of the beta distribution."""
+    """The interval of Clopper and Pearson equals quantiles of the beta distribution."""
     for share in (0.9, 0.99):
         low, high = interval(holds, count, share)
         wanted = stats.binomtest(holds, count).proportion_ci(share, "exact")
@@ -447,7 +447,7 @@ BAD = [
 
 @pytest.mark.parametrize(("options", "message"), BAD)
 def test_bad_input_is_named(options, message):
-    """Each error names the parameter, its value and what is allowed."""
+    """Each error names the parameter, its value and the allowed values."""
     good = {
         "r": R[::8], "clearance": D[::8], "uncertain": {"xi": (0.01, 0.012)}, "symmetric": True, "samples": 2
     }  # fmt: skip
@@ -456,7 +456,7 @@ def test_bad_input_is_named(options, message):
 
 
 def test_limits_of_a_rig_are_shown_in_its_units():
-    """As they were given; dimensionless limits of a system without dimensions stay as they are."""
+    """Limits stay as they were given; dimensionless limits of a system without dimensions are unchanged."""
     rig = vi.Oscillator.from_dimensional(M=2.7, K=42e3, xi=0.011, m=0.11, restitution=0.75, F0=6.0)
     given = {"uncertain": {"xi": (0.01, 0.012)}, "samples": 2, "starts": 1}
     found = vi.limit_probability(
@@ -482,7 +482,7 @@ def test_limits_of_a_rig_are_shown_in_its_units():
     ],
 )
 def test_bad_input_of_limits_is_named(options, message):
-    """Each error names the parameter, its value and what is allowed."""
+    """Each error names the parameter, its value and the allowed values."""
     good = {"r": 1.0, "clearance": 25.0, "uncertain": {}, "limit": {"rms": 1.0}, "samples": 2}
     with pytest.raises((vi.ParameterError, vi.ParameterTypeError), match=message):
         vi.limit_probability(FIGURE6, **good | options)
@@ -499,7 +499,7 @@ def test_bands_need_a_zone():
 
 
 def test_ctrl_c_keeps_what_uncertainty_and_limits_finished(monkeypatch):
-    """The first samples, or the first points; before any there is nothing to keep."""
+    """The first samples, or the first points, are kept; before any of them there is nothing to keep."""
     works = {name: getattr(study, name) for name in ("perform", "verdicts")}
 
     def stop_after(name, calls):
@@ -551,7 +551,7 @@ def test_ctrl_c_keeps_what_uncertainty_and_limits_finished(monkeypatch):
     assert "interrupted" in repr(few)
     assert ((few.probability >= 0) & (few.probability <= 1)).all()
     np.testing.assert_allclose(3 * few.probability, np.round(3 * few.probability), atol=1e-12)
-    # the part of a sample that was interrupted is not a result of this function
+    # the part of an interrupted sample is not a result of this function
     part = vi.StudyInterrupted("part of a sample")
     monkeypatch.setattr(study, "verdicts", lambda *args: (_ for _ in ()).throw(part))
     with pytest.raises(KeyboardInterrupt) as caught:

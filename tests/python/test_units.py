@@ -1,4 +1,4 @@
-"""Physical units: conversion, every result in them, round trips of files, and axes."""
+"""Physical units: conversion of every result, round trips through files, and axes."""
 
 import math
 
@@ -46,7 +46,7 @@ def every():
 
 
 def test_units_of_the_core():
-    """Each column of the oscillator has a unit that can be converted, or none."""
+    """Each column of the oscillator has a convertible unit, or none."""
     for about in language()["results"].values():
         for column in about["columns"]:
             if column["model"] != "structure" and column["unit"] != MIXED:
@@ -54,7 +54,7 @@ def test_units_of_the_core():
 
 
 def test_conversion():
-    """Scales are those of the definitions, and in other units of length, force and time the same quantity."""
+    """Scales follow their definitions, and give the same quantity in other units of length, force and time."""
     assert UNITS.omega == math.sqrt(K / M)
     for unit, value, name in (
         ("F0/K", F0 / K, "m"), ("omega F0/K", F0 / K * UNITS.omega, "m/s"),
@@ -106,7 +106,7 @@ def test_names_that_are_refused(names):
 
 
 def test_what_is_missing_is_named():
-    """Units need M, K and F0; a structure has those of its user."""
+    """Units need M, K and F0; a structure has the units of its user."""
     without = vi.Oscillator.from_dimensional(M=M, K=K, **GIVEN)
     motion = vi.equispaced(without, R, D)[0]
     with pytest.raises(ParameterError, match=r"^F0 = None"):
@@ -167,7 +167,7 @@ def case_in(tmp_path, system, study):
 
 @pytest.mark.parametrize("names", ["m N s", "mm N s", "in lbf ms"])
 def test_namelist_in_units(tmp_path, names):
-    """Numbers in `units`, and texts with units, are the dimensionless numbers that Python's verbs take."""
+    """Numbers in `units`, and texts with units, are converted to the numbers that Python's verbs take."""
     own = vi.Oscillator.from_dimensional(
         M="2.7 kg", K="42 kN/m", C="7.7 N s/m", m="0.11 kg", restitution=1.0, F0="6 N", units=names
     )
@@ -203,13 +203,13 @@ def test_namelist_in_units(tmp_path, names):
         own_keys = [case.keys[key] for key in ("clearance", "z", "z_dot", "load")]
         wanted = [travel, -travel / 4, 0.5 / units.to("SI").velocity, 0.5]
         assert own_keys == pytest.approx(wanted, rel=1e-14)
-        # the case is dimensionless, so that its text is an input with the same digits
+        # the case is dimensionless, so its text is an input with the same digits
         (tmp_path / "again.nml").write_text(case.text)
         assert vi.read_namelist(tmp_path / "again.nml")[0].text == case.text
 
 
 def test_each_unit_is_that_of_python(tmp_path):
-    """Each unit has the size in a namelist that it has in Python."""
+    """Each unit has the same size in a namelist as in Python."""
     rig = "mass = 1, stiffness = 1, force = 1, xi = 0.1, mu = 0.1, units = 'm N s', r = "
     kinds = {(1, 0, 0): "x", (0, 1, 0): "load", (0, 0, 1): "t"}
     for name, (size, powers, angular) in NAMED.items():
@@ -266,13 +266,13 @@ def test_each_unit_is_that_of_python(tmp_path):
     ],
 )  # fmt: skip
 def test_namelist_refuses_what_has_no_reading(tmp_path, rig, study, why):
-    """A number that can be read in two ways, and a text whose unit is another one, are refused."""
+    """An ambiguous number, and a text with the wrong kind of unit, are refused."""
     with pytest.raises(ParameterError, match=why):
         case_in(tmp_path, f"xi = 0.1, mu = 0.1, r = 0.98{', ' * bool(rig)}{rig}", study)
 
 
 def test_planes_and_lines_in_units(tmp_path):
-    """Bounds have the unit of their parameter or axis, whichever key stands first."""
+    """Bounds have the unit of their parameter or axis, whichever key comes first."""
     rig = "mass = 2.7, stiffness = 42e3, xi = 0.01, mu = 0.04, force = 6, units = 'm N s', r = 0.98"
     length, speed = 6 / 42e3, 6 / np.sqrt(2.7 * 42e3)
     case = case_in(
@@ -309,7 +309,7 @@ def test_planes_and_lines_in_units(tmp_path):
 
 
 def test_motion_in_physical_units(every):
-    """Each attribute is that of the dimensionless motion times its unit; the samples solve Newton's law."""
+    """Each attribute is that of the dimensionless motion times its unit; the samples obey Newton's law."""
     motion, p = every["Motion"], every["Motion"].physical()
     old = UNITS.motion(motion)
     for name in old.keys() - {"d", "Omega", "t"}:
@@ -358,7 +358,7 @@ def test_quantities_in_physical_units(every):
 
 @pytest.mark.parametrize("extension", [".json", ".nc", ".mat"])
 def test_files(every, tmp_path, extension):
-    """A file gives back the result with its units; in physical units it gives the same view."""
+    """A file restores the result with its units; in physical units it gives the same view."""
     for name, result in every.items():
         path = tmp_path / f"{name}{extension}"
         result.save(path)
@@ -398,7 +398,7 @@ def test_csv(every, tmp_path):
 
 
 def numbers_in(path):
-    """The first line of a CSV, the names of its columns, and their cells."""
+    """The first line of a CSV, its column names, and its cells."""
     lines = path.read_text().splitlines()
     names, *rows = [line.split(",") for line in lines if not line.startswith("#")]
     return lines[0], names, np.array(rows)
@@ -430,7 +430,7 @@ def test_csv_of_the_core(every, tmp_path):
 
 
 def test_a_result_with_one_empty_word_is_written_in_other_units(tmp_path):
-    """The labels of states that have not settled are all empty; the core counts an empty word as one."""
+    """If no state has settled all labels are empty; the core counts an empty word as one."""
     result = vi.bifurcation_diagram(RIG, "r", [0.98, 0.99], clearance="4 mm", states=2, settling=50)
     assert set(result.labels.ravel().tolist()) == {""}
     rows = []
@@ -441,7 +441,7 @@ def test_a_result_with_one_empty_word_is_written_in_other_units(tmp_path):
 
 
 def assert_cells(found, wanted):
-    """Numbers agree, and other cells are the same."""
+    """Check that numbers agree, and that other cells are the same."""
     for one, other in zip(found.ravel(), wanted.ravel(), strict=True):
         try:
             # a difference of positions cancels
@@ -533,7 +533,7 @@ def test_windows_and_columns_of_every_system(every):
 
 
 def test_animations(every, tmp_path):
-    """The masses, the walls and the cursor in physical units, and a film."""
+    """The masses, walls and cursor in physical units, and an animation."""
     import matplotlib.pyplot as plt
     from vibroimpact.plot.animation import _Scene
     from vibroimpact.plot.history import history
@@ -558,7 +558,7 @@ def test_animations(every, tmp_path):
 
 
 def test_unknown_units_are_no_numbers(every):
-    """What has no form in physical units is an error rather than a dimensionless number."""
+    """A result without a form in physical units is an error rather than a dimensionless number."""
     p = every["Motion"].physical()
     for name in ("impact_maps", "multipliers_of", "to_namelist"):
         with pytest.raises(AttributeError):
@@ -578,7 +578,7 @@ LABELS = {
 
 @pytest.mark.parametrize("name", LABELS)
 def test_pictures(every, name):
-    """The data of a picture in physical units are those of the dimensionless one times the units of its axes."""
+    """The data of a picture in physical units are the dimensionless data times the units of its axes."""
     import matplotlib.pyplot as plt
 
     result = every[name]
@@ -586,7 +586,7 @@ def test_pictures(every, name):
     options = {"kind": "history"} if hasattr(result, "sample") else {}
     result.plot(ax=axes[0], units="dimensionless", **options)
     result.physical(MM).plot(ax=axes[1], **options)
-    # the rig has metres, which are millimetres on axes
+    # the units of the rig have metres, which are millimetres on axes
     result.plot(ax=axes[2], **options)
     assert axes[2].get_xlabel() == axes[1].get_xlabel()
     assert axes[2].get_ylabel() == axes[1].get_ylabel()
@@ -610,7 +610,7 @@ def test_pictures(every, name):
 
 
 def test_units_of_pictures(every):
-    """Units of a picture are chosen by name; unknown ones, and those of a structure, are refused."""
+    """Units of a picture are chosen by name; unknown units, and those of a structure, are refused."""
     import matplotlib.pyplot as plt
 
     branch = every["Branch"]
@@ -637,7 +637,7 @@ def test_units_of_pictures(every):
 
 
 def test_command_draws_in_physical_units(tmp_path, capsys):
-    """`vibroimpact plot --units` draws what has units, and refuses the rest before anything is drawn."""
+    """`vibroimpact plot --units` draws items with units, and refuses others before anything is drawn."""
     from vibroimpact.commands.command import main
 
     text = "&system xi = 0, mu = 0, restitution = 1, 1, r = 0.98, {} /\n&simulate clearance = 28, cycles = 2 /\n"
@@ -657,7 +657,7 @@ def test_command_draws_in_physical_units(tmp_path, capsys):
 
 
 def test_the_ends_of_a_trajectory_are_within_it():
-    """Sampling at both ends is possible in any units, whose conversion rounds them."""
+    """Sampling at both ends works in any units, although conversion rounds the end times."""
     for f in np.linspace(13, 29, 30):
         rig = vi.Oscillator.from_dimensional(M=M, K=K, C=C, m=m, restitution=0.7, F0=F0)
         run = vi.simulate(rig, rig.units().frequency_ratio(f=f), 14.0, cycles=5).physical(
@@ -705,7 +705,7 @@ def test_a_point_from_texts(texts):
 
 
 def test_quantities_of_pint():
-    """Those of pint are recognized; 1 Hz is a cycle a second, where pint itself has 1 rad/s."""
+    """Quantities of pint are recognised; 1 Hz is one cycle per second, where pint itself has 1 rad/s."""
     pint = pytest.importorskip("pint")
     ureg = pint.UnitRegistry()
     for frequency in (
@@ -729,7 +729,7 @@ def test_quantities_of_pint():
 
 
 def test_values_of_rigs_take_units():
-    """Units, bases, structures, virtual rigs and known values: a value may have a unit."""
+    """Units, bases, structures, virtual rigs and known values accept values with units."""
     inch = vi.Oscillator.from_dimensional(
         M="1 lb", K="65 lbf/in", xi=0.01, m="20 g", restitution=0.7, F0="2 N", units="in lbf s"
     )
@@ -765,7 +765,7 @@ def test_values_of_rigs_take_units():
 
 
 def test_every_verb_takes_units():
-    """An argument with a unit is its dimensionless number, in every verb."""
+    """An argument with a unit is converted to its dimensionless number, in every verb."""
     r, clearance = TEXTS.at("19.5 Hz", "4 mm").r, TEXTS.at("19.5 Hz", "4 mm").clearance
     here, there = ("19.5 Hz", "4 mm"), (r, clearance)
     window, inner = ("19 Hz", "20 Hz"), ("3 mm", "4 mm")
@@ -810,14 +810,14 @@ def test_wrong_units_are_named(given, message):
 
 
 def test_friction_with_a_wrong_unit_is_named():
-    """A message names the argument friction, not the load, whose unit it has."""
+    """A message names the argument friction, and not the load, whose unit it has."""
     assert TEXTS.at(1.0, "4 mm", friction="0.3 N").friction == pytest.approx(0.05, rel=1e-14)
     with pytest.raises(ParameterError, match=r"^friction = 5 mm: must be a force"):
         TEXTS.at(1.0, "4 mm", friction="5 mm")
 
 
 def test_what_has_no_units_takes_numbers():
-    """Without M and K a text is refused, and so is a bare frequency where it could be cycles or radians."""
+    """Without M and K a text is refused, and so is a bare frequency that could be in cycles or radians."""
     plain = vi.Oscillator(xi=0.011, mu=0.04, restitution=0.75)
     with pytest.raises(ParameterError, match=r"^M = None: must be the primary mass for units"):
         vi.simulate(plain, "19.5 Hz", 28.0, cycles=1)

@@ -18,7 +18,7 @@ CERTAIN = 5e-9
 
 
 def bifurcations(osc, r, clearance):
-    """The bifurcations along the first motions that a search finds, to three times the clearance."""
+    """The bifurcations along the first motions that a search finds, up to three times the clearance."""
     found = vi.find(
         osc, r, clearance, max_impacts=3, max_cycles=1, guesses=24, states=4, releases=0
     )
@@ -101,7 +101,7 @@ def test_masses_that_leave_an_impact_together_must_part():
 
 
 def separations(motion):
-    """Speeds of separation after the impacts at which the gap accelerates least."""
+    """Separation speeds after the impacts at which the gap has the least acceleration."""
     apart = motion.pattern.signs * (motion.X_dot_after - motion.Z_dot_after)
     load = np.sin(motion.alpha + motion.load_phase)
     pull = load - 2 * motion.osc.xi * motion.X_dot_after - motion.X

@@ -1,4 +1,4 @@
-"""Zones against the closed form of the equispaced pair, their symmetries, and invalid input."""
+"""Zones compared with the closed form of the equispaced pair; their symmetries; invalid input."""
 
 import math
 import signal
@@ -22,7 +22,7 @@ def equispaced():
 
 
 def assert_closed_form(zone, r, clearance):
-    """Assert that points lie in a zone where the pair's verdicts say so; return whether they do."""
+    """Assert that the zone contains the points with a stable motion of the pair; return its answers."""
     inside = zone.contains(r, clearance)
     wrong = []
     for a, b, answer in zip(r.tolist(), clearance.tolist(), inside.tolist(), strict=True):
@@ -170,7 +170,7 @@ def test_a_fold_that_leaves_a_pitchfork(lines):
     ],
 )
 def test_borders_that_do_not_close_are_tried_again(xi, mu, restitution, lines):
-    """At a greater distance from the symmetric motions the zone closes, and needs no joint of loose ends."""
+    """At a larger distance from the symmetric motions the zone closes, without joining loose ends."""
     osc = vi.Oscillator(xi=xi, mu=mu, restitution=restitution)
     zone = vi.zone(osc, vi.Pattern("RL"), *WINDOW, symmetric=False, lines=lines, guesses=2)
     assert zone.closed
@@ -193,7 +193,7 @@ def test_borders_that_do_not_close_are_tried_again(xi, mu, restitution, lines):
     ],
 )
 def test_all_loops_close(xi, mu, restitution, sides):
-    """Five random zones close in which folds of motions already unstable were once taken for boundaries."""
+    """Five random zones close that have folds of unstable motions, which are easily mistaken for boundaries."""
     zone = vi.zone(vi.Oscillator(xi=xi, mu=mu, restitution=restitution), vi.Pattern(sides), *WINDOW)
     assert zone.closed
     assert len(zone.boundary) > 3
@@ -238,9 +238,9 @@ def test_seed_of_another_pattern():
 
 
 def test_an_interrupt_is_heard_within_a_call():
-    """Ctrl-C ends a long zone at once, not when the core is done."""
+    """Ctrl-C ends a long zone at once, not when the core has finished."""
     code = (
-        # names are imported when they are used: an interrupt of that is Python's, and numpy's import renames it
+        # names are imported on use: Python handles an interrupt during an import, and numpy's import renames it
         "from vibroimpact import Oscillator, Pattern, zone; "
         "osc, pattern = Oscillator(xi=0.0114, mu=0.028, restitution=0.5), Pattern('R*L*'); "
         "print('begin', flush=True); zone(osc, pattern, (0.5, 1.2), (0.5, 10))"
@@ -312,7 +312,7 @@ def test_motions_of_a_zone_belong_to_its_family():
     assert found
 
 
-#: Oscillator, pattern, a point where a simulation settled on the pattern, and a window around it.
+#: Oscillator, pattern, a point where a simulation settles on the pattern, and a window around it.
 HARD = [
     # few of the guesses with six impacts lead to a motion
     ((0.003488393605663722, 0.022610994224851556, 0.3051494846523276), "RRRLLL", 1,
@@ -345,7 +345,7 @@ def test_zones_that_newtons_method_at_nodes_misses(system, sides, cycles, point,
 
 
 def test_a_thin_zone_between_a_flip_and_a_neimark_sacker_point():
-    """A zone thinner than a step: on each side of it another multiplier is outside the unit circle."""
+    """A zone thinner than a step: on either side a different multiplier is outside the unit circle."""
     osc = vi.Oscillator(
         xi=0.027757398620042766, mu=0.13773267343919315, restitution=0.9586250802854672
     )
@@ -354,7 +354,7 @@ def test_a_thin_zone_between_a_flip_and_a_neimark_sacker_point():
 
 
 def test_a_boundary_that_folds_along_its_whole_length():
-    """Inside a fold with two cusps two stable motions coexist, the zone of which lies all around it."""
+    """Inside a fold with two cusps two stable motions coexist, whose zone surrounds the fold."""
     osc = vi.Oscillator(
         xi=0.0016522891629765835,
         mu=0.018259241210753042,
@@ -408,7 +408,7 @@ def test_the_motion_of_a_zone_is_stable_where_there_is_a_stable_one():
 
 
 def test_a_cascade_is_searched_once():
-    """Simulations show motions of many narrow zones of one sheet: its lines are followed once only."""
+    """Simulations show motions of many narrow zones of one sheet: their lines are followed only once."""
     osc = vi.Oscillator(
         xi=0.03237542623298211, mu=0.08068603519992577, restitution=0.4615499467330675
     )
@@ -424,7 +424,7 @@ def test_a_cascade_is_searched_once():
 
 
 def test_zones_at_resonances_of_higher_order():
-    """With little damping zones are narrow near r = 1/n: one lattice line lies there."""
+    """With little damping zones are narrow near r = 1/n: the lattice has a line there."""
     osc = vi.Oscillator(
         xi=0.0007955433930108345,
         mu=0.002113611800647377,

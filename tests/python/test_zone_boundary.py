@@ -134,7 +134,7 @@ def test_corners_meet_both_conditions(case):
 
 
 def test_impacts_follow_each_other(case):
-    """No flight has a negative duration; such solutions of the equations are no motions."""
+    """No flight has a negative duration; solutions with such flights are not motions."""
     for piece in case.boundary:
         assert (np.diff(piece.theta, axis=0) > 0).all()
         assert (piece.theta[-1] - piece.theta[0] < 2 * np.pi * case.pattern.cycles).all()
@@ -167,7 +167,7 @@ def letters_from(motion, cycles):
 
 @pytest.mark.parametrize(("osc", "pattern", "r", "clearance"), GRAZING)
 def test_grazing_pieces_against_simulation(osc, pattern, r, clearance):
-    """Inside a grazing piece a simulation keeps the pattern; outside there is one impact more."""
+    """Inside a grazing piece a simulation keeps the pattern; outside it there is one impact more."""
     zone = vi.zone(osc, pattern, r, clearance)
     pieces = [p for p in zone.boundary if p.type == "grazing" and len(p) > 6]
     assert pieces

@@ -1,4 +1,4 @@
-"""Zones of motions with elastic stops and friction, against closed forms, branches and simulations."""
+"""Zones of motions with elastic stops and friction, compared with closed forms, branches and simulations."""
 
 import itertools
 
@@ -10,9 +10,9 @@ from test_exact_elements import one_stop, settled
 
 
 def margin(b, zeta, f):
-    """By how much the force at a reversal of Den Hartog's oscillator is above the friction.
+    """The amount by which the force at a reversal of Den Hartog's oscillator exceeds the friction.
 
-    In half a period x = f + p(t) + h(t), the forced part p and the free part h. The motion at the end is minus
+    In half a period x = f + p(t) + h(t), with a forced part p and a free part h. The motion at the end is minus
     that at the beginning, so that h there is -h(0) - 2 f, and its rate minus that at the beginning. NaN where
     there is no such motion.
     """
@@ -33,7 +33,7 @@ def rough(zeta, f):
 
 
 def test_den_hartog_over_a_grid():
-    """Amplitudes by the closed form up to the border of stops, beyond which it sticks."""
+    """Amplitudes by the closed form up to the boundary of sticking, beyond which the mass sticks."""
     counts = {2: 0, 4: 0}
     for b, zeta, f in itertools.product(
         (0.6, 0.8, 0.95, 1.1, 1.4), (0.0, 0.05, 0.2), (0.05, 0.3, 0.6, 0.8)
@@ -49,7 +49,7 @@ def test_den_hartog_over_a_grid():
 
 
 def test_border_of_stops():
-    """The zone of motions without a stop ends where the closed form does."""
+    """The zone of motions without sticking ends where the closed form does."""
     motion = settled(rough(0.05, 0.3), vi.Load(0.8, cosine=[1.0]))
     zone = vi.zone(motion, ("frequency", 0.55, 1.6), ("slip", 0.02, 0.95), lines=9)
     assert zone.closed
@@ -80,7 +80,7 @@ def test_border_of_stops():
 
 
 def test_zone_of_contacts(tmp_path):
-    """It ends where the motion without contact just reaches the stop, and at the folds of branches."""
+    """The zone ends where the motion without contact just reaches the stop, and at the folds of branches."""
     s = one_stop(1.0, stiffness=10, damping=0.05)
     load = vi.Load(1.1, cosine=[0.3])
     motion = settled(s, load, 300)
@@ -144,14 +144,14 @@ def test_each_motion_counts_once():
 
 
 def backlash():
-    """A motion that is its own mirror image, with stops on both sides, and a plane."""
+    """A symmetric motion with stops on both sides, and a plane."""
     motion = vi.basins(BACKLASH, vi.Load(1.6, cosine=[1.0]), states=12).attractors[1].motion
     assert len(motion.gaps) == 4
     return motion, ("frequency", 1.3, 1.65), ("load", 0.98, 1.02)
 
 
 def slot():
-    """The same of the oscillator with friction in its slot, with a second border."""
+    """The same for the oscillator with friction in its slot, with a second boundary."""
     point = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75).at(1.04, 25.0, friction=0.05)
     motion = vi.exact(point, vi.simulate(point, cycles=300))
     return motion, ("frequency", 0.99, 1.1), ("slip", 0.02, 0.08)
@@ -159,7 +159,7 @@ def slot():
 
 @pytest.mark.parametrize("plane", [backlash, slot])
 def test_motions_that_are_their_own_image(plane):
-    """Where the mirror is lost is a pitchfork: the period, followed as a whole, has a multiplier 1 there."""
+    """The mirror symmetry is lost at a pitchfork: over the whole period a multiplier is 1 there."""
     motion, x, y = plane()
     zone = vi.zone(motion, x, y, lines=5)
     pieces = {piece.type: piece for piece in zone.boundary}
@@ -180,7 +180,7 @@ def test_motions_that_are_their_own_image(plane):
         near = np.abs(branch.values - place[0]).argmin()
         crossing = np.abs(branch.multipliers - 1).min(axis=0)
         assert crossing[near] < 1e-5
-        # it is stable on the side of the zone alone
+        # it is stable only on the side of the zone
         inside = zone.contains(branch.values, np.full(len(branch), place[1]))
         apart = np.abs(branch.values - place[0]) > 1e-5
         good = (branch.stable == 1) & (branch.admissible == 1)
@@ -190,7 +190,7 @@ def test_motions_that_are_their_own_image(plane):
 
 
 def test_chart_of_den_hartog():
-    """One motion at each point before the border of stops, with the amplitude of the closed form."""
+    """One motion at each point before the boundary of sticking, with the amplitude of the closed form."""
     pytest.importorskip("xarray")
     motion = settled(rough(0.05, 0.3), vi.Load(0.8, cosine=[1.0]))
     chart = vi.chart(motion, ("frequency", 0.6, 1.5), ("slip", 0.05, 0.95), points=5)
@@ -224,7 +224,7 @@ def test_chart_of_contacts():
 
 @pytest.mark.slow
 def test_stiff_stop_of_a_zone_becomes_a_wall():
-    """A zone with a stiff stop is closed by the conditions of the rigid one, away from it as k^(-1/2)."""
+    """A zone with a stiff stop has the boundary conditions of the rigid one, at a distance of order k^(-1/2)."""
     pair = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
     log, mass = -np.log(0.61), 0.028 / 1.028
 

@@ -18,12 +18,12 @@ def corners(zone, edge):
 
 
 def unequispaced(r, second):
-    """The motion whose second impact has a given phase, by the paper's linear problem, without iteration."""
+    """The motion whose second impact has a given phase, by the linear problem of the paper, without iteration."""
     return vi.periodic(TABLE, r, [0, second], vi.Pattern("RL"))
 
 
 def test_the_very_narrow_zone_of_figure_3_at_resonance():
-    """The width in D at r = 1 is that from flip to pitchfork, both by bisection of a multiplier."""
+    """The width in D at r = 1 is the distance from flip to pitchfork, both by bisection of a multiplier."""
     pattern = vi.Pattern("RL")
     zone = vi.zone(TABLE, pattern, (0.98, 1.02), (20, 60), symmetric=False)
     assert zone.closed
@@ -60,7 +60,7 @@ def test_the_very_narrow_zone_of_figure_3_at_resonance():
 
 
 def test_the_very_narrow_zone_of_figure_3_at_its_tip():
-    """The width in r at D = 37 is that from the flip to the fold, where r is stationary on the line D = 37."""
+    """The width in r at D = 37 is the distance from the flip to the fold, where r is stationary on this line."""
 
     def on_line(second):
         return brentq(lambda r: unequispaced(r, second).clearance - 37.0, 0.997, 0.9995, xtol=1e-15)
@@ -92,7 +92,7 @@ def test_the_very_narrow_zone_of_figure_3_at_its_tip():
     ],
 )
 def test_zones_close_where_a_fold_leaves_a_pitchfork(xi, mu, restitution):
-    """Zones close although near that point the equations are met to rounding over a wide range of positions."""
+    """Zones close although near that point the equations hold to rounding over a wide range of positions."""
     osc = vi.Oscillator(xi=xi, mu=mu, restitution=restitution)
     zone = vi.zone(osc, vi.Pattern("RL"), (0.7, 1.4), (1, 150), symmetric=False)
     assert zone.closed
@@ -103,8 +103,8 @@ def test_zones_close_where_a_fold_leaves_a_pitchfork(xi, mu, restitution):
 def impact_pair_limits(restitution, cycles):
     """D/A at the pitchfork and at the fold of the symmetric motion of the impact pair.
 
-    For mu = 0 the primary mass follows X = A sin(theta), theta = r t + tau, whatever the impacts do. The free
-    mass flies with speed w from the right wall to the left one, and back; k cycles and half of them between.
+    For mu = 0 the primary mass follows X = A sin(theta), theta = r t + tau, independent of the impacts. The free
+    mass flies with speed w from the right wall to the left one in k/2 cycles, and back.
     An impact at the right wall at theta = p and the next flight give, with V = A r cos(p),
         w = R w - (1 + R) V,   2 A sin(p) + D = k pi w/r,
     so cos(p) + 2 q sin(p) = -q D/A with q = (1 - R)/((1 + R) k pi). Two solutions merge where

@@ -27,7 +27,7 @@ def attractors(osc, r, clearance, count, seed=0):
         x, x_dot, z_dot, y = rng.uniform(-1, 1, 4) * [3, 3, 3, 0.49] * clearance
         start = state(0.0, x, x_dot, x + y, z_dot)
         run = vi.simulate(osc, r, clearance, 16, start, discard=1500)
-        with contextlib.suppress(vi.errors.VibroimpactError):  # one that does not settle
+        with contextlib.suppress(vi.errors.VibroimpactError):  # a run that does not settle
             motion = vi.exact(osc, r, clearance, run)
             found[motion.pattern.sides, round(float(motion.X[0]), 6)] = motion
     return list(found.values())
@@ -45,7 +45,7 @@ def stroboscopic_multipliers(motion, size):
 
 @pytest.mark.parametrize(("r", "clearance"), [(0.98828677, 5.503184141), (0.9084234, 0.890988794)])
 def test_verdict_beside_a_grazing(r, clearance):
-    """Within 1e-4 of a grazing `stable` agrees with the growth of small disturbances in a simulation.
+    """Within 1e-4 of a grazing `stable` agrees with the growth of small perturbations in a simulation.
 
     The points were found by an audit with an independent program: R*LLLL is stable there.
     """
@@ -71,7 +71,7 @@ def test_a_simulated_motion_with_rest_is_not_denied():
 
 
 def power_of_rest(restitution):
-    """Return the exponent of the power law of the rest's duration near the end of its family.
+    """Return the exponent of the power law for the duration of the rest near the end of its family.
 
     An accumulation of impacts with a closing acceleration that falls linearly through zero has a
     self-similar limit: after each impact the time s that is left shrinks by 1 - tau, and a
@@ -127,7 +127,7 @@ def settled(motion, r, clearance, discard=400):
 
 
 def least_force(motion):
-    """Return the least contact force inside the rests of a motion, over the greatest one, by samples."""
+    """Return the least contact force inside the rests of a motion, relative to the greatest one, by samples."""
     events = motion.events
     least = 1.0
     for i in np.flatnonzero(events["kind"] == "stick"):
@@ -136,7 +136,7 @@ def least_force(motion):
         time = np.linspace(begin, end, 4001)
         x, x_dot = motion.sample(np.mod(time, motion.period))[:2]
         phase = motion.r * time + float(events["phase"][0]) - motion.r * float(events["time"][0])
-        force = np.sin(phase) - 2 * motion.osc.xi * x_dot - x  # of the load, spring and dashpot
+        force = np.sin(phase) - 2 * motion.osc.xi * x_dot - x  # load, spring and dashpot
         force *= -1 if events["side"][i] == "R" else 1
         dips = force[1:-1][(force[1:-1] < force[:-2]) & (force[1:-1] < force[2:])]
         if dips.size:
@@ -145,7 +145,7 @@ def least_force(motion):
 
 
 def test_a_rest_splits_on_the_boundary():
-    """A zone closes where the contact force touches zero inside a rest, and the rest becomes two beyond.
+    """A zone closes where the contact force touches zero inside a rest; beyond it there are two rests.
 
     That boundary meets the one where the gap closes again after the release in a cusp.
     """
@@ -159,7 +159,7 @@ def test_a_rest_splits_on_the_boundary():
     assert "rest_splits" in kinds
     assert "joint" not in kinds
     piece = max((p for p in zone.boundary if p.type == "rest_splits"), key=len)
-    # towards the cusp both boundaries are ever nearer to each other
+    # towards the cusp the boundaries approach each other
     for i in np.argsort(-piece.r)[[2, 5, 8]]:
         r, edge = float(piece.r[i]), float(piece.clearance[i])
         low, high = zone.count(r, [edge * (1 - 1e-4), edge * (1 + 1e-4)])
@@ -180,9 +180,9 @@ def test_a_rest_splits_on_the_boundary():
 
 @pytest.mark.slow
 def test_a_boundary_that_turns_round_encloses_nothing():
-    """Where the surface of motions ends without a condition the boundary is open: no loop is its own way back.
+    """Where the surface of motions ends without a condition the boundary is open: no loop retraces its own path.
 
-    Here impacts that accumulate begin to graze; a loop that came back passed each of its corners twice.
+    Here accumulating impacts begin to graze; a loop that returned would pass each of its corners twice.
     """
     osc = vi.Oscillator(
         xi=0.002, mu=0.0162069554296606, restitution=(0.6998675374205895, 0.4365646045162401)
@@ -193,7 +193,7 @@ def test_a_boundary_that_turns_round_encloses_nothing():
         corners = [(p.r[0], p.clearance[0]) for p in zone.boundary if p.loop == loop]
         for i, corner in enumerate(corners):
             assert all(np.hypot(*np.subtract(corner, other)) > 1e-7 for other in corners[:i])
-    # what is not known lies in a strip; the zone is closed along its edges
+    # the undecided part is a strip; the zone is closed along its edges
     assert not zone.closed
     assert {piece.detail for piece in zone.boundary if piece.type == "cut"} == {"r"}
     assert all(0.198 < q.r.min() <= q.r.max() < 0.202 for q in zone.open_boundary)
@@ -204,7 +204,7 @@ def test_a_boundary_that_turns_round_encloses_nothing():
 
 @pytest.mark.slow
 def test_a_bounce_that_touches_bounds_a_zone():
-    """Where a bounce of an accumulation begins to touch the wall a zone ends, and it closes beside the loose ends.
+    """A zone ends where a bounce of an accumulation begins to touch the wall, and closes near the loose ends.
 
     On one side of the boundary the motion from the same release has one impact more, a weak one while the
     acceleration opens the gap. Outside the strips of the loose ends verdicts agree with simulations.
@@ -237,9 +237,9 @@ def test_a_bounce_that_touches_bounds_a_zone():
 
 @pytest.mark.parametrize("walls", [(0.75, 0.0), (0.0, 0.0)])
 def test_zones_of_rest_without_restitution(walls):
-    """With R = 0 one impact is the accumulation; the boundary where its rest vanishes has two sides.
+    """With R = 0 a single impact is the accumulation; the boundary where its rest vanishes has two sides.
 
-    There the masses stay together on one side and part on the other one: the zone of the pattern without this
+    The masses stay together on one side and part on the other: the zone of the pattern without this
     rest, which comes from the equations of motions without rest, has the same boundary.
     """
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=walls)
@@ -287,7 +287,7 @@ def test_a_zone_that_simulations_reach_slowly():
 
 @pytest.mark.slow
 def test_long_accumulations():
-    """A zone is found although an accumulation of R = 0.98 has 800 impacts a cycle."""
+    """A zone is found although an accumulation with R = 0.98 has 800 impacts per cycle."""
     osc = vi.Oscillator(
         xi=0.027702308414662674, mu=1.1994445585977482,
         restitution=(0.9771757564531268, 0.2980283841557604),
@@ -319,7 +319,7 @@ def test_a_narrow_zone_closes_where_a_fold_meets_the_end_of_rest():
     ],
 )  # fmt: skip
 def test_zones_hold_the_attractors_with_rest(parameters, sides, r, clearance):
-    """A point at which simulations settle on a motion lies in the zone of its pattern."""
+    """A point at which simulations settle on a motion is in the zone of its pattern."""
     osc = vi.Oscillator(**dict(zip(("xi", "mu", "restitution"), parameters, strict=True)))
     names = {sides[j:] + sides[:j] for j in range(len(sides))}
     assert names & {motion.pattern.sides for motion in attractors(osc, r, clearance, 6)}
@@ -330,7 +330,7 @@ def test_zones_hold_the_attractors_with_rest(parameters, sides, r, clearance):
 
 @pytest.mark.parametrize("share", [1.02, 1.0, 0.995, 0.99, 0.988])
 def test_a_motion_with_rest_may_have_any_number_of_impacts(share):
-    """Beyond the 24 symbols of a zone, too, multipliers are those of small disturbances in a simulation."""
+    """Patterns beyond the 24 symbols of a zone also have the multipliers of small perturbations in simulations."""
     osc = vi.Oscillator(
         xi=0.005237033396, mu=0.267405956, restitution=(0.6664908148, 0.789348612516)
     )

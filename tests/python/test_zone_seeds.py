@@ -61,7 +61,7 @@ def test_a_narrow_zone_contains_its_seed(narrow_seed, lines):
     ],
 )  # fmt: skip
 def test_zones_of_a_seed_alone_contain_it(xi, mu, restitution, r, clearance, sides):
-    """With five lines each way and no guesses, the lines through the seed lead to its zone."""
+    """With five lines in each direction and no guesses, the lines through the seed lead to its zone."""
     osc = vi.Oscillator(xi=xi, mu=mu, restitution=restitution)
     motions = stable_motions(osc, r, clearance, max_impacts=4, max_cycles=1)
     motions = [m for m in motions if m.pattern.sides == sides]
@@ -98,7 +98,7 @@ def test_a_zone_at_resonance_closes_where_a_fold_leaves_a_pitchfork():
 
 @pytest.fixture(scope="module")
 def unclosed():
-    """A zone whose boundary is cut short, and the same one whole."""
+    """A zone whose boundary is cut short, and the complete zone."""
     pattern = vi.Pattern("RL")
     return (
         vi.zone(FIGURE6, pattern, *WINDOW, symmetric=True, max_points=100),
@@ -107,7 +107,7 @@ def unclosed():
 
 
 def test_an_open_boundary_is_kept_and_told(unclosed):
-    """The part traced in both directions is kept, lies on the boundary, and is reported as open."""
+    """The part traced in both directions is kept, is on the boundary, and is reported as open."""
     cut, whole = unclosed
     assert not cut.closed
     assert cut.open_boundary
@@ -137,7 +137,7 @@ def test_membership_beside_an_open_boundary_is_undecided(unclosed):
 
 
 def test_a_seed_within_no_closed_boundary_is_named():
-    """A seed in no closed boundary, because of too few points, is not contained but named by the result."""
+    """A seed in no closed boundary, for lack of points, is not contained, but named by the result."""
     seed = next(m for m in vi.equispaced(FIGURE6, 1.04, 25.0) if m.stable)
     zone = vi.zone(FIGURE6, vi.Pattern("RL"), *WINDOW, symmetric=True, max_points=100, seeds=[seed])
     assert not zone.closed
@@ -153,8 +153,8 @@ def test_a_seed_within_no_closed_boundary_is_named():
 def test_a_boundary_is_followed_round_a_narrow_tongue():
     """Both sides of a tongue of unstable motions, 1.2e-3 wide in r, between two flips.
 
-    Found by an independent program: a trace that came back along the other side of the tongue was
-    taken for closed. The flips are those of the branch along r at d K/F0 = 33.
+    Found by an independent program: a trace that returned along the other side of the tongue was
+    mistaken for closed. The flips are those of the branch along r at d K/F0 = 33.
     """
     osc = vi.Oscillator(
         xi=0.0012213737261727341,
