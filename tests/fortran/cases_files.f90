@@ -1,4 +1,4 @@
-!> Texts of files: what is written in any of their forms is read back, and faults are named by line.
+!> Texts of files: whatever is written in any format is read back, and errors are named by line.
 module cases_files
    use, intrinsic :: ieee_arithmetic, only: ieee_negative_inf, ieee_value
    use checks, only: check
@@ -48,7 +48,7 @@ contains
       close (i, status='delete')
    end subroutine test_files
 
-   !> A text is its parts with the separators between them.
+   !> A text consists of its parts with the separators between them.
    subroutine test_split(n)
       integer, intent(in) :: n
       type(line_type), allocatable :: parts(:)
@@ -119,7 +119,7 @@ contains
 
    end subroutine test_namelist
 
-   !> A name that the text ends with is named as it stands.
+   !> A name at the end of the text is named as it is.
    subroutine test_open_group()
       type(group_type), allocatable :: groups(:)
       character(:), allocatable :: message
@@ -227,7 +227,7 @@ contains
       end if
    end function bytes_of
 
-   !> Writes a file in NumPy's format of a version.
+   !> Writes a file in a given version of NumPy's format.
    subroutine write_numpy(first, order, shape_text, bytes, version)
       character(*), intent(in) :: first, order, shape_text, bytes
       integer, intent(in) :: version
@@ -247,7 +247,7 @@ contains
          char(len(head)/256)//repeat(char(0), merge(0, 2, version == 1))//head//bytes)
    end subroutine write_numpy_of
 
-   !> The file is read as the rows of a matrix.
+   !> Reads the file as the rows of a matrix.
    subroutine check_matrix(matrix, what)
       real(wp), intent(in) :: matrix(:, :)
       character(*), intent(in) :: what
@@ -296,7 +296,7 @@ contains
       if (size(times) == n) call check(all(abs(times - time) <= 0), 'times of samples')
    end subroutine test_samples
 
-   !> Adds to a text. The stack that a compiler takes for the result is free again after the call.
+   !> Adds to a text. The stack that a compiler uses for the result is free again after the call.
    subroutine add(text, more)
       character(:), allocatable, intent(inout) :: text
       character(*), intent(in) :: more
@@ -304,7 +304,7 @@ contains
       text = text//more
    end subroutine add
 
-   !> The first line that is wrong is named, with what it must hold.
+   !> The first invalid line is named, with its requirement.
    subroutine test_wrong_matrices()
       character(*), parameter :: outside(*) = [character(5) :: '3 1', '1 3', '0 1', '1 0', &
          '1.5 1', '1 1.5']
@@ -359,7 +359,7 @@ contains
          &NumPy file')
    end subroutine test_wrong_matrices
 
-   !> What is wrong with a file in NumPy's format: its header may reach to its end.
+   !> Errors in a file in NumPy's format: its header may extend to its end.
    subroutine test_wrong_numpy()
       call refuse_numpy('True', '(1,)', 0, 'it has 0 bytes of numbers; must be 8')
       call refuse_numpy('True', '(2)', 3, 'it has 24 bytes of numbers; must be 16')
@@ -410,7 +410,7 @@ contains
       end do
    end subroutine test_infinite_numbers
 
-   !> The message about a file in NumPy's format with so many numbers.
+   !> The message about a file in NumPy's format with a given number of values.
    subroutine refuse_numpy(order, shape_text, n, expected)
       character(*), intent(in) :: order, shape_text, expected
       integer, intent(in) :: n
@@ -437,7 +437,7 @@ contains
       call check(message == expected, expected//', not '//message)
    end subroutine check_refused
 
-   !> The first fault of a table of samples is named: at most 2 columns and 6 numbers.
+   !> The first error in a table of samples is named: at most 2 columns and 6 numbers.
    subroutine test_wrong_samples()
       call refuse_samples('1 2|3|4 5|', &
          'line 2: must contain 2 finite numbers, like the lines before')
@@ -447,7 +447,7 @@ contains
       call refuse_samples('1 2|3 nan|', &
          'line 2: must contain 2 finite numbers, like the lines before')
       call refuse_samples('2*1|', 'line 1: must contain finite numbers, at most 2')
-      ! a first line of names is passed over, but these words are meant as numbers
+      ! a first line of names is skipped, but these words are meant as numbers
       call refuse_samples('NaN 1|2 3|', 'line 1: must contain finite numbers, at most 2')
       call refuse_samples('Infinity 1|2 3|', 'line 1: must contain finite numbers, at most 2')
       call refuse_samples('"|1 2|', 'line 1: must contain finite numbers, at most 2')
@@ -469,7 +469,7 @@ contains
          'it has 7 rows and 1 columns; must be 1 to 6 rows and 1 to 2 columns')
    end subroutine test_wrong_samples
 
-   !> Comments may stand between the samples, and as many numbers as allowed are.
+   !> Comments may appear between the samples, up to the allowed number of values.
    subroutine test_comments_between()
       real(wp), allocatable :: numbers(:), times(:)
       character(:), allocatable :: message
@@ -511,8 +511,8 @@ contains
       call check(full == expected .and. len(full) == len(expected), expected//', not '//full)
    end subroutine check_path
 
-   !> A text file has line feeds at the ends of its lines whatever it had; a folder and a missing
-   !! file are no texts.
+   !> A text file has line feeds at the ends of its lines, whatever it had; a folder and a missing
+   !! file are not texts.
    subroutine test_texts()
       character(:), allocatable :: text, message
 
@@ -548,7 +548,7 @@ contains
       call check(columns == 0, 'a table that is refused has no columns')
    end subroutine refuse_samples
 
-   !> A list may be given in parts in any order, without gaps, and each place once.
+   !> A list may be given in parts in any order, without gaps, and each position once.
    subroutine test_lists_in_parts()
       call check_list('n(3:4) = 3, 4|n(1) = 1|n(2) = 2|n(5:) = 5, 6', 6, '', 0)
       call check_list('n = 1, 2|n(3) = 3', 3, '', 0)
@@ -556,7 +556,7 @@ contains
       call check_list('n(2) = 2|n(9) = 9|n(1:2) = 1, 2', 0, 'was given before, in line 1', 3)
    end subroutine test_lists_in_parts
 
-   !> Reads assignments in lines that end with |: the numbers 1 to n, or a fault.
+   !> Reads assignments in lines that end with |: the numbers 1 to n, or an error.
    subroutine check_list(text, n, fault, line)
       character(*), intent(in) :: text, fault
       integer, intent(in) :: n, line
@@ -578,7 +578,7 @@ contains
       if (size(numbers) == n) call check(all(numbers == [(i, i=1, n)]), 'numbers of such a list')
    end subroutine check_list
 
-   !> Only a number that would be rounded to 0 is said to be one.
+   !> Only a number that would be rounded to 0 is reported as such.
    subroutine test_near_zero()
       character(8), parameter :: texts(*) = [character(8) :: '1e-5000', '-.1d-999', 'xe-999', &
          '1e-5x', '1e5000', '1x-999', 'e-999']
@@ -603,7 +603,7 @@ contains
       call check(printable(letters) == letters, 'letters of two to four bytes')
    end subroutine test_printable
 
-   !> Names of results: no hidden files, no paths, no characters that cannot be seen.
+   !> Names of results: no hidden files, no paths, no invisible characters.
    subroutine test_names()
       character(*), parameter :: wide = char(226)//char(129)
       integer :: i
@@ -640,7 +640,7 @@ contains
       call check((values%fault == '') .eqv. accepted, 'the name '//name)
    end subroutine check_name
 
-   !> An assignment is refused, and the reason holds some words or does not.
+   !> An assignment is refused, and the reason contains given words, or does not.
    subroutine check_fault(key, text, words, holds)
       type(key_type), intent(in) :: key
       character(*), intent(in) :: text, words
@@ -656,7 +656,7 @@ contains
          text//': '//values%fault)
    end subroutine check_fault
 
-   !> Writes the file that is read next.
+   !> Writes the file for the next read.
    subroutine write_file(text)
       character(*), intent(in) :: text
       integer :: unit

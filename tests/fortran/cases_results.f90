@@ -26,7 +26,7 @@ contains
       call test_csv()
    end subroutine test_results
 
-   !> A result that a caller has filled has rows if each column that is listed has a value in each:
+   !> A result that a caller has filled has rows if each listed column has a value in each row:
    !! it is in the table of the rows, in one to which they belong, or in one without dimensions.
    subroutine test_rows()
       character(8), parameter :: tables(4) = [character(8) :: 'items', 'groups', 'run', 'others']
@@ -40,7 +40,7 @@ contains
          do k = 1, size(tables)
             call start_result([line_type ::], [column_type('items', 'number'), &
                column_type(tables(k), 'other', listed=listed)], 'items', result)
-            ! the order of the tables does not matter, except that a parent comes first
+            ! the order of the tables does not matter, except that parents come first
             do first = 1, 2
                if (first == 1 .eqv. btest(i, 2)) call result%open('run', '', [integer ::])
                if (first == 1 .eqv. btest(i, 3)) call result%open('others', 'other', [3])
@@ -56,7 +56,7 @@ contains
       end do
    end subroutine test_rows
 
-   !> Texts are found at the places at which they were added, however many there are.
+   !> Texts are found at the positions at which they were added, however many there are.
    subroutine test_dictionary()
       integer, parameter :: n = 300
       type(dictionary_type) :: dictionary
@@ -80,7 +80,7 @@ contains
       end do
    end subroutine test_dictionary
 
-   !> Numbers with all digits, also those that are not finite, and the end of a message.
+   !> Numbers with all digits, including those that are not finite, and the end of a message.
    subroutine test_exact()
       character(30) :: text
 
@@ -88,7 +88,7 @@ contains
       call check(exact(-2.0_wp) == '-2.0000000000000000E+000', 'exact: -2')
       call check(exact(ieee_value(1.0_wp, ieee_quiet_nan)) == 'NaN' .and. &
          len(exact(ieee_value(1.0_wp, ieee_quiet_nan))) == 3, 'exact: not a number')
-      ! a compiler may write either
+      ! compilers write either
       text = exact(ieee_value(1.0_wp, ieee_negative_inf))
       call check(any(text == ['-Infinity', '-Inf     ']) .and. &
          len(exact(ieee_value(1.0_wp, ieee_negative_inf))) == len_trim(text), 'exact: infinite')
@@ -97,8 +97,8 @@ contains
       call check(last_part('No such file') == 'No such file', 'a message in one part')
    end subroutine test_exact
 
-   !> A result with columns of all kinds as CSV: header and rows, of one table and those to which it
-   !! belongs, without columns that are not listed and rows with a value that says so.
+   !> A result with columns of all kinds as CSV: header and rows, of one table and its parents,
+   !! without columns that are not listed and rows that are marked to be left out.
    subroutine test_csv()
       type(result_type) :: result
       type(line_type), allocatable :: lines(:)
@@ -169,7 +169,7 @@ contains
       call check(size(places) == 4, 'all whole numbers')
       if (size(places) == 4) call check(all(places == [1, 2, 3, 4]), 'whole numbers')
    contains
-      !> Adds a row to the text that is expected.
+      !> Adds a row to the expected text.
       subroutine add_row(first, middle, group, last)
          character(*), intent(in) :: first, middle, group, last
 

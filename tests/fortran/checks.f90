@@ -7,7 +7,7 @@ module checks
 
    public :: check, check_close, finish
 
-   !> The most failures to print, since a law may fail for thousands of systems.
+   !> The largest number of failures to print, since a law may fail for thousands of systems.
    integer, parameter :: printed = 25
    integer :: passed = 0, failed = 0
 

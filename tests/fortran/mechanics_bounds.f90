@@ -1,5 +1,5 @@
-!> Each bound that proves something, against the extreme that it bounds: sampled densely, by another
-!! formula where there is one. A bound must hold, and must not be much too large.
+!> Each bound used in a proof, compared with the extreme that it bounds, from dense samples or
+!! another formula. A bound must hold, and must not be much too large.
 module mechanics_bounds
    use checks, only: check
    use random_numbers, only: draw, draw_integer, draw_log, random_type
@@ -18,7 +18,7 @@ module mechanics_bounds
 
    type(random_type) :: random
 
-   !> A flight in closed form, and the same flight as the march sees it.
+   !> A flight in closed form, and the same flight in the form of the march.
    type :: both_type
       type(flight_type) :: flight
       type(transition_type) :: m
@@ -55,7 +55,7 @@ contains
       xi = draw_log(random, 1e-4_wp, most_damped)
       r = draw_log(random, 0.1_wp, 10.0_wp)
       amplitude = merge(draw_log(random, 0.01_wp, 10.0_wp), 0.0_wp, forced)
-      ! the tables do not ask whether gain and lag are those of the oscillator
+      ! the tables do not require that gain and lag are those of the oscillator
       lag = draw(random, 0.0_wp, pi)
       phase = draw(random, 0.0_wp, 2*pi)
       b%s = sin(phase)
@@ -71,7 +71,7 @@ contains
       b%at = moment_of(b%m, b%s, b%c, b%x, b%x_dot, 0.0_wp, 0.0_wp)
    end subroutine draw_both
 
-   !> Bounds on derivatives from a time on, against many samples after it.
+   !> Bounds on derivatives from a time on, compared with many samples after it.
    subroutine check_amplitudes(free, forced)
       logical, intent(in) :: free, forced
       integer, parameter :: samples = 1500
@@ -96,7 +96,7 @@ contains
       call check(all(most([0, 4, 5]) <= bounds*(1 + 1e-12_wp)), 'bounds: of orders 0, 4 and 5')
       call check(maxval(abs(bounds/bound([0, 4, 5]) - 1)) < 1e-9_wp, 'bounds: one and the other')
       if (free .and. forced) return
-      ! one part alone, hardly damped, comes near its amplitude
+      ! a single, nearly undamped part comes near its amplitude
       call check(all(bound <= 1.1_wp*most), 'bounds: of one part are its amplitudes')
       t = 0.5_wp*span
       most = 0
@@ -109,8 +109,8 @@ contains
       call check(all(bound <= 1.1_wp*most), 'bounds: which are no larger than needed')
    end subroutine check_amplitudes
 
-   !> The cubics of all cells, against x, x' and the quotient at the start: their errors are within
-   !! the bounds, and come near them in some cell.
+   !> The cubics of all cells, compared with x, x' and the quotient at the start: their errors are
+   !! within the bounds, and come near them in some cell.
    subroutine check_cubics(free, forced)
       logical, intent(in) :: free, forced
       integer, parameter :: samples = 24
@@ -146,7 +146,7 @@ contains
       end if
    end subroutine check_cubics
 
-   !> |value - approximation| beyond rounding, over a bound.
+   !> |value - approximation| beyond rounding, divided by a bound.
    pure real(wp) function excess(value, approximation, slack, bound)
       real(wp), intent(in) :: value, approximation, slack, bound
 
@@ -169,7 +169,7 @@ contains
       value = b(1)
    end function cubic
 
-   !> What `falls` proves of k = gap/t is true, and what is clearly true it proves.
+   !> What `falls` proves of k = gap/t is true, and clearly true cases are proven.
    subroutine check_falls()
       integer, parameter :: samples = 200
       type(both_type) :: b
@@ -181,7 +181,7 @@ contains
       do i = 1, 8000
          call draw_system(b)
          side = 2*draw_integer(random, 0, 1) - 1
-         ! much longer than a bounce: there the bound on the remainder decides
+         ! much longer than a bounce: the bound on the remainder decides there
          end = draw_log(random, 0.02_wp, 5.0_wp)/max(1.0_wp, b%m%r)
          speed = draw_log(random, 0.01_wp, 2.0_wp)*0.5_wp*end*abs(acceleration(b))
          k = series(b%m, b%load, b%s, b%c, b%x, b%x_dot, side, speed)
@@ -217,8 +217,8 @@ contains
       call check(proved > 800 .and. clear > 400, 'bounce: both were seen')
    end subroutine check_falls
 
-   !> The worst k that four Taylor coefficients and the bound on k'''' allow decides what `falls`
-   !! proves, where no coefficient but the first two is negative.
+   !> The worst k that four Taylor coefficients and the bound on k'''' allow decides the answer of
+   !! `falls` where only the first two coefficients may be negative.
    subroutine check_worst_gaps()
       type(both_type) :: b
       real(wp) :: k(0:8), end, rest, room(2)
@@ -230,7 +230,7 @@ contains
          end = draw_log(random, 0.02_wp, 5.0_wp)
          ! k'''' is bounded by a fifth of the bound on x'''''
          rest = 0.2_wp*derivative_bound(b%flight, 5, 0.0_wp)*end**3
-         ! how much k' and k at the end may grow beyond their cubics, over what the bound allows
+         ! possible growth of k' and k at the end beyond their cubics, over what the bound allows
          room = [draw_log(random, 0.2_wp, 5.0_wp), draw_log(random, 0.2_wp, 5.0_wp)]
          k = 0
          k(2) = draw(random, 0.0_wp, 1.0_wp)*rest/end
@@ -246,8 +246,8 @@ contains
    end subroutine check_worst_gaps
 
    !> Where the cubic of x' in a cell is a constant, x' differs from it by its whole error. A
-   !! direction of z - x is given only where its slope has this sign throughout the cell, and is
-   !! given where the slope exceeds twice the bound on the error.
+   !! direction of z - x is returned only where its slope has this sign throughout the cell, and
+   !! is returned where the slope exceeds twice the bound on the error.
    subroutine check_worst_slopes()
       integer, parameter :: samples = 24
       type(both_type) :: b
@@ -271,7 +271,7 @@ contains
             b%at%free_dot + b%m%r*b%at%cosine, 0.0_wp, 0.0_wp, 1.0_wp)
          bounds = bounds_after(b%m, b%at)
          error = bounds(2)*b%m%error(size)
-         ! below it rounding decides
+         ! rounding decides below it
          if (error < 1e-12_wp*(abs(level) + bounds(0))) cycle
          slope = draw_log(random, 1e-3_wp, 10.0_wp)*error
          if (draw_integer(random, 0, 1) == 1) slope = -slope
@@ -297,7 +297,7 @@ contains
       call check(wrong > 200, 'march: slopes that change sign were seen')
    end subroutine check_worst_slopes
 
-   !> A direction is given only where the slope of z - x does not fall below an eighth of its
+   !> A direction is returned only where the slope of z - x does not fall below an eighth of its
    !! maximum within the cell.
    subroutine check_ratio(b, a, size)
       type(both_type), intent(inout) :: b
@@ -319,7 +319,7 @@ contains
          d = derivatives(b%flight, a*b%m%h + j*h/samples)
          slopes(j) = d(1)
       end do
-      ! the least slope is zero, or some share of the greatest one
+      ! the least slope is zero, or a fraction of the greatest one
       b%at%z_dot = minval(slopes) - draw(random, -0.2_wp, 0.3_wp)*(maxval(slopes) - minval(slopes))
       if (draw_integer(random, 0, 1) == 1) b%at%z_dot = maxval(slopes) + minval(slopes) - b%at%z_dot
       slopes = b%at%z_dot - slopes
@@ -328,7 +328,7 @@ contains
          - 1e-12_wp*bounds(0), 'march: no slope is much smaller than another one')
    end subroutine check_ratio
 
-   !> A state that three equations leave, scaled to 1: the minors of the matrix, with signs.
+   !> A state that satisfies three equations, scaled to 1: the minors of the matrix, with signs.
    pure subroutine null_vector(equations, at)
       real(wp), intent(in) :: equations(3, 4)
       type(moment_type), intent(out) :: at
@@ -351,7 +351,7 @@ contains
       at%cosine = v(4)
    end subroutine null_vector
 
-   !> A short flight that is proved to return to its wall is found by its own series, to the last
+   !> A short flight that provably returns to its wall is found by its own series, to the last
    !! digits of its duration.
    subroutine check_bounces()
       type(both_type) :: b
@@ -447,7 +447,7 @@ contains
             d = derivatives(b%flight, t)
             call check(abs(b%at%z + b%at%z_dot*t - d(0)) < half*(1 + 1e-12_wp), 'idle: no contact')
          end do
-         ! a free mass without velocity comes to no wall
+         ! a free mass without velocity reaches no wall
          b%at%z_dot = 0
          call check(idle_time(b%m, b%at, half) >= huge(1.0_wp), 'idle: for ever')
       end do

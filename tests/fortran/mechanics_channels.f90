@@ -1,5 +1,5 @@
-!> The bounds that prove that a row of a structure stays within its limits, against the extremes
-!! that they bound, and the search that rests on them against dense samples.
+!> The bounds that prove that a row of a structure stays within its limits, compared with the
+!! extremes that they bound, and the search that uses them, compared with dense samples.
 module mechanics_channels
    use checks, only: check, check_close
    use random_numbers, only: draw, draw_integer, draw_log, fill, random_type
@@ -103,7 +103,7 @@ contains
    end subroutine test_pair
 
    !> A pair far above critical damping: its bounds hold from its start on, are at most some times
-   !! what it reaches however small its stiffness is, and tend to those without stiffness. They
+   !! its extremes, however small its stiffness is, and tend to those without stiffness. They
    !! shrink by no more than the factor with which the search estimates bounds of higher orders.
    subroutine test_heavy_damping()
       integer, parameter :: samples = 400
@@ -149,8 +149,8 @@ contains
       call check_close(of_fourth(1)/of_x, 1.0_wp, 1e-9_wp, 'heavy damping: fourth derivatives')
    end subroutine test_heavy_damping
 
-   !> A mass with a tiny stiffness, with and without a dashpot and a constant force, is found to hit
-   !! a wall or not as without stiffness, at the same time, and in as few steps.
+   !> A mass with a tiny stiffness, with and without a dashpot and a constant force, hits or misses a
+   !! wall as without stiffness, at the same time, and in as few steps.
    subroutine test_tiny_stiffness()
       type(structure_type) :: structure
       type(load_type) :: load
@@ -185,7 +185,7 @@ contains
       end do
    end subroutine test_tiny_stiffness
 
-   !> Pairs side by side against one after the other, and with the same bits in wide registers.
+   !> Pairs side by side, compared with one by one, with the same bits in wide registers.
    subroutine check_advance()
       type(modes_type) :: modes
       real(wp), allocatable, dimension(:) :: x, v, x_now, v_now, x_wide, v_wide
@@ -239,8 +239,8 @@ contains
          all(transfer(v_wide, [0]) == transfer(v_now, [0])), 'advance: the same bits')
    end subroutine check_advance
 
-   !> All other procedures for pairs have the same bits in wide registers; their sums are those of
-   !! the derivatives, taken in any order.
+   !> All other procedures for pairs give the same bits in wide registers; their sums are those of
+   !! the derivatives, in any order.
    subroutine check_registers()
       real(wp), allocatable :: pair(:, :), map(:, :), x(:, :), v(:, :)
       real(wp) :: duration, sums(2, 2), total(0:4, 2), exact(4), most(4)
@@ -308,7 +308,7 @@ contains
    end subroutine check_registers
 
    !> Sums of squares of bounds on pairs: of no force, and of a free mass with forces, they bound
-   !! what the pairs reach; signs do not matter, and many pairs have the sum of each.
+   !! the extremes of the pairs; signs do not matter, and many pairs have the sum of each.
    subroutine check_sizes()
       type(modes_type) :: modes
       real(wp), allocatable, dimension(:) :: x, v, x_now, v_now, sign_of
@@ -370,8 +370,8 @@ contains
       end subroutine sizes
    end subroutine check_sizes
 
-   !> Bounds on the fourth derivatives of pairs under growing forces, against the derivatives that
-   !! the equations give; an undamped pair comes near them.
+   !> Bounds on the fourth derivatives of pairs under growing forces, compared with derivatives from
+   !! the equations; an undamped pair comes near them.
    subroutine check_driven()
       integer, parameter :: n = 7, samples = 200
       type(modes_type) :: modes
@@ -472,7 +472,7 @@ contains
 
       call draw_chain(kind, merge(1.0_wp, draw(random, 0.0_wp, 1.0_wp), kind == 0), &
          merge(1e-5_wp, 0.5_wp, kind < 2), regime, x, v, phase, [integer ::])
-      ! then the harmonic is all there is
+      ! then only the harmonic is left
       if (kind == 1) then
          x = regime%modes%force/regime%modes%stiffness
          v = 0
@@ -531,7 +531,7 @@ contains
       end do
    end subroutine check_constants
 
-   !> A search that is interrupted, and goes on each time, finds the same event with the same bits,
+   !> A search that is interrupted and resumed repeatedly finds the same event with the same bits,
    !! and leaves the same pace for the next flight; each of its parts is short.
    subroutine test_interrupted()
       integer, parameter :: samples = 3000, patience = 100, most_in_cells = 64*30
@@ -589,7 +589,7 @@ contains
          .not. other_pace%from > 0, 'interrupted: the same pace')
    end subroutine test_interrupted
 
-   !> A search with plain registers finds the same event with the same bits, with and without rows
+   !> A search without wide registers finds the same event with the same bits, with and without rows
    !! that depend on velocities.
    subroutine test_plain_registers()
       type(regime_type) :: regime
@@ -620,7 +620,7 @@ contains
          [0])), 'plain registers: the same bits of a state')
    end subroutine test_plain_registers
 
-   !> A search that goes on ends with its budget of steps, without an event.
+   !> A resumed search ends within its budget of steps, without an event.
    subroutine test_budget()
       type(regime_type) :: regime
       type(space_type) :: space
@@ -672,7 +672,7 @@ contains
          top = rising .and. d(1) <= 0
          rising = d(1) > 0
          if (.not. top) cycle
-         ! between samples there is a top, found by Newton's method
+         ! a maximum lies between samples, and is found by Newton's method
          t = i*h
          do k = 1, 5
             t = min(max(t - d(1)/d(2), (i - 1)*h), i*h)
@@ -703,7 +703,7 @@ contains
          call check(d(0) <= regime%upper(row) + 1e-12_wp*most, 'search: the first one')
       end do
    contains
-      !> Keeps the greatest value, and where it is.
+      !> Keeps the greatest value, and its position.
       subroutine note(time)
          real(wp), intent(in) :: time
 

@@ -1,4 +1,4 @@
-!> The pairs of a structure against its matrices, and the matrices that are refused.
+!> The pairs of a structure compared with its matrices, and the matrices that are refused.
 module mechanics_decoupling
    use checks, only: check, check_close
    use random_numbers, only: draw, draw_integer, draw_log, random_type
@@ -25,12 +25,12 @@ contains
       call test_columns()
    end subroutine test_decoupling
 
-   !> Springs and dampers between masses, or to the ground, at random.
+   !> Random springs and dampers between masses, or to the ground.
    subroutine add_links(links, least, most, grounded, matrix)
       integer, intent(in) :: links
       !> Range of their numbers.
       real(wp), intent(in) :: least, most
-      !> Whether some of them lead to the ground.
+      !> Whether some of them are connected to the ground.
       logical, intent(in) :: grounded
       real(wp), intent(inout) :: matrix(:, :)
       real(wp) :: along(size(matrix, 1))
@@ -48,8 +48,8 @@ contains
       end do
    end subroutine add_links
 
-   !> Structures with few links have several bodies and modes of frequency 0, those with strong
-   !! dampers real eigenvalues.
+   !> Structures with few links have several bodies and modes of frequency 0; those with strong
+   !! dampers have real eigenvalues.
    subroutine test_pairs()
       real(wp), parameter :: dampers(4) = [0.0_wp, 0.1_wp, 3.0_wp, 30.0_wp]
       type(decoupled_type) :: parts
@@ -127,8 +127,8 @@ contains
       end associate
    end subroutine check_pairs
 
-   !> Masses without springs that dampers link: one pair for each, with the sum of the decay rates
-   !! that of the dampers over the masses, and one drag fewer than masses in each body.
+   !> Masses without springs, coupled by dampers: one pair for each, with the sum of the decay rates
+   !! of the dampers over the masses, and one drag fewer than masses in each body.
    subroutine test_free_masses()
       type(decoupled_type) :: parts
       real(wp) :: mass(4, 4), damping(4, 4), stiffness(4, 4)
@@ -153,8 +153,8 @@ contains
       end do
    end subroutine test_free_masses
 
-   !> Two masses with one damper that is as strong as makes two complex pairs coincide, with their
-   !! eigenvectors: (lambda^2 + 0.2 lambda + 1)^2 = 0. They are refused; a little farther off they
+   !> Two masses with one damper of the strength at which two complex pairs coincide, with their
+   !! eigenvectors: (lambda^2 + 0.2 lambda + 1)^2 = 0. They are refused; a little farther away they
    !! are not.
    subroutine test_pairs_of_two()
       type(decoupled_type) :: parts
@@ -199,7 +199,7 @@ contains
             call check(alike(reshape(scaled%stiffness, [n, 1]), unit**2* &
                reshape(parts%stiffness, [n, 1])) .and. alike(reshape(scaled%damping, [n, 1]), &
                unit*reshape(parts%damping, [n, 1])), 'units of time: rates')
-            ! the unit of a pair may be any: what it gives of positions and velocities is the same
+            ! the unit of a pair is arbitrary: its share in positions and velocities is the same
             do j = 1, n
                call check(alike(share(scaled%qx, scaled%xq, j), share(parts%qx, parts%xq, j)) &
                   .and. alike(share(scaled%dv, scaled%vd, j), share(parts%dv, parts%vd, j)) .and. &
@@ -219,7 +219,7 @@ contains
       alike = all(abs(a - b) <= 64*epsilon(1.0_wp)*maxval(abs(b)))
    end function alike
 
-   !> What a pair gives of one thing by another one.
+   !> The contribution of a pair from one quantity to another one.
    pure function share(from_pairs, to_pairs, j) result(product)
       !> From pairs, and to them.
       real(wp), intent(in) :: from_pairs(:, :), to_pairs(:, :)
@@ -231,7 +231,7 @@ contains
          size(from_pairs, 1))
    end function share
 
-   !> What is refused, in a body of its own before one in order or after it, and what is not quite.
+   !> Refused bodies, each before or after a valid one, and bodies just inside the limits.
    subroutine test_refusals()
       real(wp), parameter :: unit(2, 2) = reshape([1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [2, 2]), &
          none(2, 2) = 0
@@ -297,8 +297,8 @@ contains
       end function beside
    end subroutine test_refusals
 
-   !> Two masses that a stiff spring links, on a soft one: the slow mode loses the digits by which
-   !! the springs differ. With too few of them left it is refused, and with none it has frequency 0.
+   !> Two masses coupled by a stiff spring, on a soft one: the slow mode loses the digits by which
+   !! the springs differ. With too few digits left it is refused, and with none it has frequency 0.
    subroutine test_too_stiff()
       type(decoupled_type) :: parts
       real(wp) :: mass(2, 2), stiffness(2, 2), none(2, 2)
@@ -316,8 +316,8 @@ contains
          call check_close(minval(parts%stiffness), merge(0.0_wp, 0.5_wp, i == 5), &
             0.2_wp/stiff(i) + 1e-15_wp*stiff(i)*merge(0, 1, i == 5), 'stiff: the slow mode')
       end do
-      ! damping that couples a slow mode and one that is faster by eleven orders of magnitude; by
-      ! eight there are digits left
+      ! damping that couples a slow mode and one that is faster by eleven orders of magnitude; with
+      ! eight orders there are digits left
       do i = 1, 2
          stiffness = reshape([merge(1e16_wp, 1e22_wp, i == 1), 0.0_wp, 0.0_wp, 1.0_wp], [2, 2])
          call decouple(mass, reshape([1e6_wp, 0.1_wp, 0.1_wp, 0.2_wp], [2, 2]), stiffness, parts, &

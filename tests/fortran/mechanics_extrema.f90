@@ -1,4 +1,4 @@
-!> Certified extrema against dense sampling, and in cases that sampling cannot resolve.
+!> Certified extrema compared with dense sampling, and in cases that sampling cannot resolve.
 module mechanics_extrema
    use checks, only: check, check_close
    use random_numbers, only: draw, draw_log, random_type
@@ -112,7 +112,7 @@ contains
    end subroutine test_long_flights
 
    !> Two stationary points a time 2 delta apart, where x' nearly vanishes: none may be lost, and
-   !! where x' misses z' by as little, none may be found.
+   !! where x' misses z' by a similar amount, none may be found.
    subroutine test_narrow_pairs()
       type(flight_type) :: flight, whole
       real(wp) :: delta, t, state(3), third, lowest, highest, y, missed
@@ -187,7 +187,7 @@ contains
          start(1), start(2), state(1), z_dot, 2*half)
    end function around
 
-   !> Flights shorter than the resolution, and of no duration.
+   !> Flights shorter than the resolution, and of zero duration.
    subroutine test_brief_flights()
       type(flight_type) :: flight
       real(wp) :: lowest, highest
@@ -204,7 +204,7 @@ contains
       call check(complete .and. lowest > highest, 'a flight without duration has no extrema')
    end subroutine test_brief_flights
 
-   !> The rate is exactly zero where a step lands, and over the whole flight.
+   !> The rate is exactly zero at the end of a step, and over the whole flight.
    subroutine test_exact_zeros()
       type(flight_type) :: flight
       real(wp) :: lowest, highest

@@ -1,4 +1,4 @@
-!> The march along a flight against the plain search for the first contact.
+!> The march along a flight compared with the plain search for the first contact.
 module mechanics_march
    use checks, only: check, check_close
    use random_numbers, only: draw, draw_integer, draw_log, random_type
@@ -41,7 +41,7 @@ contains
       call test_idle()
    end subroutine test_march
 
-   !> Sine and cosine of load phases, also at both ends and at the limits of the pieces.
+   !> Sine and cosine of load phases, including both ends and the limits of the pieces.
    subroutine test_sine_cosine(random)
       type(random_type), intent(inout) :: random
       real(wp) :: phase, s, c
@@ -62,7 +62,7 @@ contains
       type(random_type), intent(inout) :: random
       integer, intent(in) :: count
       logical, intent(in) :: grazing
-      !> Share of flights that the march decides.
+      !> Fraction of flights that the march decides.
       real(wp), intent(out) :: decided
       type(case_type) :: c
       integer :: i, n
@@ -79,7 +79,7 @@ contains
       decided = real(n, wp)/count
    end subroutine compare_flights
 
-   !> A flight that leaves a wall, slowly or fast, of any clearance.
+   !> A flight that leaves a wall, slowly or fast, with any clearance.
    subroutine random_case(random, c)
       type(random_type), intent(inout) :: random
       type(case_type), intent(out) :: c
@@ -154,7 +154,7 @@ contains
       c%flight%z = d(0) + c%departure%side*c%half
    end subroutine graze
 
-   !> Finds the contact both ways, and counts the flights that the march decides.
+   !> Finds the contact with both methods, and counts the flights that the march decides.
    subroutine compare(c, n)
       type(case_type), intent(in) :: c
       integer, intent(inout) :: n

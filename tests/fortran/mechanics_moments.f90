@@ -1,6 +1,6 @@
-!> Integrals over a flight of a structure, against Gauss's rule on short panels: pairs damped in any
-!! way, of frequency 0, at a resonance, with harmonics, constant and growing forces, for short and
-!! long times.
+!> Integrals over a flight of a structure, compared with Gauss's rule on short panels: pairs with
+!! any damping, of frequency 0, at a resonance, with harmonics, constant and growing forces, for
+!! short and long times.
 module mechanics_moments
    use checks, only: check
    use random_numbers, only: draw, fill, random_type
@@ -31,8 +31,8 @@ contains
       end do
    end subroutine test_moments
 
-   !> A body with a given spring and drag beside one of frequency 2.1, in resonance with the third
-   !! multiple of the load frequency, under forces that grow.
+   !> A body with a given spring and drag next to one of frequency 2.1, in resonance with the third
+   !! multiple of the load frequency, under growing forces.
    subroutine test_one(stiffness, drag, time)
       real(wp), intent(in) :: stiffness, drag, time
       real(wp), parameter :: node = sqrt(3/5.0_wp)
@@ -57,7 +57,7 @@ contains
       call new_regime(structure, new_load(0.7_wp, harmonics, [0.3_wp, -0.2_wp]), [integer :: ], &
          regime, status)
       call check(status == stat%ok, 'moments: the regime')
-      ! as a record has them
+      ! in the form of a record
       regime%modes%kind = 4
       regime%modes%force_rate = [0.4_wp, -0.3_wp]
       regime%modes%drift_rate = [0.1_wp, 0.2_wp]
@@ -98,7 +98,7 @@ contains
       rates = rate_of(regime, reshape(b, [n, 1]))
       call check(maxval(abs((near(:, 2) - near(:, 1))/(2*step) - rates(:, 1))) <= 1.0e-5_wp*(1 + &
          drag)**3*maxval(abs(b)), 'moments: the rate')
-      ! W' = A W + W A^T with the end and the start: exact but for rounding
+      ! W' = A W + W A^T with the end and the start: exact except for rounding
       wanted = rate_of(regime, squares)
       wanted = wanted + transpose(wanted)
       call vector_at(regime, x, v, phase, 0.0_wp, near(:, 1))

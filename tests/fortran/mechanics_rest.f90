@@ -30,8 +30,8 @@ contains
       call test_combination()
    end subroutine test_rest
 
-   !> The gap between masses that leave together, against samples: it closes at once or soon, or
-   !! stays open for the time that is given.
+   !> The gap between masses that leave together, compared with samples: it closes at once or soon,
+   !! or stays open for the given time.
    subroutine test_parting(side)
       integer, intent(in) :: side
       integer, parameter :: samples = 200
@@ -76,7 +76,7 @@ contains
       call check(all(found > 100) .and. soon > 100, 'parting: all answers')
    end subroutine test_parting
 
-   !> The rebound is not resolved where the velocities differ by rounding of the largest one.
+   !> The rebound is unresolved where the velocities differ by rounding of the largest one.
    subroutine test_together()
       real(wp), parameter :: e = epsilon(1.0_wp)
 
@@ -132,8 +132,8 @@ contains
       call check(released > 100, 'release: seen often')
    end subroutine test_release
 
-   !> Without load and motion the contact holds for ever, and so it does on the side to which a slow
-   !! oscillation does not come.
+   !> Without load and motion the contact holds permanently, and so does the contact on the side that
+   !! a slow oscillation does not reach.
    subroutine test_no_release(side)
       integer, intent(in) :: side
       type(oscillation_type) :: rest

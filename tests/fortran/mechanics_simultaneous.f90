@@ -1,4 +1,4 @@
-!> Impulses where several coupled gaps close at one instant: touching balls that are free.
+!> Impulses where several coupled gaps close simultaneously: touching balls that are free.
 module mechanics_simultaneous
    use checks, only: check, check_close
    use random_numbers, only: draw, draw_integer, draw_log, random_type
@@ -24,7 +24,7 @@ contains
       call test_cradle()
    end subroutine test_simultaneous
 
-   !> A row of balls between two of which each gap lies.
+   !> A row of balls with a gap between each two of them.
    subroutine new_row(masses, restitution, structure)
       real(wp), intent(in) :: masses(:), restitution(:)
       type(structure_type), intent(out) :: structure
@@ -47,8 +47,8 @@ contains
       call check(status == stat%ok, 'balls: the structure')
    end subroutine new_row
 
-   !> Newton's law at all gaps of a row that touches, momentum, and energy: all is kept where R = 1,
-   !! none is gained where all R are equal, and where it would be gained the status says so.
+   !> Newton's law at all gaps of a touching row, momentum, and energy: it is conserved if R = 1,
+   !! not gained if all R are equal, and where it would be gained the status reports it.
    subroutine test_row(random, equal)
       type(random_type), intent(inout) :: random
       logical, intent(in) :: equal
@@ -79,7 +79,7 @@ contains
       gained = 0.5_wp*sum(masses*after**2) - before
       call check(status == stat%ok .or. status == stat%gains_energy, 'balls: the status')
       call check(all(impulses >= 0), 'balls: impulses push')
-      ! a gap without an impulse may part faster
+      ! a gap without an impulse may separate faster
       left = maxval(parting + restitution*closing)
       call check(left <= 1.0e-12_wp, 'balls: each gap parts at R times its speed at least')
       left = maxval(abs(impulses*(parting + restitution*closing)))
@@ -97,7 +97,7 @@ contains
          gained > 0, 'balls: an impact that gains energy is named')
    end subroutine test_row
 
-   !> One ball at speed 1 against two equal ones that touch: -1/3, 2/3, 2/3 where R = 1, and in
+   !> One ball at speed 1 against two equal touching ones: -1/3, 2/3, 2/3 for R = 1, and in
    !! general (1 - 2 R)/3, (1 + R)/3, (1 + R)/3, by w = -R v and momentum.
    subroutine test_cradle()
       type(structure_type) :: structure

@@ -54,7 +54,7 @@ contains
       end do
    end subroutine test_restitution
 
-   !> Of tables that rise and fall: the greatest R below a speed, against many samples, and the
+   !> Tables that rise and fall: the greatest R below a speed, compared with many samples, and the
    !! slope between the points by differences.
    subroutine test_tables()
       integer, parameter :: samples = 1201
@@ -68,7 +68,7 @@ contains
          do j = 1, size(values)
             values(j) = draw(random, 0.0_wp, 1.0_wp)
          end do
-         ! a table begins at 0 or later; R is constant outside
+         ! a table starts at 0 or later; R is constant outside
          law = new_restitution(real(table_law, wp), [4.0_wp, 0.4_wp*mod(i, 2), 1.0_wp, 1.5_wp, &
             2.0_wp, values])
          greatest = 0
@@ -103,7 +103,7 @@ contains
             call restitution_at(law, 0.0_wp, value, slope)
             call check_close(slope, chord*expected(i), 1e-14_wp, 'tables: the first slope')
          end do
-         ! a turn soon after the second point makes the parabola steep
+         ! a bend soon after the second point makes the parabola steep
          law = new_restitution(real(table_law, wp), [3.0_wp, 0.0_wp, 1.0_wp, 1.25_wp, 0.5_wp, &
             0.5_wp + chord, 0.5_wp - 2*chord])
          call restitution_at(law, 0.0_wp, value, slope)
@@ -195,7 +195,7 @@ contains
             'two flights are one')
          call state_of(regime, 0.0_wp, x_half, v_half, q_back, rate_back)
          map(:, i) = [q_back, rate_back]
-         ! with plain registers, and one coordinate at a time
+         ! without wide registers, and one coordinate at a time
          plain = regime
          plain%coordinates%wide = .false.
          call state_of(plain, 0.0_wp, x_half, v_half, q, rate)
@@ -220,8 +220,8 @@ contains
       end function energy
    end subroutine test_flight
 
-   !> Two real eigenvalues that meet as damping grows, with their eigenvectors: a flight near there
-   !! against the exponential of the matrix.
+   !> Two real eigenvalues that meet as damping grows, with their eigenvectors: a flight near there,
+   !! compared with the exponential of the matrix.
    subroutine test_coinciding()
       integer, parameter :: n = 2
       real(wp), parameter :: offsets(9) = [-1.0e-3_wp, -1.0e-6_wp, -1.0e-9_wp, -1.0e-12_wp, &
@@ -294,8 +294,8 @@ contains
       end do
    end function exponential
 
-   !> A structure whose masses depend on each other, gaps that cannot be closed independently, and
-   !! frequencies that are extreme are refused.
+   !> Structures whose masses are linearly dependent, whose gaps cannot be closed independently, or
+   !! whose frequencies are extreme, are refused.
    subroutine test_refusals()
       integer, parameter :: n = 2
       real(wp), parameter :: unit(n, n) = reshape([1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [n, n]), &
@@ -317,7 +317,7 @@ contains
          all(abs(drifts - 1.5_wp*unit) <= 0), 'inputs: xd and vd times the accelerations')
       call expect(reshape([1.0_wp, 1.0_wp, 2.0_wp, 2.0_wp], [n, 2]), stat%dependent_rests)
       call expect(reshape([1.0_wp, 1.0_wp, -1.0_wp, -1.0_wp], [n, 2]), stat%dependent_rests)
-      ! of one coordinate, where another one is free
+      ! in one coordinate, where another one is free
       call expect(reshape([0.0_wp, 1.0_wp, 0.0_wp, -1.0_wp], [n, 2]), stat%dependent_rests)
       call expect(reshape([1.0_wp, 1.0_wp, 1.0_wp, 1.001_wp], [n, 2]), stat%ok)
       call expect(reshape([1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 1.0_wp, 1.0_wp], [n, 3]), &
@@ -341,9 +341,9 @@ contains
       end subroutine expect
    end subroutine test_refusals
 
-   !> Responses of a pair to a unit state, a constant and a growing force, also back in time,
-   !! against the exponential of the matrix: undamped, damped, critical, over-damped, with a small
-   !! or tiny stiffness beside damping, and without stiffness.
+   !> Responses of a pair to a unit state, a constant and a growing force, also backwards in time,
+   !! compared with the exponential of the matrix: undamped, damped, critical, over-damped, with a
+   !! small or tiny stiffness and damping, and without stiffness.
    subroutine test_responses()
       ! frequencies, and decay rates
       real(wp), parameter :: pairs(2, 14) = reshape([1.0_wp, 0.0_wp, 1.0_wp, 0.1_wp, 1.0_wp, &
@@ -362,12 +362,12 @@ contains
          sigma = pairs(2, i)
          do j = 1, 41
             t = min(0.05_wp*1.2_wp**j, 60/(1 + sigma))
-            ! where the formula changes, as steps of a table do
+            ! where the formula changes, like steps of a table
             if (j == 41) t = 0.25_wp/max(sigma, 0.1_wp)
             a(2, 1) = -omega**2
             a(2, 2) = -2*sigma
             call expect(t)
-            ! back in time, over which motions grow by at most exp(2 sigma t)
+            ! backwards in time, over which motions grow by at most exp(2 sigma t)
             call expect(-min(t, 3/(0.1_wp + sigma)))
          end do
       end do

@@ -55,7 +55,7 @@ contains
       call test_structure_resonance()
    end subroutine test_assess
 
-   !> A primary mass that hardly moves (high frequency) and a mass that goes to and fro:
+   !> A primary mass that hardly moves (high frequency) and a mass that moves to and fro:
    !! admissible, and with R = 1 at both walls and mu = 0 the free mass keeps its speed.
    subroutine test_ballistic()
       type(oscillator_type), parameter :: osc = oscillator_type(0.1_wp, 0.0_wp, 1.0_wp)
@@ -113,14 +113,14 @@ contains
          call check_close(motion%x_min, -motion%amplitude, 1e-14_wp, &
             'x_min of the hand-built motion')
          if (i == 2) cycle
-         ! the same with approach at the impacts: the only fault is the wall passed
+         ! the same with approach at the impacts: the only fault is that a wall is passed
          motion%x_dot_before = motion%z_dot_before - [1, -1]
          call assess_flights(motion)
          call check(motion%admissible == no, 'penetration alone makes a motion inadmissible')
       end do
    end subroutine test_penetration
 
-   !> `admissible`, x_min and x_max against a time history of 2000 points a motion.
+   !> `admissible`, x_min and x_max compared with a time history of 2000 points per motion.
    subroutine test_against_samples()
       integer, parameter :: m = 2000
       type(motion_type) :: motion
@@ -175,7 +175,7 @@ contains
       end do
    end function passed_by
 
-   !> `consistent` compares the residual with what the caller accepts, the limit included.
+   !> `consistent` compares the residual with the caller's limit, which is included.
    subroutine test_acceptance()
       type(motion_type) :: motion
       integer :: i, n
@@ -239,7 +239,7 @@ contains
    end subroutine test_stability_verdict
 
    !> Where digits cancel in the product of the [P_i], rounding changes the multipliers more than
-   !! the errors of the motion tell: with 50 digits the leading one is outside by 7e-14.
+   !! the errors of the motion show: with 50 digits the leading one is outside by 7e-14.
    subroutine test_cancelling_product()
       type(motion_type) :: motion
       type(linear_system_type) :: system
@@ -317,7 +317,7 @@ contains
          call assess_rest(map, 0.0_wp, motion)
          call check(motion%stable == yes, 'rest: an entry that is not as large')
       end do
-      ! far from the circle the doubt does not count, on it to rounding the map does not
+      ! far from the circle the uncertainty does not matter; on it, to rounding, the map does not
       do i = -1, 1, 2
          call move_to(0.9_wp*i)
          call assess_rest(map, 1.0_wp, motion)
@@ -344,7 +344,7 @@ contains
    end subroutine test_rest_verdicts
 
    !> The time history passes through the impacts, is periodic, and has the velocities after an
-   !! impact at it.
+   !! impact at the time of the impact.
    subroutine test_sample()
       type(motion_type) :: motion
       real(wp), parameter :: brief = 1e-9_wp
@@ -389,8 +389,8 @@ contains
       end do
    end subroutine test_sample
 
-   !> Two masses, each at a wall of its own: impacts at one instant are coupled by the mass matrix,
-   !! else by the damping, whatever the signs.
+   !> Two masses, each at a separate wall: simultaneous impacts are coupled by the mass matrix,
+   !! otherwise by the damping, whatever the signs.
    subroutine test_coupling_at_instants()
       real(wp), parameter :: both(3) = [-0.2_wp, 0.0_wp, 0.2_wp]
       type(structure_type) :: structure
@@ -415,8 +415,8 @@ contains
       end do
    end subroutine test_coupling_at_instants
 
-   !> Of three masses two are coupled by mass, and either of them by damping with the third one:
-   !! that the impacts are coupled by mass is what counts.
+   !> Of three masses two are coupled by mass, and each of them by damping with the third one:
+   !! only the coupling by mass counts for the impacts.
    subroutine test_coupling_by_both()
       integer, parameter :: orders(3, 6) = reshape([1, 2, 3, 1, 3, 2, 2, 1, 3, 2, 3, 1, 3, 1, 2, &
          3, 2, 1], [3, 6])
@@ -445,8 +445,8 @@ contains
       end do
    end subroutine test_coupling_by_both
 
-   !> Two masses that are not coupled, in axes turned by any angle: the terms of their coupling
-   !! cancel but for rounding, which counts as none. A little coupling beside it counts.
+   !> Two uncoupled masses, in axes rotated by any angle: the terms of their coupling cancel except
+   !! for rounding, which does not count. A small additional coupling counts.
    subroutine test_coupling_in_turned_axes()
       type(structure_type) :: structure
       real(wp) :: turn(2, 2), matrices(2, 2, 3), part(2, 2), angle
@@ -473,7 +473,7 @@ contains
    end subroutine test_coupling_in_turned_axes
 
    !> The law allows the error of the motion over its relative approach speed, whatever the signs
-   !! of the speeds and of the entries; nothing is said about huge entries.
+   !! of the speeds and of the entries; it has no verdict for huge entries.
    subroutine test_law()
       real(wp), parameter :: error = 1e-6_wp, speeds(2, 6) = reshape([1.0_wp, 1e-6_wp, 1.0_wp, &
          -1e-6_wp, 1e-6_wp, 1.0_wp, -1e-6_wp, 1.0_wp, 1.0_wp, -1.0_wp, 1.0_wp, 0.5_wp], [2, 6])
@@ -538,7 +538,7 @@ contains
       end do
    end subroutine test_leaving_together
 
-   !> Without damping and free mass a free oscillation that fits into the period changes nothing:
+   !> Without damping and mass ratio a free oscillation that fits into the period changes nothing:
    !! the equations of the motion are singular, so that nothing about it is certain.
    subroutine test_neutral_motion()
       type(motion_type) :: motion
@@ -578,7 +578,7 @@ contains
       call multipliers_of_half(p, lambda, status)
       call check(status == stat%not_finite .and. all(abs(lambda) <= 0), 'no multipliers of it')
    contains
-      !> Too few digits refuse a motion with a verdict, but not next to a fold.
+      !> If too few digits are left a motion with a verdict is refused, but not next to a fold.
       subroutine check_refusals(uncertain)
          type(motion_type), intent(in) :: uncertain
          type(motion_type) :: other
@@ -614,7 +614,7 @@ contains
       call check(.not. regular .and. all(abs(change) <= 0), 'no change of singular equations')
    end subroutine test_worst_change
 
-   !> A mass without damping whose own period fits into that of the motion, or does not quite.
+   !> A mass without damping whose natural period fits into that of the motion, or nearly fits.
    subroutine test_structure_resonance()
       type(structure_type) :: structure
       type(regime_type) :: regime

@@ -1,4 +1,4 @@
-!> The characteristic polynomial against eigenvalues.
+!> The characteristic polynomial compared with eigenvalues.
 module motions_characteristic
    use checks, only: check, check_close
    use random_numbers, only: draw, draw_integer, fill, random_type
@@ -65,7 +65,7 @@ contains
       end do
    end subroutine test_characteristic
 
-   !> Multipliers on the circle, as at a crossing, and the number of others outside.
+   !> Multipliers on the circle, as at a crossing, and the number of the others outside.
    subroutine check_critical()
       complex(wp) :: z(4), sums(0:4)
       real(wp) :: e(4), t
@@ -82,7 +82,7 @@ contains
          z(1) = 3 - 2*kind
          z(2) = draw(random, -3.0_wp, 3.0_wp)
       case default
-         ! a pair with product 1: complex, or real and no Neimark-Sacker point
+         ! a pair with product 1: complex, or real, which is not a Neimark-Sacker point
          t = draw(random, -4.0_wp, 4.0_wp)
          saddle = abs(t) > 2
          z(1) = 0.5_wp*(t + sqrt(cmplx(t**2 - 4, 0, wp)))
@@ -106,9 +106,9 @@ contains
    end subroutine check_critical
 
    !> A spectrum from its sums. A function of this type would have a result that gfortran 12 at -O3
-   !! holds for uninitialized.
+   !! mistakes for uninitialized.
    pure subroutine take_sums(e, spectrum)
-      !> As `characteristic` gives them.
+      !> In the form of `characteristic`.
       real(wp), intent(in) :: e(4)
       !> The spectrum.
       type(spectrum_type), intent(out) :: spectrum
@@ -122,7 +122,7 @@ contains
 
    !> Whether all eigenvalues lie inside the unit circle, by Jury's conditions.
    pure logical function is_contraction(e)
-      !> As `characteristic` gives them.
+      !> In the form of `characteristic`.
       real(wp), intent(in) :: e(4)
       type(spectrum_type) :: spectrum
 

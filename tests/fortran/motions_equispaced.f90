@@ -79,7 +79,7 @@ contains
       call check(found > 1000, 'many motions were examined')
    end subroutine test_motions
 
-   !> Below a largest clearance there are two motions, above none; where they meet, a
+   !> Below a largest clearance there are two motions, above it none; where they meet, a
    !! multiplier is 1.
    subroutine test_fold()
       type(oscillator_type) :: osc

@@ -1,4 +1,4 @@
-!> Motions side by side in lanes: against the scalar procedures, and against laws.
+!> Motions side by side in lanes, compared with the scalar procedures and with laws.
 module motions_lanes
    use checks, only: check, check_close
    use motions_characteristic, only: is_contraction
@@ -59,7 +59,7 @@ contains
       end do
    end subroutine test_functions
 
-   !> Overdetermined systems, against QR by LAPACK.
+   !> Overdetermined systems, compared with QR by LAPACK.
    subroutine test_equations()
       integer, parameter :: m = 7, n = 4
       real(wp) :: system(lanes, m, n + 1), a(m, n), b(m), work(least_squares_work(m, n))
@@ -93,7 +93,7 @@ contains
       call check(.not. any(quality > 1.0e-12_wp), 'lanes: dependent columns')
    end subroutine test_equations
 
-   !> Polynomial, Jury's conditions and radius of matrices of every size, against eigenvalues.
+   !> Polynomial, Jury's conditions and radius of matrices of every size, compared with eigenvalues.
    subroutine test_spectra()
       real(wp) :: p(lanes, 4, 4), e(lanes, 4), largest(lanes), terms(lanes), least(lanes), &
          radius(lanes), &
@@ -182,13 +182,13 @@ contains
       call check(given > 8700, 'lanes: most of these radii are given')
    end subroutine test_equal_products
 
-   !> [P] is that of the scalar procedures; its determinant is the product of the multipliers, and
-   !! of a motion with two impacts exp(-4 pi xi k/r) R_1^2 R_2^2; both builds give the same bits.
+   !> [P] equals that of the scalar procedures; its determinant is the product of the multipliers,
+   !! and of two-impact motions exp(-4 pi xi k/r) R_1^2 R_2^2; both builds give the same bits.
    !!
-   !! The quality does not know of digits that cancel in the product of the [P_i]. They are lost in
-   !! proportion to the product of the moduli of the [P_i] over [P]: up to 10^4 for five impacts.
-   !! Both ways lose them: of two million motions they differed by at most 19 epsilon/quality times
-   !! that, and neither was nearer to 50-digit arithmetic than the other.
+   !! The quality does not account for digits that cancel in the product of the [P_i]. They are lost
+   !! in proportion to the product of the moduli of the [P_i] over [P]: up to 10^4 for five impacts.
+   !! Both methods lose them: for two million motions they differed by at most 19 epsilon/quality
+   !! times that, and neither was nearer to 50-digit arithmetic than the other.
    subroutine test_maps(n)
       integer, intent(in) :: n
       type(motion_type) :: motion
@@ -261,7 +261,7 @@ contains
       end do
       call check(decided > 0.75_wp*300*lanes, 'lanes: most are stable or unstable')
    contains
-      !> Of more than two impacts a residual next to the acceptance limit decides nothing.
+      !> For more than two impacts a residual next to the acceptance limit decides nothing.
       subroutine check_near_acceptance()
          real(wp), parameter :: apart(5) = [-1.1e-9_wp, -0.9e-9_wp, 0.0_wp, 0.9e-9_wp, 1.1e-9_wp]
          integer :: k

@@ -64,7 +64,7 @@ contains
       call check_close(default_restitution(-1, 0.3_wp, 0.4_wp), 0.4_wp, 0.0_wp, 'left wall')
    end subroutine test_pattern
 
-   !> Whether walls, momentum and restitution hold at every impact.
+   !> Whether position at the walls, momentum and restitution hold at every impact.
    subroutine check_impacts(motion, what)
       type(motion_type), intent(in) :: motion
       character(*), intent(in) :: what
@@ -89,7 +89,7 @@ contains
       end do
    end subroutine check_impacts
 
-   !> N = 2: each flight ends where and as fast as the next impact begins.
+   !> N = 2: each flight ends with the position and velocity at which the next impact begins.
    subroutine test_two_impacts()
       type(motion_type) :: motion
       integer :: i
@@ -161,7 +161,7 @@ contains
       end do
    end subroutine test_repeated
 
-   !> Equal durations and equal restitution leave A free; the same with unequal restitution do not.
+   !> Equal durations and equal restitution leave A free; with unequal restitution they do not.
    subroutine test_free_amplitude()
       type(motion_type) :: motion
       type(oscillator_type) :: osc
@@ -181,7 +181,7 @@ contains
       end do
    end subroutine test_free_amplitude
 
-   !> Without load only rest is periodic, so that no clearance is determined.
+   !> Without load only rest is periodic, so no clearance is determined.
    subroutine test_no_load()
       type(motion_type) :: motion
       type(linear_system_type) :: system

@@ -1,4 +1,4 @@
-!> [P_i] against differences of the map itself, and the laws of its determinant and eigenvalues.
+!> [P_i] compared with differences of the map, and the laws of its determinant and eigenvalues.
 module motions_maps
    use checks, only: check, check_close
    use random_numbers, only: draw, draw_integer, random_type
@@ -69,7 +69,7 @@ contains
       next(4) = state(4) + motion%r*t
    end function next_state
 
-   !> Two impacts with any state at the first; the second wall is where the flight ends.
+   !> Two impacts with any state at the first; the second wall is placed where the flight ends.
    subroutine random_half(motion, y, approach)
       type(motion_type), intent(out) :: motion
       real(wp), intent(out) :: y(2), approach
@@ -95,7 +95,7 @@ contains
       approach = motion%z_dot_after(1) - x(2)
    end subroutine random_half
 
-   !> Every column of [P_i] is the derivative of the map, whatever the restitution and the damping.
+   !> Every column of [P_i] is the derivative of the map, for any restitution and damping.
    subroutine test_differences()
       type(motion_type) :: motion
       real(wp) :: p(4, 4, 2), y(2), approach, h, state(4), column(4), ahead(4, 4), guess, width
@@ -172,7 +172,7 @@ contains
       call check(examined > 1000, 'many determinants were examined')
    end subroutine test_determinant
 
-   !> [P] passes the audit in any units, and does not with an entry that is twice as large.
+   !> [P] passes the audit in any units, and fails it with an entry that is twice as large.
    subroutine test_audit()
       type(motion_type) :: motion
       real(wp) :: p(4, 4), corrupt(4, 4), scale(4), slope, law
@@ -197,7 +197,7 @@ contains
          if (.not. (law > 1.0e-3_wp .and. maxval(abs(p)) < 30)) cycle
          do j = 1, 4
             do i = 1, 4
-               ! what this entry contributes to the determinant, which is linear in it
+               ! the contribution of this entry to the determinant, which is linear in it
                corrupt = p
                corrupt(i, j) = 0
                slope = law - determinant(corrupt)

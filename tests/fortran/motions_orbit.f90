@@ -1,4 +1,4 @@
-!> Orbits in (u, theta): derivatives against differences, other results against other code.
+!> Orbits in (u, theta): derivatives compared with differences, other results with other code.
 module motions_orbit
    use checks, only: check, check_close
    use random_numbers, only: draw, draw_integer, draw_log, fill, random_type
@@ -94,7 +94,7 @@ contains
    end subroutine test_anywhere
 
    !> The gradient of a weighted sum of the entries of the period's map, by the unknowns and by
-   !! every parameter, against differences of the fourth order.
+   !! every parameter, compared with fourth-order differences.
    subroutine test_map_anywhere()
       real(wp), parameter :: h = 3.0e-5_wp, factors(-2:2) = [1, -8, 0, 8, -1]/(12*h)
       type(family_type) :: family
@@ -137,7 +137,7 @@ contains
       call check(examined > 300, 'orbit: slopes of maps are examined')
    end subroutine test_map_anywhere
 
-   !> By the unknowns and by every parameter, against differences of the fourth order.
+   !> By the unknowns and by every parameter, compared with fourth-order differences.
    subroutine check_derivatives(family, unknowns, c)
       type(family_type), intent(in) :: family
       real(wp), intent(in) :: unknowns(:), c(:)
@@ -171,7 +171,7 @@ contains
       end do
    end subroutine check_derivatives
 
-   !> Residual and derivative are those of the other code, divided by D.
+   !> Residual and derivative equal those of the other code, divided by D.
    subroutine check_newton_equations(family, unknowns, c, whole)
       type(family_type), intent(in) :: family
       real(wp), intent(in) :: unknowns(:), c(:), whole(:)
@@ -208,7 +208,7 @@ contains
          1.0e-13_wp*max(scale, maxval(abs(jacobian))), 'orbit: the derivative of the other code')
    end subroutine check_newton_equations
 
-   !> Exact motions of two impacts: no residual, the [P] of stability, and det[P].
+   !> Exact motions of two impacts: no residual, the [P] of the stability analysis, and det[P].
    subroutine test_exact_motions()
       type(motion_type) :: motion
       type(orbit_type) :: o
@@ -304,7 +304,7 @@ contains
       call set_orbit(family, [motion%x(:n)/motion%clearance, motion%phases(:n) + motion%tau], c, o)
    end subroutine orbit_of
 
-   !> Where an impact has no approach speed, the maps and what follows from them are not regular:
+   !> Where an impact has no approach speed, the maps and dependent quantities are not regular:
    !! no gradient is added.
    subroutine test_no_approach()
       type(family_type) :: family
@@ -329,7 +329,7 @@ contains
          end do
          regular = approaches(range(1))
          call period_parts(o, parts, p, regular)
-         ! it may be just above what counts as rounding
+         ! it may be just above the rounding limit
          if (regular) cycle
          found = found + 1
          do kind = 1, 3
@@ -355,8 +355,8 @@ contains
       end function approaches
    end subroutine test_no_approach
 
-   !> The gradient of the distance of an orbit from its image, against differences; of structures
-   !! with further displacements, too. What is behind the unknowns stays as it is.
+   !> The gradient of the distance of an orbit from its image, compared with differences; also for
+   !! structures with further displacements. Array entries after the unknowns do not change.
    subroutine test_distances()
       type(family_type) :: family
       type(repetition_type) :: repetition
@@ -381,7 +381,7 @@ contains
          call add_distance_slope(family, repetition, all_unknowns, weight, slope)
          call check(all(abs(slope(n + 1:) - before(n + 1:)) <= 0), 'behind the unknowns')
          if (further == 0) then
-            ! an orbit is its own image after no time
+            ! an orbit is its own image after zero time
             slope = before
             call add_distance_slope(family, repetition_type(0, 1.0_wp, 0.0_wp, 0), all_unknowns, &
                weight, slope)

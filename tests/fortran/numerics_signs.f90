@@ -1,5 +1,5 @@
-!> What does not depend on signs: bounds, sizes and verdicts of mirrored input, and numbers of both
-!! signs against independent formulas.
+!> Independence of signs: bounds, sizes and verdicts of mirrored input, and numbers of both
+!! signs compared with independent formulas.
 module numerics_signs
    use checks, only: check, check_close
    use random_numbers, only: draw, draw_integer, draw_log, fill, random_type
@@ -46,7 +46,7 @@ contains
    end function either_sign
 
    !> Rows and columns of either sign change the sign of each term of the determinant, but neither
-   !! the sum of the moduli nor the largest entry; and each is that of a plain formula.
+   !! the sum of the moduli nor the largest entry; each equals a plain formula.
    subroutine test_polynomials()
       real(wp) :: p(lanes, 4, 4), e(lanes, 4), largest(lanes), terms(lanes), wanted, size(4, 4)
       integer :: i, j, k, l, m, n, others(2)
@@ -140,7 +140,7 @@ contains
       e(:, 4) = real(product(z, 2))
    end function from_zeros
 
-   !> Zeros well apart: the radius is the largest modulus, and the slope the product of the
+   !> Well separated zeros: the radius is the largest modulus, and the slope the product of the
    !! distances to the others; of the mirrored zeros both are the same to the last bit.
    subroutine test_radii()
       real(wp) :: e(lanes, 4), radius(lanes), slope(lanes), mirrored(lanes, 2), wanted, near
@@ -167,11 +167,11 @@ contains
             j = maxloc(abs(z(l, :)), 1)
             if (near < 0.1_wp .or. abs(z(l, j)) < 0.3_wp) cycle
             wanted_ones = wanted_ones + 1
-            ! the iteration does not settle where pairs have nearly the same product
+            ! the iteration does not converge where pairs have nearly the same product
             if (.not. slope(l) > 0) cycle
             given = given + 1
             call check_close(radius(l), abs(z(l, j)), 1e-10_wp, 'signs: radius')
-            ! the slope is that at another zero where two moduli are alike
+            ! the slope is that at another zero where two moduli are equal
             if (count(abs(abs(z(l, :)) - abs(z(l, j))) < 1e-6_wp) > merge(2, 1, &
                abs(z(l, j)%im) > 0)) cycle
             wanted = abs(product(z(l, j) - z(l, :), [(i /= j, i=1, 4)]))
@@ -278,7 +278,7 @@ contains
       call check(all(seen >= 100), 'signs: each coefficient was the largest with either sign')
    end subroutine test_coefficients
 
-   !> Nothing is decided about a matrix with an eigenvalue on the circle or with a huge entry,
+   !> There is no verdict on a matrix with an eigenvalue on the circle or with a huge entry,
    !! whatever the signs.
    subroutine test_circle()
       real(wp) :: a(4, 4)
@@ -318,7 +318,7 @@ contains
       end do
    end function random_order
 
-   !> A few entries of either sign beside the diagonal, or a negative diagonal alone.
+   !> A few entries of either sign off the diagonal, or only a negative diagonal.
    subroutine test_columns()
       real(wp) :: a(3, 3), wanted(3, 2), right(3, 2)
       integer :: i, j, k, status

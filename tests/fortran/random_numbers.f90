@@ -18,7 +18,7 @@ contains
 
    !> A number between low and high, with 53 random bits.
    !!
-   !! One call a statement: the order in which two calls in one expression are made is not defined.
+   !! One call per statement: the order of two calls in one expression is not defined.
    real(wp) function draw(random, low, high)
       type(random_type), intent(inout) :: random
       real(wp), intent(in) :: low, high
@@ -30,7 +30,7 @@ contains
       draw = low + (high - low)*((real(random%state, wp) + fine)/real(modulus, wp))
    end function draw
 
-   !> Many such numbers.
+   !> An array of such numbers.
    subroutine fill(random, low, high, numbers)
       type(random_type), intent(inout) :: random
       real(wp), intent(in) :: low, high
@@ -42,7 +42,7 @@ contains
       end do
    end subroutine fill
 
-   !> A number whose logarithm is spread evenly; 0 < low < high.
+   !> A number whose logarithm is uniformly distributed; 0 < low < high.
    real(wp) function draw_log(random, low, high)
       type(random_type), intent(inout) :: random
       real(wp), intent(in) :: low, high

@@ -18,7 +18,7 @@ module random_systems
 
 contains
 
-   !> Every range with its ends: xi = 0, mu = 0, R = 0 and R = 1 are frequent.
+   !> Every range including its ends: xi = 0, mu = 0, R = 0 and R = 1 are frequent.
    subroutine random_oscillator(random, osc)
       type(random_type), intent(inout) :: random
       type(oscillator_type), intent(out) :: osc

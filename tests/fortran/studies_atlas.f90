@@ -1,4 +1,4 @@
-!> Rings against the circle they follow; atlases for any threads; laws of surveys.
+!> Rings compared with the circle that they follow; atlases for any threads; laws of surveys.
 module studies_atlas
    use checks, only: check
    use vi_atlas, only: atlas_request_type, atlas_type, find_atlas, outcomes_of
@@ -18,7 +18,7 @@ module studies_atlas
 
 contains
 
-   !> A circle in the plane (r, log D) from a few vertices, either way round: a zone, and a hole.
+   !> A circle in the plane (r, log D) from a few vertices, in either direction: a zone, and a hole.
    subroutine test_rings()
       integer, parameter :: m = 24
       real(wp), parameter :: pi = acos(-1.0_wp), radius = 0.3_wp
@@ -49,8 +49,8 @@ contains
       call check(all(winding(ring(:, :0), points) == 0), 'a ring without vertices encloses nothing')
    end subroutine test_rings
 
-   !> A rectangle with one side that leaves or reaches a corner at an angle: the ring passes all
-   !! points of its cubic, wherever it bends to.
+   !> A rectangle with one side that leaves or reaches a corner at an angle: the ring passes through
+   !! all points of its cubic, in whichever direction it bends.
    subroutine test_bent_sides()
       real(wp), parameter :: r(2) = [0.5_wp, 1.5_wp], clearance(2) = [10.0_wp, 20.0_wp]
       real(wp), parameter :: corners(2, 4) = reshape([0.2_wp, 0.2_wp, 0.8_wp, 0.2_wp, 0.8_wp, &
@@ -124,7 +124,7 @@ contains
       end do
    end function distance
 
-   !> What simulations settle on lies in the zones, whatever the number of threads.
+   !> The motions on which simulations settle lie in the zones, for any number of threads.
    subroutine test_atlas()
       type(atlas_request_type) :: request
       type(atlas_type) :: one, two
@@ -166,7 +166,7 @@ contains
       call find_atlas(request, two)
       call check(size(two%attractors) == 0 .and. all([(two%families(j)%zone%n == 0, j=1, 3)]), &
          'nothing comes from nothing')
-      ! seeds of the survey alone lead to the zones that they lie in
+      ! seeds of the survey alone lead to the zones that contain them
       request%survey = 30
       call find_atlas(request, two)
       call check(all(two%explained), 'attractors are seeds')
@@ -269,7 +269,7 @@ contains
             'as the same pattern')
       end do
       call check(n > 5, 'some are beyond the narrow limits alone')
-      ! a stop ends the survey, and states not begun are not settled
+      ! a stop ends the survey, and states that have not started are not settled
       request = atlas_request_type(osc, window(:, 1), window(:, 2), max_impacts=2, survey=60)
       progress = [0, 0, 1]
       call find_atlas(request, stopped, progress)
@@ -277,7 +277,7 @@ contains
       call check(counts(not_settled) == 60, 'a stopped survey has settled nothing')
    end subroutine test_outcomes
 
-   !> A motion is within limits that are as large as it, and beyond those with one symbol less; also
+   !> A motion is within limits equal to its size, and beyond those with one symbol less; also
    !! one with more symbols than the equations of a family, which the simulation alone confirms.
    subroutine test_limits()
       real(wp), parameter :: places(2, 5) = reshape([0.684420428658572_wp, 1.71679245107618_wp, &

@@ -100,7 +100,7 @@ contains
       end do
    end subroutine test_plastic_impacts
 
-   !> States that end on a known motion have its number, however few load cycles decide.
+   !> States that end on a known motion have its number, even if few load cycles decide.
    subroutine test_few_cycles()
       integer, parameter :: n = 8
       type(attractor_list_type) :: list, again
@@ -155,8 +155,8 @@ contains
       end do
    end subroutine test_metric
 
-   !> A simulation in parts, without a look for one event more after each part, is that in one;
-   !! under a slow load one call takes several spans of time.
+   !> A simulation in parts, without a search for one event more after each part, equals that in
+   !! one part; under a slow load one call takes several spans of time.
    subroutine test_parts(r, most)
       !> Frequency ratio, and largest number of load cycles.
       real(wp), intent(in) :: r
@@ -216,7 +216,7 @@ contains
          int(z'5001E420', int64), int(z'24126EA1', int64)]), 'known words of digits of pi')
    end subroutine test_known_words
 
-   !> States lie in their box, the first do not depend on their number, and all depend on the seed.
+   !> States are in their box, the first do not depend on their number, and all depend on the seed.
    subroutine test_random_states()
       real(wp) :: states(5, 200), more(5, 1000), others(5, 200), scale, xi, r, load, clearance
       integer :: i
@@ -240,7 +240,7 @@ contains
       end do
    end subroutine test_random_states
 
-   !> 4**4 equal boxes hold equally many states within the statistical scatter; successive states
+   !> 4**4 equal boxes contain equally many states within statistical scatter; successive states
    !! are independent.
    subroutine test_uniform()
       integer, parameter :: n = 100000, each = 4, boxes = each**4
@@ -262,7 +262,7 @@ contains
          call check(abs(chi_square - (boxes - 1)) < 4*sqrt(2.0_wp*(boxes - 1)), &
             'random states are uniform')
          do j = 1, 4
-            ! of the product of two independent numbers the variance is 1/9
+            ! the product of two independent numbers has the variance 1/9
             call check(abs(sum(u(j, 2:)*u(j, :n - 1))) < 4*sqrt(n/9.0_wp), &
                'neighbours are independent')
             call check(abs(sum(u(j, :)*u(modulo(j, 4) + 1, :))) < 4*sqrt(n/9.0_wp), &
@@ -299,7 +299,7 @@ contains
             'the share of pairs')
       end do
       call check(abs(uncertainty_exponent(pairs)) < 0.03_wp, 'noise has the exponent 0')
-      ! not exactly: there are fewer pairs far apart, as s/(side - s)
+      ! not exact: there are fewer pairs far apart, as s/(side - s)
       allocate (half(side, side))
       do j = 1, side
          half(:, j) = [(merge(1, 0, 3*i + j > 2*side), i=1, side)]
@@ -311,7 +311,7 @@ contains
       call check(ieee_is_nan(uncertainty_exponent(uncertain_pairs(half(:7, :)))), 'a narrow plane')
    end subroutine test_pairs
 
-   !> The disc against all pairs of states, the edge being a cell beyond the last ones.
+   !> The disc compared with all pairs of states, with the edge one cell beyond the last ones.
    subroutine test_disc()
       integer, allocatable :: labels(:, :)
       real(wp) :: cells(2), radius
@@ -365,7 +365,7 @@ contains
       end do
    end function widest
 
-   !> Distance from a state to the nearest one with another label, by comparing all.
+   !> Distance from a state to the nearest one with a different label, by comparing all.
    real(wp) function distance_at(labels, label, cells, place) result(distance)
       integer, intent(in) :: labels(:, :), label, place(2)
       real(wp), intent(in) :: cells(2)

@@ -1,4 +1,4 @@
-!> Laws of the boundaries of zones: displaced with the parameters, traced with less room, mirrored.
+!> Laws of zone boundaries: displaced with the parameters, traced with less memory, mirrored.
 module studies_boundaries
    use checks, only: check, check_close
    use vi_boundary_shift, only: shift_boundary, shift_found, shift_types
@@ -71,7 +71,7 @@ contains
       request%guesses = 6
    end function request_of
 
-   !> With less room a trace ends earlier, with its room full, and is otherwise the same.
+   !> With less memory a trace ends earlier, with its arrays full, and is otherwise the same.
    subroutine check_room(zone, loop)
       type(zone_type), intent(in) :: zone
       type(loop_type), intent(in) :: loop
@@ -107,7 +107,7 @@ contains
       end do
    end subroutine check_nothing
 
-   !> Vertices of all kinds: where no parameter changes they stay, and small changes displace them
+   !> Vertices of all kinds: if no parameter changes they stay, and small changes displace them
    !! in proportion to the derivatives.
    subroutine check_displaced(request, zone, loop, displaced)
       type(zone_request_type), intent(in) :: request
@@ -158,7 +158,7 @@ contains
          call check(status(j) == stat%ok, 'displaced: a vertex')
          if (status(j) /= stat%ok) cycle
          call check(outcomes(1, j) == shift_found, 'displaced: it is found without a change')
-         ! beside a corner another condition can fail after a change, or the motion has gone
+         ! near a corner another condition can fail after a change, or the motion no longer exists
          if (.not. all(outcomes(:, j) == shift_found)) cycle
          displaced(types(j)) = displaced(types(j)) + 1
          call check_close(norm2(normals(:, j)/zone%surface%scale), 1.0_wp, 1.0e-12_wp, &
@@ -177,7 +177,7 @@ contains
    end subroutine check_displaced
 
    !> The mirror image of a boundary, traced along the other half of its motions, is moved onto the
-   !! motions that are their own images as the boundary itself is.
+   !! symmetric motions in the same way as the boundary itself.
    subroutine check_image(zone, loop, corners)
       type(zone_type), intent(in) :: zone
       type(loop_type), intent(in) :: loop

@@ -1,4 +1,4 @@
-!> Branches that have no family or no motion at their start, and those along which both walls
+!> Branches without a family or a motion at their start, and branches along which both walls
 !! change.
 module studies_branches
    use checks, only: check, check_close
@@ -50,8 +50,8 @@ contains
       if (present(found)) found = parameters(:, :n)
    end subroutine follow
 
-   !> Symmetric motions take a pattern whose second half mirrors the first, an odd number of load
-   !! cycles, and walls that are alike all along the branch.
+   !> Symmetric motions need a pattern whose second half mirrors the first, an odd number of load
+   !! cycles, and equal walls all along the branch.
    subroutine test_no_family()
       real(wp), parameter :: alike(2) = 0.6_wp, other(2) = [0.6_wp, 0.5_wp], range(2) = [0.5, 0.9]
       real(wp), parameter :: swapped(2) = [0.5_wp, 0.6_wp]
@@ -81,14 +81,14 @@ contains
          call check(status == stat%no_motion .and. n == 0 .and. all(reasons == 0), &
             'branches: no such family')
       end do
-      ! if both walls change together, there is one
+      ! if both walls change together, there is such a branch
       call follow(new_pattern('RL', 1), .true., alike, by_right, .true., range, four, n, reasons, &
          status)
       call check(status == stat%ok, 'branches: walls that remain alike')
    end subroutine test_no_family
 
    !> From unknowns that are far from all motions, a branch cannot be followed in either direction:
-   !! it has no point but its start.
+   !! it has no point except its start.
    subroutine test_no_start()
       real(wp), parameter :: range(2) = [0.5_wp, 0.9_wp]
       real(wp) :: unknowns(4)
@@ -103,8 +103,8 @@ contains
       end do
    end subroutine test_no_start
 
-   !> Where the restitution of both walls changes together, it is the same at each point, from one
-   !! bound to the other; where that of one wall changes, the other stays.
+   !> If the restitution of both walls changes together, it is the same at each point, from one
+   !! bound to the other; if that of one wall changes, the other one stays.
    subroutine test_both_walls()
       real(wp), parameter :: range(2) = [0.55_wp, 0.65_wp]
       type(linear_system_type) :: system

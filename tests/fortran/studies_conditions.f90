@@ -1,4 +1,4 @@
-!> Conditions that end a zone: both ways to compute them, and their slopes.
+!> Conditions that end a zone: both methods of computing them, and their slopes.
 module studies_conditions
    use checks, only: check, check_close
    use motions_orbit, only: random_member
@@ -50,7 +50,7 @@ contains
    end subroutine test_conditions
 
    !> The numbers that decide stability, where approach speeds are tiny and the map of
-   !! the period is large, against the same product in quadruple precision.
+   !! the period is large, compared with the same product in quadruple precision.
    subroutine check_spectrum(family, unknowns, c)
       type(family_type), intent(in) :: family
       real(wp), intent(in) :: unknowns(:), c(:)
@@ -125,7 +125,7 @@ contains
       end do
    end subroutine test_hardly_any_approach
 
-   !> Where the motion is close to its mirror image, the distance between them matters too.
+   !> Where the motion is close to its mirror image, their distance matters too.
    subroutine check_nearly_symmetric(family, symmetric, half, smooth, rough)
       type(family_type), intent(in) :: family
       type(curve_type), intent(in) :: symmetric
@@ -149,11 +149,11 @@ contains
          smooth, rough)
    end subroutine check_nearly_symmetric
 
-   !> All values together are those of single conditions; slopes are those of wider differences.
+   !> All values together equal those of single conditions; slopes equal wider differences.
    subroutine check_conditions(curve, point, smooth, rough)
       type(curve_type), intent(in) :: curve
       real(wp), intent(in) :: point(:)
-      !> Conditions whose slope could be examined, and those that are not smooth there.
+      !> Conditions whose slope could be examined, and conditions that are not smooth there.
       integer, intent(inout) :: smooth, rough
       type(condition_type) :: found(condition_count(curve))
       real(wp) :: values(size(found)), value, scale
@@ -170,7 +170,7 @@ contains
          wide = difference(curve, found(j), point, 2.0e-5_wp)
          wider = difference(curve, found(j), point, 4.0e-5_wp)
          scale = max(1.0e-3_wp, maxval(abs(wide)))
-         ! a kink, or a pole nearby, shows in the differences themselves
+         ! the differences themselves show a kink, or a pole nearby
          if (maxval(abs(wide - wider)) > 1.0e-7_wp*scale) then
             rough = rough + 1
             cycle

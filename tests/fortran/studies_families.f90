@@ -1,5 +1,5 @@
-!> The tracer follows any family of motions: here one that is known in closed form, and that none of
-!! its files has heard of.
+!> The tracer follows any family of motions: here one with a closed form, which none of
+!! its files knows.
 module studies_families
    use checks, only: check, check_close
    use vi_branch, only: branch_type, follow_branch

@@ -1,4 +1,4 @@
-!> Motions as a search keeps them, their continuation over a grid, and times of recorded loads.
+!> Motions as a search stores them, their continuation over a grid, and times of recorded loads.
 module studies_found
    use checks, only: check, check_close
    use vi_assess, only: paper_acceptance
@@ -61,7 +61,7 @@ contains
       system = new_forced_system(motion%osc, motion%r, 1.0_wp, motion%clearance)
    end subroutine asymmetric
 
-   !> A motion over some of its periods, from one of its impacts on.
+   !> A motion over some of its periods, starting at one of its impacts.
    function from_impact(motion, first, periods) result(found)
       type(motion_type), intent(in) :: motion
       integer, intent(in) :: first, periods
@@ -83,8 +83,8 @@ contains
          reshape([0.0_wp, 0.0_wp, 0.0_wp], [3, 1]))
    end function from_impact
 
-   !> A motion is the same from whichever impact and over however many periods it was found. Its
-   !! standard form is RRL over one period, that of its mirror image RLL, and only the standard form
+   !> A motion is the same from any impact, and over any number of periods. Its standard form
+   !! is RRL over one period, that of its mirror image RLL, and only the standard form
    !! does not change.
    subroutine test_forms()
       type(forced_system_type) :: system
@@ -134,7 +134,7 @@ contains
    end subroutine test_forms
 
    !> Releases are the columns with a wall, whichever it is. Two are the same if wall, phase and
-   !! velocity are, whichever of them is greater.
+   !! velocity agree, whichever is greater.
    subroutine test_releases()
       real(wp), parameter :: velocity = 2.0_wp, scale = 3.0_wp
       real(wp) :: releases(3, 3), by
@@ -169,7 +169,7 @@ contains
       end do
    end subroutine test_releases
 
-   !> Far from any motion, nothing is kept; without a motion nothing is stored.
+   !> Far from any motion, none is kept; without a motion none is stored.
    subroutine test_nothing_found()
       type(found_type) :: found
       type(described_type) :: described
@@ -192,8 +192,8 @@ contains
          'found: nothing to store')
    end subroutine test_nothing_found
 
-   !> A motion is continued to the next points of a grid from its neighbour alone if what was found
-   !! one step further away is another motion, however it differs.
+   !> A motion is continued to the next points of a grid from its neighbour alone if the motion
+   !! one step further away is a different one, in any respect.
    subroutine test_extrapolation()
       real(wp), parameter :: clearance(3) = [1.9_wp, 2.0_wp, 2.1_wp]
       type(setting_type) :: setting
@@ -233,7 +233,7 @@ contains
       end do
    end subroutine test_extrapolation
 
-   !> Times of samples may differ from steps of equal length by a twentieth of it, early or late.
+   !> Times of samples may differ from equal steps by a twentieth of a step, early or late.
    subroutine test_times_of_a_record()
       real(wp), parameter :: shift(7) = [-0.4_wp, -0.051_wp, -0.049_wp, 0.0_wp, 0.049_wp, &
          0.051_wp, 0.4_wp]

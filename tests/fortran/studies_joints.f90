@@ -1,4 +1,4 @@
-!> Open ends of boundaries are joined if they are near, whatever the directions of the arcs; and the
+!> Open ends of boundaries are joined if they are close, whatever the directions of the arcs; and
 !! names of the conditions along them.
 module studies_joints
    use checks, only: check
@@ -45,17 +45,17 @@ contains
             call check(all(abs(norm2(loop%tangents, 1) - 1) < 1.0e-12_wp), &
                'tangents of joints are unit vectors, too')
          end associate
-         ! one gap is not: a longer arc, which stays open
+         ! one gap is not: the arcs make a longer arc, which stays open
          call two_arcs([5.0e-5_wp, 1.0e-3_wp], turned, zone)
          call join_loose_ends(zone)
          call check(zone%n == 1 .and. .not. zone%loops(1)%closed, 'a wide gap stays open')
          call check(count(zone%loops(1)%conditions%kind == joint) == 2, 'one joint')
-         ! motions that differ are not joined, whatever the parameters
+         ! different motions are not joined, whatever the parameters
          call two_arcs(gaps, turned, zone)
          zone%loops(2)%points(1, :) = 1
          call join_loose_ends(zone)
          call check(zone%n == 2 .and. .not. any(zone%loops(:2)%closed), 'other motions')
-         ! a line whose end is near the gap, but farther than the gap is wide, stays alone
+         ! a line whose end is near the gap, but farther away than the gap is wide, stays separate
          call two_arcs([5.0e-5_wp, 1.0e-3_wp], turned, zone)
          zone%n = 3
          zone%loops(3) = arc(0.0_wp, 1.0_wp, flip)
@@ -65,7 +65,7 @@ contains
          call join_loose_ends(zone)
          call check(zone%n == 2 .and. count(zone%loops(1)%conditions%kind == joint) == 2 .and. &
             all(zone%loops(2)%conditions%kind == flip), 'the nearest ends are joined first')
-         ! a ring that is complete has no ends, wherever its first and last vertices are
+         ! a complete ring has no ends, wherever its first and last vertices are
          do i = 1, 2
             call two_arcs(gaps, turned, zone)
             zone%loops(i)%closed = .true.
@@ -85,7 +85,7 @@ contains
 
       do i = 1, 16
          do k = 1, 2
-            ! out and back, beside the first half
+            ! out and back, along the first half
             angle = 0.25_wp*pi*i/2
             size_of = merge(0.9e-3_wp, 1.6e-3_wp, k == 1)
             call two_arcs([1.0_wp, 1.0_wp], 0, zone)
@@ -103,7 +103,7 @@ contains
       end do
    end subroutine test_short_curves
 
-   !> Where a corner could not be turned, one vertex stands for both pieces, at either end and
+   !> Where a corner could not be turned, one vertex represents both pieces, at either end and
    !! whatever the directions of the arcs; a joint without length has no direction.
    subroutine test_corners_at_joints()
       type(zone_type) :: zone

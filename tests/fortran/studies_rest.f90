@@ -105,7 +105,7 @@ contains
       call check(right > 100 .and. departing > 100, 'rest: periods of guessed phases')
    end subroutine test_guessed_phases
 
-   !> A motion with rest that was found is found again from its own release; its last two
+   !> The search from its own release finds a motion with rest again; its last two
    !! multipliers are 0.
    subroutine test_solved_again()
       type(motion_type) :: motion, again
@@ -134,8 +134,8 @@ contains
       call check(solved > 40, 'rest: motions are found')
    end subroutine test_solved_again
 
-   !> A motion with rest is stored where there is room for all of its events; if there is not, their
-   !! number is told.
+   !> A motion with rest is stored if there is memory for all of its events; otherwise only their
+   !! number is returned.
    subroutine test_room()
       type(described_type) :: described
       real(wp), allocatable :: restitution(:), phases(:), impacts(:, :), values(:, :)
@@ -170,7 +170,7 @@ contains
    end subroutine test_room
 
    !> Motions with rest are the same if a release of one is a release of the other, in a later load
-   !! cycle or not: side, phase and velocity, each alone, tell two of them apart.
+   !! cycle or not: a difference in side, phase or velocity alone distinguishes them.
    subroutine test_same_releases()
       real(wp), parameter :: scale = 3.0_wp, off = 2*same, near = 0.5_wp*same
       real(wp), parameter :: release(3) = [1.0_wp, 0.4_wp, -2.0_wp]
@@ -187,7 +187,7 @@ contains
 
    contains
 
-      !> A motion with this release, and another one whose second release differs from it.
+      !> A motion with this release, and another motion whose second release differs.
       subroutine compare(difference, expected)
          real(wp), intent(in) :: difference(3)
          logical, intent(in) :: expected
@@ -209,8 +209,8 @@ contains
    !! of which no family has so many.
    !!
    !! At the clearance `critical` both leading multipliers lie on the unit circle. Near it the
-   !! effect of rounding decides about a verdict; without symbols it is not known, and neither is
-   !! the verdict.
+   !! effect of rounding decides whether there is a verdict; without symbols it is unknown, and so
+   !! is the verdict.
    subroutine test_repeated_periods()
       real(wp), parameter :: r = 0.986630084605407_wp, critical = 10.85053457697103_wp
       real(wp), parameter :: offsets(3) = [-1.0e-3_wp, -1.0e-4_wp, 0.0_wp]
@@ -244,7 +244,7 @@ contains
       end do
    end subroutine test_repeated_periods
 
-   !> The conditions of a motion that is cut by edges, and what is left of them where its symbols
+   !> The conditions of a motion that is cut by edges, and the conditions that remain if its symbols
    !! cannot be followed.
    subroutine check_conditions(family, unknowns, c)
       type(rest_family_type), intent(in) :: family
@@ -294,7 +294,7 @@ contains
       end do
    end subroutine check_conditions
 
-   !> Derivatives of one period against differences, and the map of the plane against its symbols.
+   !> Derivatives of one period compared with differences; the map of the plane and its symbols.
    subroutine check_period(family, release, c, followed)
       type(rest_family_type), intent(in) :: family
       !> Phase and asinh(v/D) at the release.
@@ -359,8 +359,8 @@ contains
    end subroutine check_stability
 
    !> Whether no event of the period is about to vanish, which differences would cross, and no
-   !! contact force is negative: no motion is there, and an accumulation that such a force
-   !! interrupts is cut off now at one impact and now at another, between which the measures jump.
+   !! contact force is negative: such a period is not a motion, and an accumulation interrupted by
+   !! the force is cut off at varying impacts, between which the measures jump.
    pure logical function is_generic(period)
       type(rest_period_type), intent(in) :: period
 

@@ -1,4 +1,4 @@
-!> Rows of a chart of equispaced motions: in lanes, and one motion after the other; the largest
+!> Rows of a chart of equispaced motions: in lanes, and one by one; the largest
 !! displacement of a flight.
 module studies_rows
    use checks, only: check, check_close
@@ -56,7 +56,7 @@ contains
                      .and. one%admissible == lane%admissible, 'rows: verdicts')
                   call check_close(lane%x, one%x, 0.0_wp, 'rows: x_1')
                   call check_close(lane%tau, one%tau, 0.0_wp, 'rows: tau')
-                  ! either may exceed the true value by 100 units in the last place of the bound
+                  ! each may exceed the true value by 100 units in the last place of the bound
                   call check_close(lane%x_max, one%x_max, 1.0e-12_wp*(one%x_max + clearance(j) &
                      + gain(osc%xi, r)*(1 + r**4)), 'rows: x_max')
                   call check_close(lane%x_min, one%x_min, 1.0e-12_wp*(one%x_max + clearance(j) &
@@ -72,8 +72,8 @@ contains
       call check(all(seen > 500), 'rows: every verdict comes up')
    end subroutine test_rows
 
-   !> The largest |x| of random flights whose ends are equally far from 0 is that of many samples;
-   !! it is certain for nearly all of them, of either sign and wherever it is.
+   !> The largest |x| of random flights whose ends are equally far from 0 equals that of many
+   !! samples; it is certain for nearly all of them, with either sign and at any position.
    subroutine test_largest()
       integer, parameter :: samples = 4000
       type(nodes_type) :: nodes

@@ -17,8 +17,8 @@ module studies_spans
 
    public :: test_spans
 
-   !> What is varied: x, x', z' and load phase at the start, r, clearance, xi, mu, load amplitude,
-   !! and the load phase at the end.
+   !> Parameters that vary: x, x', z' and load phase at the start, r, clearance, xi, mu, load
+   !! amplitude, and the load phase at the end.
    integer, parameter :: varied = 10, by_z_dot = 3, by_phase = 4, by_r = 5, by_clearance = 6, &
       by_xi = 7, by_mu = 8, by_load = 9, by_end = 10
 
@@ -39,8 +39,8 @@ contains
       call check(all(compared > 50), 'spans: from a wall, from inside, and at rest')
    end subroutine test_spans
 
-   !> A flight that begins on a wall departs at the rate at which the distance from that wall grows,
-   !! however small; where the distance falls, it begins with an impact.
+   !> A flight that starts on a wall departs at the rate at which the distance from that wall grows,
+   !! however small; if the distance decreases, the flight starts with an impact.
    subroutine test_departures()
       type(forced_system_type) :: system
       type(state_type) :: state
@@ -62,7 +62,7 @@ contains
          departure = departure_from(state, 0.5_wp*system%clearance)
          call check(.not. state%resting .and. departure%side == side, 'a flight begins on its wall')
          call check_close(departure%speed, speed, 1e-14_wp*(4 + abs(speed)), 'a departure speed')
-         ! as after a short flight from the wall, or with one that it does not leave
+         ! as after a short flight from the wall, or with a flight that does not leave it
          state%side = 0
          state%speed = 0
          state%z_dot = state%x_dot - side*merge(0.0_wp, abs(speed), mod(i, 3) == 0)
@@ -85,7 +85,7 @@ contains
          side = merge(1, -1, mod(i, 2) == 0)
          velocity = draw(random, 10.0_wp, 100.0_wp)*merge(1, -1, mod(i, 4) < 2)
          do roundings = -40, 40
-            ! the limit is at 16 and the velocities have a rounding or two
+            ! the limit is at 16, and the velocities have one or two rounding errors
             if (abs(roundings) > 12 .and. abs(roundings) < 20) cycle
             call contact_derivative(system, moment_type(0.1_wp, velocity, velocity*(1 + roundings* &
                epsilon(velocity)), draw(random, 0.0_wp, 6.0_wp), side), 0.0_wp, side, 0.7_wp, p, &
@@ -95,7 +95,7 @@ contains
       end do
    end subroutine test_no_approach
 
-   !> The changes of the state at a load phase, before any event, against differences of
+   !> The changes of the state at a load phase, before any event, compared with differences of
    !! simulations.
    subroutine compare(kind, compared)
       !> 1: a flight from a wall, 2: a flight from between the walls, 3: a rest.

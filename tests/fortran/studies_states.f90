@@ -1,4 +1,4 @@
-!> Laws of states: how motions begin, free vibrations, and periodic motions as fixed points.
+!> Laws of states: starts of motions, free vibrations, and periodic motions as fixed points.
 module studies_states
    use, intrinsic :: iso_fortran_env, only: int64
    use checks, only: check, check_close
@@ -45,7 +45,7 @@ contains
       call test_limited_states()
    end subroutine test_states
 
-   !> The load phase of a state is in [0, 2 pi), however little before a whole cycle it begins.
+   !> The load phase of a state is in [0, 2 pi), however little before a whole cycle it starts.
    subroutine test_times()
       type(forced_system_type) :: system
       type(state_type) :: state
@@ -134,8 +134,8 @@ contains
       end do
    end subroutine test_kept_speed
 
-   !> A free mass that is never touched has no impacts, whichever way round the system is looked
-   !! at; one that moves, or is on a wall, is not free.
+   !> A free mass that is never touched has no impacts, in either orientation of the system; a mass
+   !! that moves, or is on a wall, is not free.
    subroutine test_free_mass()
       type(forced_system_type) :: system
       type(state_type) :: state, other
@@ -179,8 +179,8 @@ contains
       call check(free > 20 .and. free < 180, 'masses that are free and others')
    end subroutine test_free_mass
 
-   !> Between walls out of reach, peaks follow one another after half a period, each less than the
-   !! one before by the same factor; a start beyond a peak has none before the next zero.
+   !> If the walls are out of reach, peaks are half a period apart, and each is less than the
+   !! previous one by the same factor; a start beyond a peak has no peak before the next zero.
    subroutine test_free_vibration()
       integer, parameter :: most = 9
       real(wp), parameter :: starts(2, 6) = reshape([1.0_wp, 0.0_wp, -1.0_wp, 0.0_wp, 1.0_wp, &
@@ -210,7 +210,7 @@ contains
    end subroutine test_free_vibration
 
    !> A mirrored free vibration has mirrored peaks, with the same impacts and rests; a limit of
-   !! events leaves the peaks before it.
+   !! events keeps the peaks before it.
    subroutine test_mirrored_peaks()
       integer, parameter :: most = 12
       type(oscillator_type) :: osc, turned
@@ -256,7 +256,7 @@ contains
          end do
       end do
       call check(rests > 10, 'free vibrations with rests')
-      ! without impacts there are no other roundings
+      ! without impacts there are no different rounding errors
       do k = 1, 60
          start = [(draw(random, -1.0_wp, 1.0_wp), i=1, 4)]
          start(4) = 0
@@ -268,7 +268,7 @@ contains
       end do
    end subroutine test_mirrored_peaks
 
-   !> A system that settles on a motion with two impacts a cycle, and a state on that motion.
+   !> A system that settles on a motion with two impacts per cycle, and a state on that motion.
    subroutine settled(system, state)
       type(forced_system_type), intent(out) :: system
       type(state_type), intent(out) :: state
@@ -283,7 +283,7 @@ contains
       call check(status == stat%ok .and. n > 2, 'a simulation that settles')
    end subroutine settled
 
-   !> The exact motion of a state exists where the last event of the next period is within a
+   !> The exact motion of a state exists if the last event of the next period is within a
    !! hundredth of the clearance of that of the motion, in all coordinates and both directions.
    subroutine test_fixed_point()
       type(forced_system_type) :: system
@@ -349,8 +349,8 @@ contains
       call check(.not. good, 'no fixed point without events')
    end subroutine test_fixed_point
 
-   !> Motions are alike if the first event of one is an event of the other: on the same wall, of
-   !! the same kind, and at the same place, with a phase up to whole cycles.
+   !> Motions are equal if the first event of one is an event of the other: on the same wall, of
+   !! the same kind, and at the same position, with a phase up to whole cycles.
    subroutine test_likeness()
       type(known_type) :: one, other
       real(wp) :: offsets(4)
@@ -393,7 +393,7 @@ contains
       call check(.not. alike(one, other, 2.0_wp), 'other symbols')
    end subroutine test_likeness
 
-   !> A state approaches a motion when one of its events is in the box and in the ball of it.
+   !> A state approaches a motion if one of its events is in the box and in the ball of the motion.
    subroutine test_neighbourhoods()
       type(forced_system_type) :: system
       type(state_type) :: state, final
@@ -419,7 +419,7 @@ contains
          target%radius = draw(random, 2.0e-3_wp, 5.0e-3_wp)
          target%box = box
          d = [(1.5_wp*box(i)*draw(random, -1.0_wp, 1.0_wp), i=1, 4)]
-         if (modulo(k, 5) > 0) then                ! one coordinate decides
+         if (modulo(k, 5) > 0) then                ! a single coordinate decides
             d = 0
             i = modulo(k, 5)
             d(i) = 2*box(i)*draw(random, -1.0_wp, 1.0_wp)
@@ -455,7 +455,7 @@ contains
       call check(inside > 50 .and. inside < 450, 'neighbourhoods with and without the event')
    end subroutine test_neighbourhoods
 
-   !> The largest neighbourhood of a motion counts; without any, nothing contracts.
+   !> The largest neighbourhood of a motion counts; without a neighbourhood, nothing contracts.
    subroutine test_largest_ball()
       type(known_type) :: known
       integer :: k
@@ -506,7 +506,7 @@ contains
       end do
    end subroutine test_accumulation
 
-   !> What is stopped before it begins is not computed.
+   !> Work that is stopped before it starts is not computed.
    subroutine test_stop()
       type(forced_system_type) :: system
       type(state_type) :: state
@@ -551,7 +551,7 @@ contains
       call check(all(progress(::2) == [0, 1]), 'stop: no work is done')
    end subroutine test_stop
 
-   !> States that are not decided before the longest period has too many events are limited by them.
+   !> If the longest period has too many events before states are decided, they count as limited.
    subroutine test_limited_states()
       type(attractor_list_type) :: list
       type(state_type) :: state

@@ -1,4 +1,4 @@
-!> Zeros that a condition has between two points of a curve: on parabolas they are known.
+!> Zeros of a condition between two points of a curve: on parabolas they are known.
 module studies_steps
    use checks, only: check
    use random_numbers, only: draw, fill, random_type
@@ -34,7 +34,7 @@ contains
          extreme = draw(random, -0.5_wp, 0.5_wp)
          bend = draw(random, -4.0_wp, 4.0_wp)
          value = extreme + bend*([-first, 0.0_wp, second] - at)**2
-         ! what rounding could decide
+         ! cases that rounding could decide
          if (abs(extreme) < 1.0e-9_wp .or. abs(at + first) < 1.0e-9_wp .or. &
             abs(at - second) < 1.0e-9_wp .or. abs(bend) < 1.0e-3_wp) cycle
          inside = at > -first .and. at < second .and. value(1)*value(2) > 0 .and. &
@@ -55,7 +55,7 @@ contains
       call check(hidden > 500 .and. near > 100, 'steps: both cases occur')
    end subroutine test_parabolas
 
-   !> A straight line, a step without length, and a change of sign hide nothing.
+   !> A straight line, a step of zero length, and a change of sign hide nothing.
    subroutine test_straight_lines()
       real(wp) :: value(3)
       integer :: i

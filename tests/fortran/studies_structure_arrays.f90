@@ -27,8 +27,8 @@ contains
       call test_rest_through_all_impacts()
    end subroutine test_structure_arrays
 
-   !> A mass on a spring that falls back from a wall at its rest position without loss hits it each
-   !! half turn. There may be as many events as the arrays hold; then they end with the last one.
+   !> A mass on a spring that returns from a wall at its rest position without loss hits it every
+   !! half period. The arrays may be filled with events; then they end with the last one.
    subroutine test_capacity()
       integer, parameter :: bounces = 300
       real(wp) :: table(5, bounces + 10), end_state(2), end_time
@@ -70,8 +70,8 @@ contains
       call check(status == stat%gap_closed .and. n == 0, 'arrays: a start in a gap')
    end subroutine test_refused_starts
 
-   !> Between events, samples of a trajectory under a record are the states in which simulations up
-   !! to these times end, wherever they begin and whether the record has ended.
+   !> Between events, samples of a trajectory under a record are the final states of simulations up
+   !! to these times, wherever they start and whether or not the record has ended.
    subroutine test_samples_of_a_record()
       integer, parameter :: samples = 12, room = 200, wanted = 40
       real(wp), parameter :: step = 0.7_wp, start = 0.3_wp, last = 12.0_wp
@@ -154,8 +154,8 @@ contains
          all(abs(of_two(:, 2)) <= 0), 'samples: up to a rest that has no motion')
    end subroutine test_refused_samples
 
-   !> The arrays of a settled motion are those of the motion; if there is no room for its impacts,
-   !! their number is known and nothing else.
+   !> The arrays of a settled motion equal those of the motion; if there is no room for its impacts,
+   !! only their number is known.
    subroutine test_settled_arrays()
       type(structure_type) :: structure
       type(load_type) :: load
@@ -208,7 +208,7 @@ contains
       call check(status == stat%mass_not_definite .and. all(counts == 0), 'settled: no mass')
    end subroutine test_settled_arrays
 
-   !> Where a gap rests all the time while another one is hit, there is no flight from which a
+   !> If a gap rests permanently while another one is hit, there is no flight from which a
    !! period could begin. The motion without this rest, in the gap, is not the simulated one.
    subroutine test_rest_through_all_impacts()
       type(settled_type) :: found
@@ -227,7 +227,7 @@ contains
       call check(status == stat%no_motion, 'settled: a rest through all impacts')
    end subroutine test_rest_through_all_impacts
 
-   !> A mass on a spring, with a wall where it is at rest.
+   !> A mass on a spring, with a wall at its rest position.
    pure type(structure_type) function on_spring(values, restitution) result(structure)
       !> M, C and K; the coefficient of restitution of the wall.
       real(wp), intent(in) :: values(3), restitution

@@ -140,7 +140,7 @@ contains
    end subroutine test_no_approach
 
    !> The numbers of fold, flip and Neimark-Sacker have the signs of their products. For a zone all
-   !! of them are positive at stable motions alone, also where two pairs of multipliers are outside
+   !! of them are positive only at stable motions, even if two pairs of multipliers are outside
    !! the unit circle.
    subroutine test_crossings()
       type(structure_family_type) :: family
@@ -239,8 +239,8 @@ contains
       end do
    end subroutine test_touches
 
-   !> Coefficients of restitution lie between 0 and 1, the bounds included, whether or not the wrong
-   !! bound is asked for.
+   !> Coefficients of restitution lie between 0 and 1, bounds included, whether or not the wrong
+   !! bound is tested.
    subroutine test_range_of_restitution()
       type(structure_family_type) :: family
       type(change_type) :: change

@@ -1,5 +1,5 @@
-!> Motions of structures: lists of them, what settles on one, states from which they are
-!! searched, and Lyapunov exponents.
+!> Motions of structures: lists of them, settled simulations, states for their search,
+!! and Lyapunov exponents.
 module studies_structure_motions
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use checks, only: check
@@ -92,7 +92,7 @@ contains
          'presumed: an exact motion nearby')
    end subroutine test_presumed_events
 
-   !> A motion given several times over is the same one, unless gaps, phases or a rest differ or
+   !> A motion given over several periods is the same, unless gaps, phases or a rest differ, or
    !! there is no motion of the shorter period.
    subroutine test_shortest_periods()
       type(structure_type) :: structure, own
@@ -147,7 +147,7 @@ contains
 
    contains
 
-      !> Checks that a motion is kept as it is.
+      !> Checks that a motion is kept unchanged.
       subroutine check_kept(found, what)
          type(settled_type), intent(in) :: found
          character(*), intent(in) :: what
@@ -216,8 +216,8 @@ contains
       call check(accepted > 100 .and. refused > 10, 'near: accepted and refused motions')
    end subroutine test_near_motions
 
-   !> A simulation that is to settle is given up where it has more events than are allowed in the
-   !! cycles before it is examined and in those that are.
+   !> A simulation that is to settle is abandoned if it has more events than allowed, in the
+   !! cycles before it is examined or in the examined ones.
    subroutine test_limits_of_events()
       integer, parameter :: settling = 7, most_cycles = 2
       type(run_type) :: run
@@ -240,8 +240,8 @@ contains
       end do
    end subroutine test_limits_of_events
 
-   !> Where there is no periodic motion the arrays are empty and the status says why; an exact one
-   !! solves its equations.
+   !> If there is no periodic motion the arrays are empty and the status gives the reason; an exact
+   !! motion solves its equations.
    subroutine test_no_periodic_motion()
       type(random_type) :: random
       type(structure_type) :: structure
@@ -377,7 +377,7 @@ contains
          > 0) .and. all(abs(states) < 10), 'states: no mass')
    end subroutine test_states_without_motion
 
-   !> Random states have the sizes of a motion, whatever its signs.
+   !> Random states have the sizes of a motion, for any of its signs.
    subroutine test_mirrored_states()
       real(wp) :: phase, states(2, 20, 2)
       integer :: i, k, side, status
@@ -400,8 +400,8 @@ contains
       end do
    end subroutine test_mirrored_states
 
-   !> Where a simulation cannot begin, or has too many events before its average begins, there are
-   !! no exponents; of some directions there is neither a dimension nor a sum.
+   !> If a simulation cannot start, or has too many events before its average begins, there are
+   !! no exponents; some directions have neither a dimension nor a sum.
    subroutine test_refused_exponents()
       type(structure_type) :: structure
       type(average_type) :: average
@@ -435,8 +435,8 @@ contains
          'exponents: none without a mass')
    end subroutine test_refused_exponents
 
-   !> A period in which two gaps close at once belongs to no motion; nor does a structure without
-   !! mass, or a start in a gap.
+   !> A period in which two gaps close at once belongs to no motion; the same holds for a structure
+   !! without mass, and for a start in a gap.
    subroutine test_undefined_cycles()
       type(structure_type) :: structure
       type(settled_type) :: found
@@ -465,8 +465,8 @@ contains
       end do
    end subroutine test_undefined_cycles
 
-   !> The sum of the exponents has the value that damping and impacts give it, also where a mass
-   !! leaves a wall the slower, the faster it arrives. A limit of events leaves no exponents.
+   !> The sum of the exponents has the value given by damping and impacts, even if a mass
+   !! leaves a wall the more slowly, the faster it arrives. A limit of events leaves no exponents.
    subroutine test_sums_of_exponents()
       type(random_type) :: random
       type(structure_type) :: structure
@@ -486,7 +486,7 @@ contains
          if (status /= stat%ok .or. found%rests > 0) cycle
          call check(found%error >= 0 .and. found%error < 1.0e-10_wp, 'exponents: their sum')
       end do
-      ! of the last structure: somewhere in the batches the events are used up
+      ! for the last structure the events are used up somewhere in the batches
       do i = 1, 5
          most = found%impacts - i
          call average_from(structure, cosine_load(2.0_wp, 1.0_wp), [0.0_wp, 0.1_wp], average, &
@@ -522,8 +522,8 @@ contains
          -1.0_wp], [1, 2]), reshape([upper, restitution, lower, restitution], [2, 2]))
    end function between
 
-   !> Openings of two walls, and a law by which the speed after an impact falls from some approach
-   !! speed on.
+   !> Openings of two walls, and a law by which the speed after an impact falls beyond some approach
+   !! speed.
    pure function falling() result(values)
       real(wp) :: values(7, 2)
 

@@ -1,4 +1,4 @@
-!> The oscillator of 1983 among structures, by its two masses in any units, and what is another one.
+!> The oscillator of 1983 among structures, from its two masses in any units, and similar ones.
 module studies_structure_pair
    use, intrinsic :: iso_fortran_env, only: int64
    use checks, only: check
@@ -91,8 +91,8 @@ contains
       end function difference
    end subroutine test_recognised
 
-   !> Whatever else acts on the particle or between it and the host, in either direction, makes a
-   !! structure another one.
+   !> Any other force on the particle, or between it and the host, in either direction, makes a
+   !! structure a different one.
    subroutine test_not_recognised()
       type(random_type) :: random
       type(run_type) :: run
@@ -148,7 +148,7 @@ contains
 
    !> A random host with a free particle, in random units, and a state between the walls.
    subroutine random_pair(random, run, start)
-      !> In and out: its numbers are drawn.
+      !> In and out: random numbers are drawn.
       type(random_type), intent(inout) :: random
       !> The run.
       type(run_type), intent(out) :: run

@@ -36,8 +36,8 @@ contains
       call test_released_by_an_impact()
    end subroutine test_structure_runs
 
-   !> Chains of many gaps: the same events, bit for bit, whether all rows are looked at after each
-   !! event or only those without a certificate, and the latter grow less than the chain.
+   !> Chains of many gaps: the same events, bit for bit, whether all rows are examined after each
+   !! event or only those without a certificate; the latter grow less than the chain.
    subroutine test_lattices()
       integer, parameter :: cells(4) = [21, 30, 60, 120]
       real(wp) :: looks(size(cells))
@@ -53,7 +53,7 @@ contains
       end do
    end subroutine test_lattices
 
-   !> Looks at rows for an event of a chain of hosts, each with a free mass in a slot.
+   !> Examines rows for an event of a chain of hosts, each with a free mass in a slot.
    real(wp) function looks_of_lattice(cells, kind) result(looks)
       !> Number of hosts, and kind: undamped; with a load and losses, with free masses that fall to
       !! rest, and with walls on one side of some.
@@ -154,7 +154,7 @@ contains
       end do
    end subroutine test_ends
 
-   !> States that repeat after some cycles do so whatever their signs, up to the difference allowed.
+   !> States that repeat after some cycles do so for any signs, up to the permitted difference.
    subroutine test_repetition()
       integer, parameter :: most = 4
       real(wp), parameter :: near = 1.0e-4_wp
@@ -181,7 +181,7 @@ contains
          call check(found == period, 'repetition: up to a small difference')
          strobes(k, j) = strobes(k, j) + near*largest*merge(1, -1, mod(i, 8) < 4)
          call repetition(strobes, most, near, found)
-         ! a difference is seen by the periods after which there is another state
+         ! a state that differs rules out the periods that compare it
          call check(found == 0 .or. (found > j .and. found > 2*most - j), &
             'repetition: not beyond it')
       end do
@@ -214,7 +214,7 @@ contains
          scale = abs(opening) + sum(abs(direction))*maxval(abs(q))
          call start(0.9e-13_wp, 0)
          call check(status == stat%ok .and. state%regime > 1, 'starts: a gap closed by rounding')
-         ! the load and the velocities tell the size of the motion where the coordinates do not
+         ! the load and the velocities give the size of the motion where the coordinates do not
          reach = max(maxval(abs(rate)), 50*maxval(abs(direction)))
          most = 8*(dot_product(abs(direction), abs(rate)) + sum(abs(direction))*reach)/ &
             abs(direction(2)*rate(2))
@@ -245,7 +245,7 @@ contains
 
    contains
 
-      !> Starts in the gap by a share of its terms, with a number of roundings of a velocity.
+      !> Starts in the gap by a fraction of its terms, with a number of roundings of a velocity.
       subroutine start(share, roundings)
          real(wp), intent(in) :: share
          integer, intent(in) :: roundings
@@ -255,7 +255,7 @@ contains
       end subroutine start
    end subroutine test_starts_at_a_gap
 
-   !> Coordinates and velocities beyond the units of the numbers are refused, whatever their signs.
+   !> Coordinates and velocities beyond the units of the numbers are refused, for any signs.
    subroutine test_far_starts()
       real(wp) :: table(5, 9), end_state(2), end_time
       integer :: labels(2, 9), n, side, status
@@ -272,7 +272,7 @@ contains
       end do
    end subroutine test_far_starts
 
-   !> Samples of trajectories with rests are the states in which simulations up to these times end.
+   !> Samples of trajectories with rests equal the final states of simulations up to these times.
    subroutine test_samples_through_rests()
       integer, parameter :: room = 2000, wanted = 60
       real(wp), parameter :: last = 40.0_wp
@@ -313,7 +313,7 @@ contains
    end subroutine test_samples_through_rests
 
    !> A mass that falls on a wall comes to rest after infinitely many impacts at a known time: a
-   !! simulation that ends before it ends without a rest, however short before it.
+   !! simulation that ends before that time, by however little, has no rest.
    subroutine test_ends_of_accumulations()
       type(random_type) :: random
       type(run_type) :: run
@@ -379,8 +379,8 @@ contains
       end function loaded
    end subroutine test_mirrored_accumulations
 
-   !> Two gaps of a mass that close at the same place have no defined outcome, wherever the place
-   !! is, and beside a gap that stays open: openings at q = 0 may be negative.
+   !> Two gaps of a mass that close at the same position have no defined outcome, at any position,
+   !! and next to a gap that stays open: openings at q = 0 may be negative.
    subroutine test_gaps_that_close_together()
       type(random_type) :: random
       real(wp) :: direction, opening, table(5, 9), end_state(2), end_time
@@ -398,7 +398,7 @@ contains
       end do
    end subroutine test_gaps_that_close_together
 
-   !> The greatest approach speed over the least one counts no impacts of accumulations in the
+   !> The ratio of the greatest approach speed to the least one leaves accumulations out of the
    !! latter.
    subroutine test_spread_of_speeds()
       type(random_type) :: random
@@ -438,7 +438,7 @@ contains
       call check(all(with > 20), 'spread: different speeds, and rests')
    end subroutine test_spread_of_speeds
 
-   !> Where an impact makes a contact pull, through a dashpot, it is released at the time of that
+   !> If an impact makes a contact pull, through a dashpot, it is released at the time of that
    !! impact: the derivative of the simulation contains the jump of accelerations.
    subroutine test_released_by_an_impact()
       real(wp), parameter :: step = 1.0e-5_wp

@@ -1,4 +1,4 @@
-!> Derivatives of the equations of a structure's motions by parameters: closed forms against
+!> Derivatives of the equations of a structure's motions by parameters: closed forms compared with
 !! differences.
 module studies_structure_slopes
    use checks, only: check, check_close

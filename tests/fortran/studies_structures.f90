@@ -45,8 +45,8 @@ contains
       call test_rates_of_rows()
    end subroutine test_structures
 
-   !> A flight of hundreds of thousands of turns before the first impact: in parts it gives
-   !! the same event with the same bits as at once, and a simulation that is told to stop does so
+   !> A flight of hundreds of thousands of cycles before the first impact: in parts it gives
+   !! the same event with the same bits as at once, and a simulation with a stop request ends
    !! before its end.
    subroutine test_long_flight()
       type(structure_type) :: structure
@@ -88,7 +88,7 @@ contains
       call check(status == stat%not_computed .and. n == 0, 'a long flight stops when told')
    end subroutine test_long_flight
 
-   !> A wrong entry of [P] changes the determinant, and the verdict on stability is withdrawn.
+   !> A wrong entry of [P] changes the determinant, and the stability verdict is withdrawn.
    subroutine test_audit()
       type(structure_type) :: structure
       type(load_type) :: load
@@ -210,7 +210,7 @@ contains
          cycles, .false.), 'one impact less')
       call check(same_impacts(gaps(:0), phases(:0), speeds(:0), gaps(:0), phases(:0), speeds(:0), &
          cycles, .false.), 'motions without impacts')
-      ! of accumulations the impacts count that have more than 1e-3 of the largest speed
+      ! of accumulations only impacts with more than 1e-3 of the largest speed count
       do i = 1, 2
          small = merge(0.999e-3_wp, 1.001e-3_wp, i == 1)*maxval(speeds)
          call check(same_impacts([gaps, 1], [phases, 9.5_wp], [speeds, small], gaps, phases, &
@@ -233,7 +233,7 @@ contains
       end function alike
    end subroutine test_same_impacts
 
-   !> The third column of Table 1 of the 1983 paper, by its two masses: the same motion three ways.
+   !> The third column of Table 1 of the 1983 paper, from its two masses: the same in three ways.
    subroutine test_pair()
       type(structure_type) :: structure
       type(load_type) :: load
@@ -310,7 +310,7 @@ contains
    end subroutine test_rest
 
    !> A step of Newton's method from a poor guess shortens no flight to less than half of it, and
-   !! one that would do so shortens some flight to just a half.
+   !! a longer step is reduced so that it shortens some flight to exactly a half.
    subroutine test_newton_step()
       type(random_type) :: random
       type(structure_type) :: structure
@@ -346,8 +346,8 @@ contains
       call check(halved > 50, 'newton: some flights are halved')
    end subroutine test_newton_step
 
-   !> Motions have mirror images between opposite gaps with one opening and one law, under a load
-   !! with odd harmonics alone, and not where any of these differs, by whatever sign.
+   !> Motions have mirror images between opposite gaps with equal openings and laws, under a load
+   !! with odd harmonics only, and not if any of these differs, by either sign.
    subroutine test_not_odd()
       type(random_type) :: random
       type(structure_path_type) :: path
@@ -393,7 +393,7 @@ contains
                if (mod(i, 4) < 2) cycle
                path%structure%laws(j)%values(2) = path%structure%laws(j)%values(2) + part
             case default
-               ! as it is
+               ! unchanged
             end select
             call check(is_odd(path) .eqv. kind == 0, 'mirror images of motions')
             call check((same_law(path%structure, 1, 2) .eqv. kind < 6) .and. &
@@ -432,8 +432,8 @@ contains
       load = new_load(frequency, harmonics, constant)
    end function sine_load
 
-   !> Under a force that stays, the rows of a record change as their rates tell. They are linear in
-   !! the pairs, so that a step of any length along the derivatives of these shows it. Where damping
+   !> Under a constant force the rows of a record change as their rates predict. They are linear in
+   !! the pairs, so a step of any length along their derivatives shows it. If damping
    !! does not couple the modes, rows depend on positions alone.
    subroutine test_rates_of_rows()
       integer, parameter :: n = 3
@@ -487,9 +487,9 @@ contains
       call check(all(kinds >= 10), 'records: rows with and without velocities')
    end subroutine test_rates_of_rows
 
-   !> Between two samples of a record, fourth differences of x and v, which Runge's and Kutta's
-   !! method finds, are within the bounds on fourth derivatives, and reach those of an undamped pair
-   !! that turns once.
+   !> Between two samples of a record, fourth differences of x and v, computed by the Runge-Kutta
+   !! method, are within the bounds on fourth derivatives, and reach those of an undamped pair
+   !! over one cycle.
    subroutine test_bounds_of_intervals()
       integer, parameter :: steps = 400
       type(random_type) :: random
@@ -530,7 +530,7 @@ contains
             'records: fourth derivatives are within their bounds')
          if (mod(i, 2) == 0 .and. modes%stiffness(1) > 0) call check(all(largest(:2) >= 0.98_wp &
             *bounds(:2)), 'records: the bounds are reached')
-         ! the sizes are at least those at the beginning, and grow by no more than the rates allow
+         ! the sizes are at least those at the start, and grow by no more than the rates allow
          call check(all(bounds(3:) >= (1 - 1.0e-12_wp)*[norm2(now(:, 1)), norm2(now(:, 2))]) &
             .and. bounds(3) >= 0.5_wp*length*norm2(now(:, 2)) .and. bounds(4) >= 0.5_wp*length &
             *norm2([now(:, 4), next(:, 4)]), 'records: sizes are not too small')
@@ -573,7 +573,7 @@ contains
          end do
       end subroutine integrate
 
-      !> The fourth derivative at the third of five places.
+      !> The fourth derivative at the third of five positions.
       function difference(values) result(fourth)
          real(wp), intent(in) :: values(:, :)
          real(wp) :: fourth(m)

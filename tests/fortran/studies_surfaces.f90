@@ -29,7 +29,7 @@ module studies_surfaces
 
    public :: test_surfaces
 
-   !> The middle of a window that is no larger than the units.
+   !> The middle of a window that is not larger than the units.
    real(wp), parameter :: middle(2) = 0.5_wp
 
    character(4), parameter :: patterns(4) = [character(4) :: 'RL', 'RRL', 'RLL', 'RRLL']
@@ -83,7 +83,7 @@ contains
             end associate
          end do
          call check_close(at(size(at)), windows(2, i), 1.0e-13_wp, 'lines from bound to bound')
-         ! no more than eight times as many lines as are asked for
+         ! at most eight times as many lines as requested
          if (size(at) < 8*(lines - 1)) call check(all(parts*(lines - 1) <= 16*(1 + 1.0e-6_wp)), &
             'lines are as near as their density asks')
          associate (apart => at(2:) - at(:size(at) - 1))
@@ -102,8 +102,8 @@ contains
       sides = [(merge(1, -1, text(i:i) == 'R'), i=1, len_trim(text))]
    end function sides_of
 
-   !> A small window is the unit square, whatever its size: steps along its lines are shares of it.
-   !! In a large one a unit does not depend on the size: steps are as short as in another.
+   !> A small window is the unit square, for any size: steps along its lines are fractions of it.
+   !! In a large one a unit does not depend on the size: steps are as short as in another one.
    subroutine test_windows()
       type(zone_request_type) :: request
       type(curve_type) :: small, large, larger
@@ -145,8 +145,8 @@ contains
 
    end subroutine test_windows
 
-   !> What is not found of a vertex is said to be lost and has no number: a condition that the
-   !! family has not, a pattern without such motions, and what a stop leaves out.
+   !> A vertex that is not found is marked as lost and has no number: a condition that the
+   !! family does not have, a pattern without such motions, and vertices left out by a stop.
    subroutine test_lost_vertices()
       integer, parameter :: fold = 1, rest_vanishes = 7
       type(zone_request_type) :: request
@@ -177,8 +177,8 @@ contains
       end do
    end subroutine test_lost_vertices
 
-   !> Lines over the surfaces of random patterns: between two motions of a line where a condition
-   !! has two signs it is zero, and from either end the same zero is found.
+   !> Lines over the surfaces of random patterns: if a condition has different signs at two motions
+   !! of a line, it is zero in between, and both ends lead to the same zero.
    subroutine test_zeros()
       type(zone_request_type) :: request
       type(curve_type) :: surface, line
@@ -202,7 +202,7 @@ contains
       call check(hidden > 0, 'zeros: some are passed twice in one step')
    end subroutine test_zeros
 
-   !> r, log(D), xi, mu, R1, R2 at a place of a surface.
+   !> r, log(D), xi, mu, R1, R2 at a point of a surface.
    pure function parameters_at(surface, at) result(c)
       type(curve_type), intent(in) :: surface
       real(wp), intent(in) :: at(2)
@@ -212,8 +212,8 @@ contains
       c = parameters_of(surface, [(0.0_wp, i=1, surface%family%unknown_count()), at])
    end function parameters_at
 
-   !> Vertices without a motion: a pattern with more unknowns than there is room for together with
-   !! all parameters, and a place where no motion of the pattern is near.
+   !> Vertices without a motion: a pattern with more unknowns than the arrays hold together with
+   !! all parameters, and a point with no motion of the pattern nearby.
    subroutine test_vertices_of_nothing()
       integer, parameter :: most = 24, fold = 1
       type(zone_request_type) :: request
@@ -286,8 +286,8 @@ contains
       call check(nets > 5, 'nets: motions inside zones')
    end subroutine test_nets
 
-   !> A net without room for another node, border or crossing, or without steps left, says that it
-   !! is full and keeps what it has.
+   !> A net without room for another node, border or crossing, or without steps left, reports that
+   !! it is full and keeps its contents.
    subroutine test_full_nets()
       type(zone_request_type) :: request
       type(curve_type) :: surface
@@ -356,8 +356,8 @@ contains
       end do
    end subroutine check_net
 
-   !> A step without a look at the conditions ends where it ends with one; only with one are there
-   !! their values.
+   !> A step without evaluation of the conditions ends where it ends with evaluation; their values
+   !! exist only with it.
    subroutine test_blind_steps()
       type(zone_request_type) :: request
       type(curve_type) :: surface, line
@@ -437,9 +437,9 @@ contains
       call check(.not. releases(1)%late .and. releases(1)%cycles == 0, 'releases: and no period')
    end subroutine test_many_impacts
 
-   !> A vertex at a motion that repeats itself after a third of the period is no regular point of
-   !! the motions of half the period. Where it cannot be found from greater distances either, the
-   !! loop stays as it was traced.
+   !> A vertex at a motion that repeats itself after a third of the period is not a regular point of
+   !! the motions of half the period. If it cannot be found from greater distances either, the
+   !! loop stays as traced.
    subroutine test_other_repetitions()
       type(zone_request_type) :: request
       type(curve_type) :: surface
@@ -515,7 +515,7 @@ contains
    subroutine walk(line, point, zeros, borders, hidden)
       type(curve_type), intent(in) :: line
       real(wp), intent(in) :: point(:)
-      !> Zeros, and ends of zones, that are found on the steps; those where the condition has one
+      !> Zeros, and ends of zones, that are found on the steps; zeros where the condition has one
       !! sign at both ends of the step.
       integer, intent(inout) :: zeros, borders, hidden
       type(place_type) :: now, next

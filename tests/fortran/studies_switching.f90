@@ -30,7 +30,7 @@ contains
       call test_nothing_begins()
    end subroutine test_switching
 
-   !> The first equispaced motion of a cycle at a clearance, its own mirror image.
+   !> The first equispaced motion of a cycle at a clearance, which is its own mirror image.
    subroutine equispaced(xi, restitution, clearance, motion)
       real(wp), intent(in) :: xi, restitution, clearance
       type(motion_type), intent(out) :: motion
@@ -43,8 +43,8 @@ contains
       call check(motion%status == stat%ok, 'switching: an equispaced motion')
    end subroutine equispaced
 
-   !> Where a motion touches a wall and so does its mirror image, a motion with one more impact
-   !! begins for each of these, and one with both, whichever of the two touches is given.
+   !> Where a motion and its mirror image both touch a wall, a motion with one more impact
+   !! starts for each touch, and one with both, whichever of the two touches is given.
    subroutine test_two_touches()
       real(wp), parameter :: critical = 1.7919869460695672_wp, &
          elastic = 0.98940371755490175_wp
@@ -66,7 +66,7 @@ contains
       call check_close(maxval(abs(found(2)%x(3:) + found(2)%x(:2))), 0.0_wp, 1e-9_wp, &
          'switching: both touches keep the symmetry')
       call check(all([found%admissible, others%admissible] == yes), 'switching: it is admissible')
-      ! without losses they begin beside this touch, but not where impacts would add energy
+      ! without losses they start near this touch, but not where impacts would add energy
       call equispaced(0.05_wp, 1.0_wp, elastic, motion)
       call switch_branch(motion, at_grazing, 1, 1, by_clearance, .true., found, n)
       call check(n == 2, 'switching: one touch, and both, of elastic impacts')
@@ -74,9 +74,9 @@ contains
       call check(n == 0, 'switching: restitution is at most 1')
    end subroutine test_two_touches
 
-   !> At a pitchfork, two motions begin that are mirror images of each other, at another value of
-   !! one parameter. There are none at a value that the parameter cannot have: of this pitchfork,
-   !! damping would have to be negative.
+   !> At a pitchfork, two motions start that are mirror images of each other, at another value of
+   !! one parameter. There are none at a value that the parameter cannot have: at this pitchfork,
+   !! the damping would have to be negative.
    subroutine test_pitchfork()
       real(wp), parameter :: critical = 15.408624800244240_wp
       type(motion_type) :: motion, found(most_switched)
@@ -102,8 +102,8 @@ contains
       end do
    end subroutine test_pitchfork
 
-   !> At a flip a motion of twice the period begins, also if the motion at the flip is given over
-   !! two periods. Where the periods of such a motion differ, it is at no flip.
+   !> At a flip a motion of twice the period starts, even if the motion at the flip is given over
+   !! two periods. If the periods of such a motion differ, it is not at a flip.
    subroutine test_flip()
       real(wp), parameter :: critical = 7.7233155664012489_wp, x(3) = [3.2523283181522382_wp, &
          3.8648459233151695e-2_wp, -2.6337093125603341_wp], phases(3) = [0.0_wp, &
@@ -158,7 +158,7 @@ contains
       call assess_exact(motion)
    end subroutine solve
 
-   !> Without a critical multiplier, or without multipliers at all, no motion begins.
+   !> Without a critical multiplier, or without multipliers at all, no motion starts.
    subroutine test_nothing_begins()
       type(motion_type) :: motion, found(most_switched)
       integer :: i, n, tried

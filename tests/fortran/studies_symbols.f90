@@ -77,7 +77,7 @@ contains
 
    !> The symbols of events, and the events that begin and end each symbol.
    subroutine check_case(text, symbols, first, last)
-      !> As of `events_of`.
+      !> In the form of `events_of`.
       character(*), intent(in) :: text
       integer, intent(in) :: symbols(:), first(:), last(:)
       type(symbol_sequence_type) :: reading
@@ -213,8 +213,8 @@ contains
          'symbols: a limit of events')
    end subroutine test_simulated
 
-   !> Two impacts a cycle, the second one later by some angle in every other cycle: both periods are
-   !! listed, or only that of two cycles, or the simple one if nothing differs.
+   !> Two impacts per cycle, the second one later by some angle in every other cycle: both periods
+   !! are listed, or only that of two cycles, or the simple one if nothing differs.
    subroutine test_periods()
       type(event_type) :: events(24), early(25)
       type(period_type), allocatable :: periods(:)
@@ -242,7 +242,7 @@ contains
       call check(size(periods) == 1, 'periods: two of two cycles')
       call read_periods(events, 5, 100, 0.05_wp, periods, total_phase(events(24)) - 3.9_wp*two_pi)
       call check(size(periods) == 0, 'periods: less than two of two cycles')
-      ! a release long ago belongs to the transient
+      ! an early release belongs to the transient
       early = [event_type(release_event, 1, 0, 0.1_wp, 0, 0, 0, 0, 0), events]
       call read_periods(early, 5, 100, 0.05_wp, periods)
       call check(all(periods%cycles == [2]) .and. periods(1)%last == 25, 'periods: old release')
@@ -254,7 +254,7 @@ contains
    subroutine make_doubled(later, events)
       !> The angle (rad).
       real(wp), intent(in) :: later
-      !> An even number of them.
+      !> An even number of cycles.
       type(event_type), intent(out) :: events(:)
       integer :: i
 

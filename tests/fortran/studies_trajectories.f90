@@ -28,7 +28,7 @@ module studies_trajectories
 
    real(wp), parameter :: pi = acos(-1.0_wp)
 
-   !> The end of a simulation that has settled: as `end_arrays` takes it.
+   !> The end of a simulation that has settled, in the form for `end_arrays`.
    type :: end_type
       real(wp) :: of(4) = 0
       real(wp), allocatable :: values(:, :)
@@ -74,8 +74,8 @@ contains
       end if
    end function settling_system
 
-   !> Each impact of random systems is the first contact that the plain search finds from the one
-   !! before it, and what is compiled for wide registers gives the same bits.
+   !> Each impact of random systems is the first contact that the plain search finds from the
+   !! previous one, and the code for wide registers gives the same bits.
    subroutine test_flights()
       integer, parameter :: systems = 60, room = 400
       type(random_type) :: random
@@ -114,7 +114,7 @@ contains
                state = state_type(before%cycle, before%phase, before%x, before%x_dot_after, &
                   before%x + before%side*half, before%z_dot_after, before%side, &
                   before%side*(before%x_dot_after - before%z_dot_after))
-               ! of shorter flights the departure speed has too few digits
+               ! in shorter flights the departure speed has too few digits
                if (state%speed < 1e-3_wp) cycle
                contact = first_contact(flight_from(system, state, 2*duration + 1), half, &
                   departure_from(state, half), 2*duration + 1, 0.0_wp)
@@ -129,7 +129,7 @@ contains
    end subroutine test_flights
 
    !> A bundle ends where its simulations end, with their numbers of impacts and rests, whatever
-   !! its arrays held before.
+   !! the previous contents of its arrays.
    subroutine test_bundle()
       integer, parameter :: cycles = 100
       type(forced_system_type) :: system
@@ -213,7 +213,7 @@ contains
          associate (e => events(i), time => state_time(events(i)%cycle, events(i)%phase, system%r))
             call sample_segments(system, starts(:, :i - 1), resting(:i - 1), [time], values)
             call check_close(values(1, 1), e%x, 1.0e-12_wp, 'history: x')
-            ! the last, tiny impacts of an accumulation are no events
+            ! the last, tiny impacts of an accumulation are not events
             tolerance = merge(1.0e-7_wp, 1.0e-12_wp, e%kind == stick_event)
             call check_close(values(2, 1), e%x_dot_before, tolerance, 'history: velocity of x')
             call check_close(values(3, 1), e%x + e%side*half, 1.0e-11_wp, 'history: z at its wall')
@@ -249,7 +249,7 @@ contains
       call store_events(events, system%r, finish%values, finish%labels)
    end subroutine settle
 
-   !> What `end_arrays` tells, as far as these tests need it.
+   !> The results of `end_arrays` that these tests need.
    subroutine read_end(system, finish, most_cycles, solve, cycles, symbols, described)
       type(forced_system_type), intent(in) :: system
       type(end_type), intent(in) :: finish
@@ -267,8 +267,8 @@ contains
       allocate (symbols, source=all_symbols(:n))
    end subroutine read_end
 
-   !> The motion at the end of a simulation, also of a system that differs; none where there is
-   !! none, and an attractor only of the system itself and of the period asked for.
+   !> The motion at the end of a simulation, also of a slightly different system; none where none
+   !! exists, and an attractor only of the system itself and of the requested period.
    subroutine test_motion_at_end(rests)
       logical, intent(in) :: rests
       type(forced_system_type) :: system, other
@@ -316,7 +316,7 @@ contains
          what//': multiplier')
    end subroutine compare
 
-   !> Where the phases of every second cycle are a little off, as before a simulation has settled,
+   !> Where the phases of every second cycle differ slightly, as before a simulation has settled,
    !! two cycles repeat themselves best; but the motion has one cycle.
    subroutine test_doubled_period()
       type(forced_system_type) :: system
@@ -357,7 +357,7 @@ contains
       call settle(system, finish)
       row = merge(5, 3, rests)                       ! x' after a release, or x of an impact
       do i = -3, 3
-         ! by a part of 0.1; the cycles examined begin later where phases are later
+         ! by a part of 0.1; the examined cycles start later where phases are later
          off = 0.049_wp*i
          moved = finish
          moved%values(1, :) = finish%values(1, :) + off/system%r
@@ -382,7 +382,7 @@ contains
       end do
    end subroutine test_nearby
 
-   !> A trajectory that depends on all that is varied.
+   !> A trajectory that depends on all varied parameters.
    subroutine follow(rests, p, events, n, finish, system, start)
       logical, intent(in) :: rests
       real(wp), intent(in) :: p(varied)
@@ -403,8 +403,8 @@ contains
       call check(status == stat%ok .and. n <= size(events), 'a trajectory over some cycles')
    end subroutine follow
 
-   !> The derivatives of events and of the end of a trajectory against differences of simulations;
-   !! from a rest, where both masses are moved together, and from between the walls.
+   !> The derivatives of events and of the end of a trajectory, compared with differences of
+   !! simulations; from a rest, where both masses move together, and from between the walls.
    subroutine test_gradient(rests)
       logical, intent(in) :: rests
       integer, parameter :: room = 40
@@ -522,8 +522,8 @@ contains
       end do
    end subroutine test_touches
 
-   !> The figures of an attractor do not depend on a limit of events that is not reached; with one
-   !! that is, there are none.
+   !> The figures of an attractor do not depend on a limit of events that is not reached; if it
+   !! is reached, there are none.
    subroutine test_limits_of_events(settling)
       integer, intent(in) :: settling
       integer, parameter :: keep = 3
@@ -558,7 +558,7 @@ contains
       call check(reached > 2 .and. reached < 55, 'figures: with and without a limit')
    end subroutine test_limits_of_events
 
-   !> With rest, the greatest approach speed is that of the impacts alone, and no boundary is at a
+   !> With rest, the greatest approach speed is that of the impacts only, and no boundary has a
    !! distance.
    subroutine test_figures_with_rest()
       type(forced_system_type) :: system

@@ -27,7 +27,7 @@ program test_cases
 
 contains
 
-   !> Texts in JSON: quotation marks, backslashes and control characters alone are changed.
+   !> Texts in JSON: only quotation marks, backslashes and control characters are changed.
    subroutine test_quoted()
       type(buffer_type) :: buffer
       character(4) :: code
@@ -45,7 +45,7 @@ contains
       end do
    end subroutine test_quoted
 
-   !> A number as it is printed, with all digits or with the fewest, is the same number when read.
+   !> A number printed with all digits or with the fewest reads back as the same number.
    subroutine test_numbers_read_back()
       real(wp), allocatable :: values(:)
       real(wp) :: value
@@ -64,7 +64,7 @@ contains
       end do
    end subroutine test_numbers_read_back
 
-   !> From 0.001 to below 100000 a number is printed without exponent, with no digit too many.
+   !> From 0.001 to below 100000 a number is printed without exponent and without surplus digits.
    subroutine test_forms_of_printed_numbers()
       character(12), parameter :: forms(*) = [character(12) :: '0', '0.001', '0.0012', '0.5', '1', &
          '10', '12.5', '12345.678', '99999', '1e5', '1.23456e5', '1.5e300', '9.99e-4', '1e-4', &
@@ -131,7 +131,7 @@ contains
       call check(.not. good, 'more repeats than any list has')
    end subroutine test_lists
 
-   !> Words in quotes of either kind.
+   !> Words in either kind of quotes.
    subroutine test_words()
       type(line_type), allocatable :: words(:)
       logical :: good

@@ -109,7 +109,7 @@ contains
       end do
    end subroutine test_square_integral
 
-   !> A flight starts in its state, and continues as the flight from any later state of it.
+   !> A flight starts in its state, and continues as a flight from any later state of it.
    subroutine test_flight()
       type(flight_type) :: flight, rest
       real(wp) :: x(3), start(3), later(3), t, u
@@ -137,7 +137,7 @@ contains
       end do
    end subroutine test_flight
 
-   !> x'' + 2 xi x' + x = (A/gain) sin(r t + phase + lag), with derivatives that are derivatives.
+   !> x'' + 2 xi x' + x = (A/gain) sin(r t + phase + lag), and the derivatives are consistent.
    subroutine test_equation_of_motion()
       type(flight_type) :: flight
       real(wp) :: x(3), ahead(3, 3), behind(3, 3), load, t, scale, h, slope(3)

@@ -48,7 +48,7 @@ program test_numerics
 
 contains
 
-   !> A v = lambda v of the eigenvalue nearest to a number, which is one of all the eigenvalues.
+   !> A v = lambda v for the eigenvalue nearest to a number, which is one of all eigenvalues.
    subroutine test_eigenvector()
       real(wp) :: a(4, 4), copy(4, 4), v(4), near
       complex(wp) :: lambda, all_of_them(4)
@@ -74,8 +74,8 @@ contains
       call check(real_ones > 500, 'eigenvector: real ones')
    end subroutine test_eigenvector
 
-   !> A matrix with an entry that is infinite or not a number has no eigenvalues: that is said, and
-   !! does not end the program.
+   !> A matrix with an entry that is infinite or not a number has no eigenvalues: this is reported,
+   !! and does not end the program.
    subroutine test_not_finite()
       real(wp) :: a(4, 4), copy(4, 4), v(4)
       complex(wp) :: lambda(4)
@@ -176,8 +176,8 @@ contains
       end do
    end subroutine test_units
 
-   !> Just after a release t^2 (k - t^2) is nearly 0, and so is its slope: few safe steps lead to
-   !! its zero at sqrt(k), however small that is, and none leads beyond it.
+   !> Just after a release t^2 (k - t^2) is nearly 0, and so is its slope: a few safe steps lead to
+   !! its zero at sqrt(k), however small it is, and none goes beyond it.
    subroutine test_steps_after_a_release()
       real(wp) :: k, t, zero
       integer :: i, n
@@ -196,7 +196,7 @@ contains
       end do
    end subroutine test_steps_after_a_release
 
-   !> At least one thread, and no more than are wanted.
+   !> At least one thread, and at most the requested number.
    subroutine test_numbers_of_threads()
       integer :: available, usable
       integer :: wanted
@@ -225,15 +225,15 @@ contains
             call fill(random, -1.0_wp, 1.0_wp, a(:, j))
          end do
          if (abs(a(1, 1) + a(2, 2) + a(3, 3) + a(4, 4)) < 0.1_wp) cycle
-         ! up to there the trace is accurate enough
+         ! up to this value the trace is accurate enough
          factor = draw_log(random, 1e2_wp, 0.99e8_wp)
          call check(locate_spectrum(factor*a) == some_outside .and. &
             locate_spectrum(-factor*a) == some_outside, 'outside the circle by the trace')
       end do
    end subroutine test_huge_matrices
 
-   !> No function is certain to stay below a level that the worst one with its values and slopes,
-   !! a quartic, exceeds between two nodes.
+   !> No function is certain to stay below a level that the worst function with its values and
+   !! slopes, a quartic, exceeds between two nodes.
    subroutine test_worst_quartics()
       integer, parameter :: fine = 50
       real(wp), dimension(1) :: y, rate, y_next, rate_next, bound, reserve, upper, lower, above, &
@@ -268,7 +268,7 @@ contains
          call mark_doubts(1, h, -y, -rate, -y_next, -rate_next, bound, reserve, -lower, -upper, &
             above, below)
          call check(below(1) > 0 .and. .not. above(1) > 0, 'cells: and a lower one')
-         ! what is far enough above all coefficients is certain
+         ! a level far enough above all coefficients is certain
          upper = max(maxval(b), 0.5_wp*(b(2) + b(3)) + dip) + reserve + 1e-9_wp
          call mark_doubts(1, h, y, rate, y_next, rate_next, bound, reserve, upper, lower, above, &
             below)
@@ -383,8 +383,8 @@ contains
       end do
    end subroutine test_least_squares
 
-   !> Both solutions, the sign of the determinant, and the scaled size of the right side; what is
-   !! singular is reported.
+   !> Both solutions, the sign of the determinant, and the scaled size of the right side; a singular
+   !! system is reported.
    subroutine test_eliminate()
       real(wp) :: a(most, most), copy(most, most), b(2, most), right(2, most), residual, wanted
       logical :: regular
@@ -411,7 +411,7 @@ contains
                1e-12_wp*maxval(abs(copy(:n, j)))*(1 + maxval(abs(b(:, :n))))), &
                'eliminate: solution')
          end do
-         ! two equations that say the same
+         ! two equivalent equations
          if (n == 1) cycle
          a = copy
          a(:n, n) = 2*a(:n, 1)
@@ -453,7 +453,7 @@ contains
       end do
    end subroutine test_eigenvalues
 
-   !> Results are those of the drivers, also with scaling and eigenvalues isolated by balancing.
+   !> Results equal those of the drivers, also with scaling and eigenvalues isolated by balancing.
    subroutine test_drivers()
       real(wp) :: a(6, 4), b(6), c(6, 4), d(6), work(300), unused(1, 1), unit
       real(wp) :: p(4, 4), q(4, 4), real_part(4), imaginary_part(4), residual

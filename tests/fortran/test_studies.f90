@@ -102,7 +102,7 @@ program test_studies
 
 contains
 
-   !> Where a flight touches no wall, a motion with one more impact is found at most by chance; if
+   !> If a flight touches no wall, a motion with one more impact is found only by chance; if
    !! so, it is admissible.
    subroutine test_switching_away_from_a_graze()
       type(motion_type) :: motion, found(most_switched)
@@ -130,7 +130,7 @@ contains
          results%verdicts(3, m), results%status(m))
    end function empty_results
 
-   !> Bit for bit, not-a-number included.
+   !> Equal bit for bit, including not-a-number.
    elemental logical function same(a, b)
       real(wp), intent(in) :: a, b
 
@@ -203,7 +203,7 @@ contains
          results%status)
    end function points
 
-   !> Verdicts on motions with about the most impacts that are computed side by side.
+   !> Verdicts on motions with about the largest number of impacts that is computed side by side.
    subroutine test_flags()
       integer, parameter :: m = 70
       type(oscillator_type) :: osc
@@ -243,7 +243,7 @@ contains
       end do
    end subroutine test_flags
 
-   !> Equispaced points are those of the chain, two columns a point; missing motions are NaN.
+   !> Equispaced points equal those of the chain, two columns per point; missing motions are NaN.
    subroutine test_equispaced_batch()
       integer, parameter :: m = 200
       type(oscillator_type) :: osc
@@ -355,8 +355,8 @@ contains
       end do
    end subroutine test_recall
 
-   !> In 32 bits the motion is the same, to the digits that 32 bits and the problem's condition
-   !! allow.
+   !> In 32 bits the motion is the same, to the digits that 32 bits and the condition of the
+   !! problem allow.
    !!
    !! The condition is estimated from the effect of rounding the data on the double precision
    !! result.

@@ -227,7 +227,7 @@ def test_rest_does_not_depend_on_the_units_of_mass_and_time(seed):
             )
             assert not run.events.size
             found.append(run.final_state[0])
-        # the displacement where no gap prevents motion is half the acceleration times the time squared, and more terms
+        # without gaps the displacement is half the acceleration times the time squared, and further terms
         assert np.abs(found[0]).max() > 1e-9
         assert np.abs(found - found[0]).max() < 1e-9 * np.abs(found[0]).max()
 
