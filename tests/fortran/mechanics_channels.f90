@@ -149,8 +149,8 @@ contains
       call check_close(of_fourth(1)/of_x, 1.0_wp, 1e-9_wp, 'heavy damping: fourth derivatives')
    end subroutine test_heavy_damping
 
-   !> A mass with a tiny stiffness, with and without a dashpot and a constant force, hits or misses a
-   !! wall as without stiffness, at the same time, and in as few steps.
+   !> A mass with a tiny stiffness, with and without a dashpot and a constant force, hits a wall, or
+   !! misses it, as without stiffness, at the same time, and in as few steps.
    subroutine test_tiny_stiffness()
       type(structure_type) :: structure
       type(load_type) :: load

@@ -132,8 +132,8 @@ contains
       call check(released > 100, 'release: seen often')
    end subroutine test_release
 
-   !> Without load and motion the contact holds permanently, and so does the contact on the side that
-   !! a slow oscillation does not reach.
+   !> Without load and motion the contact holds permanently, and so does one on the side that a slow
+   !! oscillation does not reach.
    subroutine test_no_release(side)
       integer, intent(in) :: side
       type(oscillation_type) :: rest
