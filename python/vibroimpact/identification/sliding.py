@@ -77,7 +77,7 @@ def with_friction(
         flown(other, scale, shared, guess)
         if other.data is None or other.data.sides != data.sides:
             raise SingularError(
-                f"{given}: without its effect the record has other impacts than with it; {HINT}"
+                f"{given}: with and without its effect the record has different impacts; {HINT}"
             )
         own = away_from(motion, other.data)
         own = replace(own, values=own.values + motion.at(own.places))

@@ -361,10 +361,10 @@ def identified_by(
             if not all(step.rhythm.status == "periodic" for step in others):
                 single = single or apart(steps, *given)
                 if clear(single[1]):
-                    return because(single, "flights between no impacts describe it")
+                    return because(single, "no set of flights between impacts describes it")
                 number = max((step.times.size for step in others if several(step)), default=0)
                 if number:
-                    why = f"{number} impacts are picked that no flights show"
+                    why = f"{number} picked impacts do not show in the flights"
                     return explained(because(single, why), tried, shared)
                 return explained((others, None, law), tried, shared)
             if attempt == "other walls":

@@ -276,7 +276,7 @@ def doubts_of(
     if found.against:
         texts.append(
             f"impacts give no parameters: {found.against}; the rig may have changed during the record, or impacts "
-            "are hidden in it, which damping and load by the flights alone may suffer from, too"
+            "are hidden in it, which may also affect damping and load from the flights alone"
         )
     largest = float(np.nanmax(np.append(abs(np.asarray(multipliers)), 0.0)))
     # parameters that are open may be those of an unstable motion as well

@@ -115,7 +115,7 @@ def gap_pattern(
     are allowed."""
     check_load(structure, load, frequency=True, stops=stops)
     cycles = checks.integer(cycles, "cycles", 1, 10_000)
-    wanted = "gap numbers from 0, one an impact, 1 to 1000 of them"
+    wanted = "gap numbers from 0, one for each impact, 1 to 1000 of them"
     array = np.array(checks.real_array(gaps, "gaps", wanted))
     many = len(structure._parts)
     if array.ndim != 1 or not 1 <= array.size <= 1000 or (array != np.round(array)).any():
@@ -125,9 +125,7 @@ def gap_pattern(
             f"gaps = {checks.shown(gaps)}: must be {wanted}, each below {many} as the structure has {many} gaps"
         )
     numbers = array.astype(np.int32)
-    wanted = (
-        "finite load phases, one an impact, increasing, within less than a period of each other"
-    )
+    wanted = "finite load phases, one for each impact, increasing, within less than a period of each other"
     phases = np.array(checks.real_array(phases, "phases", wanted), dtype=np.float64)
     if phases.shape != numbers.shape or not np.isfinite(phases).all():
         raise ParameterError(f"phases = {checks.shown(phases.tolist())}: must be {wanted}")

@@ -502,7 +502,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         if self.request is None:
             reason = "it began with the final state of another trajectory"
             if self.of_structure:
-                reason = "the file has none from which it was read"
+                reason = "it was read from a file without one"
             raise ParameterError(f"{self!r}: has no namelist, since {reason}")
         if self.of_structure:
             load = [] if self.load is None else self.load._groups()

@@ -461,7 +461,7 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
             if phases[j] < phases[j - 1] - MEETING:
                 raise SingularError(
                     f"point {i}: this motion is not admissible: event {j + 1} would precede event {j}; "
-                    "the columns have it"
+                    "its data are in the columns"
                 )
             # where two events meet, each keeps an instant of its own
             phases[j] = max(phases[j], np.nextafter(phases[j - 1], np.inf))
@@ -487,7 +487,7 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
         q, rate = (self._values("points", name)[i] for name in ("q", "q_dot"))
         if not self.admissible[i]:
             raise SingularError(
-                f"point {i}: this motion is not admissible and cannot be simulated; the columns have it"
+                f"point {i}: this motion is not admissible and cannot be simulated; its data are in the columns"
             )
         start, state = float(self.phases[0, i]) / load.frequency, (q, rate)
         try:
@@ -523,7 +523,7 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
             same = not np.isfinite(sizes).all() or abs(sizes[0] - sizes[1]) < 1e-3 * (1 + sizes[1])
         if not same:
             raise SingularError(
-                f"point {i}: from it another motion is found; the columns have this one"
+                f"point {i}: simulating from it gives a different motion; the data of this one are in the columns"
             )
         return found
 

@@ -769,7 +769,7 @@ def of_numbers(osc: Any, name: str = "osc") -> None:
     if osc._has_law:
         raise ParameterError(
             f"restitution = {osc.restitution!r} of {name}: must be numbers here; simulate, exact, find, lyapunov, "
-            "basins, response and bifurcation_diagram take laws, and so does all that takes a Structure "
+            "basins, response and bifurcation_diagram accept laws, and so do all functions of a Structure "
             "(Oscillator.structure)"
         )
 
