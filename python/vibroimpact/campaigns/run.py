@@ -81,7 +81,7 @@ def campaign(
     """Compute many cases of one study, and keep their results in a store.
 
     Cases that are already in the store are not computed again: the same call resumes a campaign that was
-    interrupted or killed. The store is the same to the last bit, whatever computed it.
+    interrupted or killed. The store is the same to the last bit on any machine.
 
     Parameters
     ----------

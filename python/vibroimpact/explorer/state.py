@@ -124,7 +124,7 @@ class State:
     line : (r, clearance, r, clearance) or None
         The ends of the line of the bifurcation diagram.
     units : Units or None
-        Physical units, which are shown beside the dimensionless ones.
+        Physical units, which are shown next to the dimensionless ones.
     map : {"off", "on"}
         Whether the map of max|X|/A is shown.
     box : Box or None

@@ -1,6 +1,6 @@
 """The flights of the primary mass between impacts, from a periodic record.
 
-Between impacts the primary mass is a damped oscillator under the load, whatever the shape of the contact pulses.
+Between impacts the primary mass is a damped oscillator under the load, for any shape of the contact pulses.
 Therefore the record, folded over its period, is compared with exact flights outside the pulses; the lengths of the
 pulses are determined from the data. Modes that ring after the impacts, and an offset of the sensor, are fitted and
 projected out.
@@ -60,8 +60,8 @@ LEAST_DAMPED, MOST_DAMPED, LOWEST, HIGHEST = 0.002, 0.5, 4, 0.25
 #: Jumps of the velocity below this number of errors, or below this share of the largest one, do not count as
 #: impacts, unless a good misfit increases by this factor without them.
 CLEAR, WEAK, NEEDED = 5.0, 0.01, 10.0
-#: Largest number of impacts that are added to none, and in each load cycle to those that were predicted by
-#: nothing.
+#: Largest number of impacts that are added to a start without impacts, and of missing impacts that are added in
+#: each load cycle to the predicted ones.
 MOST_IMPACTS, MISSING = 8, 2
 
 
@@ -72,7 +72,7 @@ class Measured:
     Angles are Omega t with t = 0 in the middle of the record.
     """
 
-    #: Load frequency, radians a second.
+    #: Load frequency, radians per second.
     Omega: float
     #: Load cycles in a period.
     k: int

@@ -25,9 +25,9 @@ from .windows import Windows
 
 _Array = NDArray[np.float64]
 _Ints = NDArray[np.int64]
-#: Instants of a flight at which the sign of the slip is looked at, and how often reversals are looked for.
+#: Instants of a flight at which the sign of the slip is evaluated, and the number of searches for reversals.
 ALONG, LOOKS = 200, 3
-#: Friction over F0 of a motion of the core at least: without any, it has other events.
+#: Least friction over F0 of a motion of the core; without friction the motion has other events.
 LEAST = 1e-9
 
 
@@ -230,7 +230,7 @@ class Rubbing(System):
     def with_response(
         self, p: _Array, motion: Impacting, turns: _Array, flight: _Ints, by: _Array
     ) -> Impacting:
-        """The motion with its response to friction at the places of the record; `by` are the derivatives of
+        """The motion with its response to friction at the samples of the record; `by` are the derivatives of
         impacts and reversals."""
         places, order = self.data.places, self.data.order
         motion = motion._replace(
@@ -314,8 +314,8 @@ class Slips(NamedTuple):
 def slips_of(
     windows: Windows, states: _Array, common: _Array, signs: _Array, d: float, resolved: NDArray[np.bool_]
 ) -> Slips:  # fmt: skip
-    """The slip of the free mass, straight between impacts; flights beside others than resolved impacts do not
-    count."""
+    """The slip of the free mass, straight between impacts; flights that do not end at resolved impacts do
+    not count."""
     N = signs.size
     t, X, _, _ = windows.events(states, common, windows.times)
     z = X + 0.5 * signs * d

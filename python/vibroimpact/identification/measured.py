@@ -73,7 +73,7 @@ def factor_of(channel: str, unit: str) -> float:
 
 
 def unit_named(unit: object, known: Iterable[str]) -> str | None:
-    """The unit that a text names, whatever its spelling; None if it is none of the known ones.
+    """The known unit that a text names, in any spelling; None if there is none.
 
     Capital and small letters count only if they distinguish two of the units, such as mN and MN.
 

@@ -118,12 +118,12 @@ class Step:
         self.growth, self.growth_size = 0.0, 0.0
         #: Doubts about the record.
         self.notes: list[str] = []
-        #: Response of the primary mass to friction in the slot, at the samples, which is no part of the flights.
+        #: Response of the primary mass to friction in the slot, at the samples, which is not part of the flights.
         self.aside: _Array | float = 0.0
         #: Receives the share of the flights that is fitted.
         self.report: Callable[[float, str], None] = silent
-        #: Whether single flights show that the record repeats nothing; asked where flights that repeat are
-        #: hopeless.
+        #: Whether single flights show that the record is not periodic; called if repeating flights cannot
+        #: describe it.
         self.aperiodic: Callable[[], bool] = unasked
 
     @property
@@ -400,7 +400,7 @@ def flights_of(
     step: Step, scale: Mapping[str, float], known: Mapping[str, float], guess: Mapping[str, float],
     exactly: bool,
 ) -> Flights:  # fmt: skip
-    """The folded record whose flights are looked for, optionally with sensors taken as exact."""
+    """The folded record for the search for flights, optionally with sensors taken as exact."""
     data, record = step.data, step.record
     assert data is not None
     assert record is not None

@@ -55,7 +55,7 @@ DRIFTS = {
     "xi": "xi seems", "static": "the load, or the gain of the sensor of the motion, seems",
     "phase": "the load, or the clock of its channel, seems",
 }  # fmt: skip
-#: Largest multiplier of a fitted motion above which no record shows it; noise may lead a little beyond 1.
+#: Largest multiplier of a fitted motion that a record can show; noise may raise it slightly above 1.
 UNSTABLE = 1.05
 #: Half the width of a 95 % interval in standard errors.
 WIDTH = 1.959963984540054

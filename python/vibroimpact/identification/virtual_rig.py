@@ -212,7 +212,7 @@ class VirtualRig:
 
     @property
     def omega(self) -> float:
-        """Natural frequency sqrt(K/M), radians a second."""
+        """Natural frequency sqrt(K/M), radians per second."""
         return math.sqrt(self.K / self.M)
 
     @property

@@ -582,8 +582,8 @@ class Windows:
         """The points where flights meet: times, displacements, velocities before and after (4, ..., N).
 
         All arguments may have a small imaginary part. `states` is (..., N + 1, 2); the times are those about which
-        the crossing of the flights is linearized. `aside` are displacement and velocity beside those of free
-        flights just before each impact, and the displacement after it.
+        the crossing of the flights is linearized. `aside` are the displacement and velocity just before
+        each impact, in addition to those of free flights, and the displacement after it.
         """
         omega, xi, static, phase = (common[..., None, i] for i in range(4))
         decay, rate = xi * omega, omega * np.sqrt(1 - xi**2)

@@ -996,7 +996,7 @@ def simulate_structure(
         permanent=tuple(np.flatnonzero(resting[: len(structure.gaps)]).tolist()),
     )  # fmt: skip
     if failed:
-        # walls that squeeze what is between them
+        # walls with too little space between them
         whole = np.linspace(0, 2 * np.pi, 361)
         why = (structure._moves and _overlap(structure, whole)) or sentence(status)
         error = SingularError(
@@ -1008,7 +1008,7 @@ def simulate_structure(
 
 
 def _overlap(structure: Structure, angles: _Array) -> str:
-    """Which two gaps face each other and leave no place between them at some load phases, in words."""
+    """Which two gaps face each other and leave no space between them at some load phases, in words."""
     rigid = [(i, gap) for i, gap in enumerate(structure.gaps) if isinstance(gap, Gap)]
     for i, gap in rigid:
         for j, other in rigid[i + 1 :]:

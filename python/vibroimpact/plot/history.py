@@ -152,7 +152,7 @@ def of_structure(
     if units is None:
         return run, begin, end, Scales(None, bare=True)
     physical = run.physical(units)
-    # the ends of the run exactly, whatever the rounding
+    # the exact ends of the run, despite rounding
     begin = physical.start if begin == run.start else begin * units.time
     end = physical.end if end == run.end else end * units.time
     return physical, begin, end, Scales(Units(1.0, 1.0, 1.0, units.names))

@@ -307,7 +307,7 @@ def prove_box(
     Raises
     ------
     ParameterError, ParameterTypeError
-        If an interval is none, or the pattern has rest.
+        If an interval is invalid, or the pattern has rest.
     MissingExtraError
         If python-flint is not installed.
 

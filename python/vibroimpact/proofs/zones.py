@@ -248,7 +248,7 @@ def is_sharp(condition: Any) -> bool:
 
 def strips(box: Box, conditions: Sequence[Any], plane: Window) -> list[Box] | None:
     """Parts of a box with verdicts on stability, by the models of its conditions: strips of r, each cut in the
-    tangent just beside the zeros of the conditions; None if the box must be halved."""
+    tangent close to the zeros of the conditions; None if the box must be halved."""
     (left, right), (lower, upper) = box.span["r"], box.span["tangent"]
     middle, half = (lower + upper) / 2, (upper - lower) / 2
     fields = [Field(one) for one in conditions[:3]]

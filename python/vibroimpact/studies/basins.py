@@ -63,7 +63,7 @@ class Attractor:
         "periodic" or "rest" (periodic, with accumulation and rest): Newton's method confirms a stable motion that
         states reach; "chaotic": the largest exponent is positive by more than its error; "quasi-periodic": it is
         zero within its error, and no stable motion is found nearby; "no impacts"; "permanent rest", where gaps of
-        a structure stay closed or friction sticks for ever, wherever the structure came to rest; or "periodic?"
+        a structure stay closed or friction sticks permanently, wherever the structure came to rest; or "periodic?"
         where a simulation of an oscillator repeats itself to rounding for long but no stable exact motion was
         found.
     name : str

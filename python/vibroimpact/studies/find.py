@@ -410,7 +410,7 @@ def find(
     max_impacts, max_cycles : int
         Limits of the patterns searched, 2 to 12 impacts and 1 to 8 cycles; for the orders of impacts of a
         structure, 0 to 8 impacts (2 by default; with 0 only simulations are made) and 1 to 16 cycles (4 by
-        default). Motions found by simulations and releases are listed whatever their number of impacts and cycles;
+        default). Motions found by simulations and releases are listed with any number of impacts and cycles;
         for a structure their period is at most `max_cycles`. Neither counts without a periodic load.
     load : float
         Amplitude of the load of an oscillator.

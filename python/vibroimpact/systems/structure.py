@@ -354,7 +354,7 @@ class Friction(ByValue):
         return f"Friction({', '.join([f'{self.direction.tolist()}, {self.slip:g}', *shown])})"
 
 
-#: Columns of results, which are no names of outputs.
+#: Columns of results, which cannot be names of outputs.
 RESERVED = ("time", "kind", "gap", "phase", "speed", "impulse")
 
 
@@ -648,7 +648,7 @@ class Structure(ByValue):
         law.
         """
         matrices = np.stack([self.mass, self.damping, self.stiffness], axis=-1)
-        # f2py refuses arrays with two rows and no column: a gap that never closes is used in place of none
+        # f2py refuses arrays with two rows and no column: without gaps, one that never closes is used
         gaps = self._parts or (Gap(np.eye(self.coordinates)[0], 1e300),)
         directions = np.array([gap.direction for gap in gaps]).T
         constant = [gap.restitution for gap in gaps if isinstance(gap, Gap)]
