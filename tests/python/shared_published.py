@@ -10,7 +10,7 @@ DRAG, RESTITUTION, CYCLES = 0.04, 0.9, 2
 
 
 def published():
-    """kind, omega, F, approach speed and critical multiplier of each row"""
+    """Kind, omega, F, approach speed and critical multiplier of each row."""
     lines = [line for line in DATA.read_text().splitlines() if not line.startswith("#")]
     return [(row.pop("kind"), *map(float, row.values())) for row in csv.DictReader(lines)]
 
