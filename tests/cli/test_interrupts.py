@@ -191,7 +191,7 @@ vi.zone(osc, "RL", (0.9, 1.1), (10, 40), lines=17, progress=lambda share, task: 
 
 @pytest.mark.skipif(not hasattr(os, "openpty"), reason="no pseudo-terminals on this system")
 def test_calls_from_python_show_one_bar(tmp_path):
-    """On a terminal a call shows one bar with its name, without bars of inner calls or with a progress function."""
+    """On a terminal a call shows one bar with its name, without bars of inner calls or a progress function."""
     write(tmp_path / "eager.py", EAGER + CALLS)
     ours, theirs = os.openpty()
     with subprocess.Popen([sys.executable, "eager.py"], cwd=tmp_path, stderr=theirs) as process:

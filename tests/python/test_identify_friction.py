@@ -238,6 +238,6 @@ def test_refusals_name_friction(options, message):
 
 
 def test_friction_of_a_record_that_is_not_periodic_is_refused():
-    """Friction is refused for such a record, as it is evaluated flight by flight."""
+    """Known friction is refused for such a record, since only fits of periodic motions include it."""
     with pytest.raises(vi.SingularError, match="must be left out, since the record is not"):
         quietly(recorded(48.0, 1e-3), known={"M": M, "K": K}, friction=1e-3)

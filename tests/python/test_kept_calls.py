@@ -12,7 +12,7 @@ from shared_kept_calls import answer, differences, load, procedures
 
 @pytest.mark.parametrize("procedure", procedures())
 def test_kept_calls(procedure):
-    """The calls on which two builds agree give the same answers, except for rounding."""
+    """The calls on which builds agree still give the kept answers, except for rounding."""
     kept = [call for call in load() if call["procedure"] == procedure]
     assert kept, "no call is kept"
     for call in kept:

@@ -85,7 +85,7 @@ def moving(kind, direction, opening, **words):
     [moving(vi.Gap, [1, 0, -1], 0.512)],
 ])  # fmt: skip
 def test_labels_of_walls_that_move_stand_apart(gaps):
-    """Openings of very different sizes fit, and no two labels overlap."""
+    """Labels with the least and greatest opening of moving walls are long; no two labels overlap."""
     chain_of_three = [[2, -1, 0], [-1, 2, -1], [0, -1, 1]]
     structure = vi.Structure([1] * 3, [0.1] * 3, chain_of_three, gaps)
     ax, _ = sketch_of(structure, vi.Load(1.0, cosine=[1, 0, 0]))
