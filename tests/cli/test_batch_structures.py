@@ -192,7 +192,7 @@ def test_group_of_an_oscillator_after_a_structure(batch):
 
 
 def test_closed_gap_fails_without_a_result(batch):
-    """A state with a negative gap gives no result, but is valid input, since only the whole case shows the fault."""
+    """A state with a negative gap gives no result, but is valid input, since the whole case has to be known."""
     done = batch.case(CASE.replace("duration = 20", "duration = 20, q = 0, 3"))
     assert done.status == 1
     fault = "case: a gap is negative in the initial state: gap 0 is -2.5, must be >= 0"
