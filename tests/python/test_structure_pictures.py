@@ -404,13 +404,27 @@ def test_sketch_of_elastic_stops_and_friction():
     assert text_of(ax, "$f$ = 0.02")
     slot = [vi.Stop([-1, 1], 5, stiffness=30), vi.Stop([1, -1], 5, stiffness=30)]
     ax, _ = sketch_of(vi.Structure([1, 0.1], [0.1, 0], [1, 0], slot))
-    assert [text.get_text() for text in ax.texts].count("5\n$k$ = 30") == 2
+    assert [text.get_text() for text in ax.texts].count("5") == 2
+    assert [text.get_text() for text in ax.texts].count("$k$ = 30") == 2
     assert sum(line.get_xdata().size == 8 for line in ax.lines) == 2
 
     two = vi.Structure([1, 1], [0, 0], [[2, -1], [-1, 1]], [], [vi.Friction([-1, 1], 0.02)])
     ax, boxes = sketch_of(two)
     (contact,) = (p for p in ax.patches if p.get_hatch() == "xxxxxxx")
     assert boxes[1][0] < contact.get_x() < contact.get_x() + contact.get_width() < boxes[1][1]
+
+
+def test_stiffness_of_a_stop_in_a_slot_crosses_no_wall():
+    """A long stiffness is written between the slot and the top of its body, on the side of its stop."""
+    slot = [vi.Gap([-1, 1], 0.002, 0.7), vi.Stop([1, -1], 0.002, stiffness=8.4e5)]
+    ax, ((left, right),) = sketch_of(vi.Structure([2.7, 0.11], [7.4, 0], [4.2e4, 0], slot))
+    ax.figure.canvas.draw()
+    label = text_of(ax, "$k$ = 8.4e+05").get_window_extent()
+    low, high = ax.transData.inverted().transform(label.get_points())
+    inner = max((p for p in ax.patches if p.get_facecolor()[:3] == (1, 1, 1)), key=lambda p: p.get_width())
+    assert inner.get_y() + inner.get_height() <= low[1]
+    assert high[1] <= 1.8
+    assert left < low[0] < high[0] < 0.5 * (left + right)
 
 
 @pytest.mark.parametrize("count", [1, 6])

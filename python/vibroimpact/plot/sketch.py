@@ -469,18 +469,23 @@ def _draw_boxes(ax: Any, structure: Structure, boxes: dict[int, Box]) -> None:
         for k, (j, sides) in enumerate(box.inner):
             left = box.left + 0.2 + k * SLOTTED + 0.15
             right = left + SLOTTED - 0.3
-            ax.add_patch(Rectangle((left, 0.55), right - left, 1.05, fc="w", ec="k", lw=0.7))
             springs = {
                 int(np.sign(gap.direction[j])): gap.stiffness
                 for gap in structure.gaps if isinstance(gap, Stop) and gap.direction[j]
             }  # fmt: skip
+            # the stiffness of a stop is written above the slot
+            fixed = any(
+                isinstance(gap, Stop) and gap.direction[j] and not moves(gap) for gap in structure.gaps
+            )
+            top = 1.5 if fixed else 1.6
+            ax.add_patch(Rectangle((left, 0.55), right - left, top - 0.55, fc="w", ec="k", lw=0.7))
             # the faces that the free mass meets: a wall, or the plate of an elastic stop
             faces = {
                 side: x - side * 0.3 * (side in springs) for side, x in ((-1, left), (1, right))
             }
             for side in sides:
                 face = faces[side]
-                ax.plot([face, face], [0.55, 1.6], color=IMPACT, lw=2.4, solid_capstyle="butt")
+                ax.plot([face, face], [0.55, top], color=IMPACT, lw=2.4, solid_capstyle="butt")
                 if side in springs:
                     turns = 1.3 + 0.08 * np.r_[0, np.tile([1, -1], 3), 0]
                     ax.plot(np.linspace(face, face + side * 0.3, turns.size), turns, "k", lw=0.7)
@@ -495,10 +500,14 @@ def _draw_boxes(ax: Any, structure: Structure, boxes: dict[int, Box]) -> None:
                     at = 0.5 * (middle + side * 0.45 + faces[side])
                     words = _opening_of(gap).replace(" to ", "\nto ")
                     _stroke(ax, faces[side], 1.7, moves(gap))
-                    if isinstance(gap, Stop):
+                    if isinstance(gap, Stop) and moves(gap):
                         words = f"{words}\n$k$ = {gap.stiffness:.3g}"
-                        if moves(gap):
-                            words = words.replace("\nto ", "\nto\n").replace("= ", "=\n")
+                        words = words.replace("\nto ", "\nto\n").replace("= ", "=\n")
+                    elif isinstance(gap, Stop):
+                        ax.text(
+                            right if side > 0 else left, 0.5 * (top + HEIGHT), rf"$k$ = {gap.stiffness:.3g}",
+                            ha="right" if side > 0 else "left", va="center", fontsize=5.5,
+                        )  # fmt: skip
                     # beside the spring of a stop there is less room
                     small_one = 4.5 if isinstance(gap, Stop) and moves(gap) else 6
                     ax.text(at, 0.96, words, ha="center", va="center", fontsize=small_one)
