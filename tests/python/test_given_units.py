@@ -361,3 +361,54 @@ def test_the_output_of_a_structure_is_designed():
     labels = [panel.get_xlabel() + panel.get_ylabel() for panel in tip.plot()]
     assert any("acceleration of tip" in label for label in labels)
     assert not any("F_0" in label for label in labels)
+
+
+REFUSED = {
+    "state": (
+        lambda: vi.simulate(RIG, "19.5 Hz", "4 mm", 5, {"x": "1 mm", "z": "5 mm"}),
+        "state['z'] - state['x'] = 5 mm - 1 mm: must be between the walls, -14 to 14; without units 5 mm is 35, "
+        "1 mm is 7",
+    ),
+    "list": (
+        lambda: vi.simulate(RIG, "19.5 Hz", "4 mm", 5, ["1 mm", "2 mm"]),
+        "state = ['1 mm', '2 mm']: must be a mapping",
+    ),
+    "clearance": (
+        lambda: vi.zone(RIG, "RL", ("19 Hz", "21 Hz"), ("-1 mm", "8 mm")), "clearance[0] = -1 mm: must be a number"
+    ),
+    "range": (lambda: vi.response(RIG, ("18 Hz", "18 Hz"), "4 mm", points=3), "r = (18 Hz, 18 Hz): must be"),
+    "load": (lambda: RIG.at("19.5 Hz", "4 mm", load="-3 N"), "load = -3 N: must be a number"),
+    "friction": (lambda: RIG.at("19.5 Hz", "4 mm", friction="-0.1 N"), "friction = -0.1 N: must be a force"),
+    "frequency": (lambda: RIG.at("-2 Hz", "4 mm"), "r = -2 Hz: must be a number"),
+    "stop": (
+        lambda: RIG.at("19.5 Hz", "4 mm", stops=(None, ("-840 kN/m", "75 N s/m"))),
+        "stiffness = -840 kN/m: must be a number from 0 to 1e100; without units -840 kN/m is -20",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_messages_show_what_was_given(name):
+    """The value in a message is the text that was given; its dimensionless number is named for the rest of it."""
+    call, message = REFUSED[name]
+    with pytest.raises((ParameterError, ParameterTypeError)) as caught:
+        call()
+    assert message in str(caught.value)
+
+
+def test_bounds_of_a_branch_are_named_as_given():
+    """Bounds in mm and Hz are refused with these, and with the value of the motion in them."""
+    motion = next(m for m in vi.equispaced(RIG, "20.6 Hz", "3.6 mm") if m.stable)
+    for name, bounds, parts in (
+        ("clearance", ("2 mm", "3 mm"), ("bounds[1] = 3 mm: must", "= 3.6 mm; without units 3 mm is 21")),
+        ("r", ("21 Hz", "22 Hz"), ("bounds[0] = 21 Hz: must", "has r = 20.6 Hz; without units 21 Hz is")),
+        ("clearance", ("-3 mm", "4 mm"), ("bounds[0] = -3 mm: must",)),
+    ):  # fmt: skip
+        with pytest.raises(ParameterError) as caught:
+            vi.branch(motion, name, bounds=bounds)
+        for part in parts:
+            assert part in str(caught.value)
+    default, named = (
+        vi.branch(motion, *name, bounds=("3 mm", "4 mm")) for name in ((), ("clearance",))
+    )
+    np.testing.assert_array_equal(default.clearance, named.clearance)

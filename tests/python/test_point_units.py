@@ -182,6 +182,98 @@ def test_basins_along_velocities():
     assert labels(basins.plot()) == ["$q_{0}$ (mm) | $\\dot q_{0}$ (mm/s)"]
 
 
+def test_initial_states_and_times_with_units():
+    """States by name or as lists, and times, mean the same as their dimensionless numbers."""
+    units = RIG.units().to("mm N s")
+    start = {"x": "0.2 mm", "z": "0.5 mm", "z_dot": "40 mm/s", "t": "10 ms"}
+    named = vi.simulate(POINT, 3, start)
+    state = (["0.2 mm", "0.5 mm"], [0, "40 mm/s"])
+    listed = vi.simulate(POINT, cycles=3, state=state, start="10 ms")
+    plain = (np.array([0.2, 0.5]) / units.length, np.array([0, 40]) / units.velocity)
+    bare = vi.simulate(POINT, cycles=3, state=plain, start=0.01 / units.time)
+    for one in (named, listed):
+        np.testing.assert_allclose(one.initial_state, bare.initial_state, rtol=1e-14)
+        np.testing.assert_allclose(one.states, bare.states, rtol=1e-9, atol=1e-9)
+        assert one.start == pytest.approx(bare.start, rel=1e-14)
+    lasting = vi.simulate(POINT, duration="100 ms", state=state)
+    assert lasting.end * units.time == pytest.approx(0.1)
+    found = vi.lyapunov(POINT, cycles=40, state=state)
+    np.testing.assert_array_equal(
+        found.exponents, vi.lyapunov(POINT, cycles=40, state=plain).exponents
+    )
+
+
+def test_samples_at_times_with_units(run, motion):
+    """Times in ms, also of the run in other units, give the same samples; so do windows."""
+    units = RIG.units().to("mm N s")
+    times = [f"{1000 * t * units.time:.12g} ms" for t in np.linspace(run.start, run.end, 7)[1:-1]]
+    bare = np.linspace(run.start, run.end, 7)[1:-1]
+    for own, its, scale in zip(
+        run.physical("mm N s").sample(times), run.sample(bare), (units.length, units.velocity), strict=True
+    ):  # fmt: skip
+        np.testing.assert_allclose(own, its * scale, rtol=1e-7)
+    np.testing.assert_allclose(run.sample(times), run.sample(bare), rtol=1e-7)
+    np.testing.assert_allclose(run.acceleration(times), run.acceleration(bare), rtol=1e-7)
+    np.testing.assert_allclose(run.sample(times[0]), run.sample(bare[0]), rtol=1e-7)
+    own = run.quantities(window=(times[0], times[3]))
+    np.testing.assert_allclose(own.q.rms, run.quantities(window=bare[[0, 3]]).q.rms, rtol=1e-7)
+    np.testing.assert_allclose(
+        motion.sample(["5 ms"]), motion.sample([0.005 / units.time]), rtol=1e-7
+    )
+
+
+def test_basins_by_the_names_of_the_oscillator():
+    """A plane at such a point takes x, z and their velocities."""
+    spans = ("-0.2 mm", "0.2 mm"), ("-5 mm/s", "5 mm/s")
+    found = [
+        vi.basins(RUBS, plane=tuple(zip(names, spans, strict=True)), points=2, settling=50)
+        for names in (("z", "x_dot"), ("q_1", "q_dot_0"))
+    ]
+    assert [axis.name for axis in found[0].axes] == ["q_1", "q_dot_0"]
+    np.testing.assert_array_equal(found[0].states, found[1].states)
+    with pytest.raises(vi.errors.ParameterError, match="'y', 'q_dot_0': must be two of 'q_0'"):
+        vi.basins(RUBS, plane=tuple(zip(("y", "x_dot"), spans, strict=True)), points=2)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"cycles": 1, "state": (["0.2 mm", "9 mm"], [0, 0])}, "gaps[0] is -7.8 mm, must be >= 0"),
+        (
+            {"cycles": 1, "state": (["0.2 mm"], [0, 0])},
+            "state = ([0.2 mm], [0, 0]): must be two lists",
+        ),
+        ({"cycles": 1, "state": (["0.2 mm/s", 0], [0, 0])}, "state = 0.2 mm/s: must be a length"),
+        ({"cycles": 1, "state": ["1 mm", "2 mm"]}, "state = '1 mm': must be two lists"),
+        ({"duration": "-1 s"}, "duration = -1 s: must be a number"),
+        ({"duration": "1 Hz"}, "duration = 1 Hz: must be a time"),
+    ],
+)
+def test_refused_at_a_point(given, message):
+    """Messages show what was given."""
+    with pytest.raises(vi.errors.VibroimpactError) as caught:
+        vi.simulate(RUBS, **given)
+    assert message in str(caught.value)
+
+
+def test_refused_times_and_values(run, motion):
+    """Times of samples, bounds and values are named as they were given."""
+    with pytest.raises(
+        vi.errors.ParameterError, match=r"t = \[9 s\]: must be times .* 9 s is 1122\."
+    ):
+        run.sample(["9 s"])
+    with pytest.raises(vi.errors.ParameterError, match=r"window = \(1 s, 99 s\): must be"):
+        run.quantities(window=("1 s", "99 s"))
+    with pytest.raises(
+        vi.errors.ParameterError, match=r"bounds\[1\] = 0.9 mm: .* opening = 1 mm; without"
+    ):
+        vi.branch(motion, "opening", bounds=("0.8 mm", "0.9 mm"))
+    with pytest.raises(vi.errors.ParameterError, match=r"min\(values\) = -1 N: must"):
+        vi.bifurcation_diagram(RUBS, "slip", ("-1 N", "0.3 N"), points=3)
+    with pytest.raises(vi.errors.ParameterError, match="no units for the parameter 'stiffness_1'"):
+        vi.bifurcation_diagram(RUBS, "stiffness_1", ("1 kN/m", "2 kN/m"), points=3)
+
+
 def test_structures_of_users_have_no_units():
     """A structure defined by the user is shown in the user's units, which have no names."""
     structure, load = by_hand()

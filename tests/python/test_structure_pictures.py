@@ -421,7 +421,9 @@ def test_stiffness_of_a_stop_in_a_slot_crosses_no_wall():
     ax.figure.canvas.draw()
     label = text_of(ax, "$k$ = 8.4e+05").get_window_extent()
     low, high = ax.transData.inverted().transform(label.get_points())
-    inner = max((p for p in ax.patches if p.get_facecolor()[:3] == (1, 1, 1)), key=lambda p: p.get_width())
+    inner = max(
+        (p for p in ax.patches if p.get_facecolor()[:3] == (1, 1, 1)), key=lambda p: p.get_width()
+    )
     assert inner.get_y() + inner.get_height() <= low[1]
     assert high[1] <= 1.8
     assert left < low[0] < high[0] < 0.5 * (left + right)

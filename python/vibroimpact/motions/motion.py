@@ -41,7 +41,7 @@ from ..results.systems import (
 from ..results.tables import Result, Table, made, runs
 from ..systems.oscillator import Oscillator, Pattern
 from ..systems.structure import Load, Structure
-from ..systems.units import argument, place_text
+from ..systems.units import argument, place_text, time_of
 from .quantities import Quantities, oscillator_quantities
 from .trajectory import (
     EVENTS_OF_STRUCTURE,
@@ -458,7 +458,9 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
 
     def _within(self, t: ArrayLike) -> tuple[Trajectory, _Array]:
         """For a structure: the period, and times within it for any times."""
-        times = np.atleast_1d(checks.real_array(t, "t", "finite times"))
+        times = np.atleast_1d(
+            checks.real_array(time_of(self.structure, t, "t"), "t", "finite times")
+        )
         if times.ndim != 1 or not np.isfinite(times).all():
             raise ParameterError(f"t = {t!r}: must be finite times")
         run = self._run()

@@ -56,7 +56,15 @@ from ..results.tables import Result, made
 from ..systems.oscillator import Oscillator, Pattern, Point, of_numbers
 from ..systems.record import Record
 from ..systems.structure import Gap, Load, Structure, check_load, moves, opening_at, without_none
-from ..systems.units import argument, has_unit, place_text, range_text
+from ..systems.units import (
+    argument,
+    has_unit,
+    place_text,
+    range_text,
+    shown_as_given,
+    time_of,
+    value_text,
+)
 from ..systems.verbs import every_system, physical_arguments
 from .quantities import Quantities, oscillator_quantities, structure_quantities
 
@@ -209,9 +217,9 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         Parameters
         ----------
         t : array_like
-            Times from `start` to `end`, in any order; of an oscillator that knows M and K also with units, such as
-            ["0.1 s", "0.2 s"]; for a structure, a one-dimensional array (m,). At the time
-            of an event velocities and accelerations are those just after it.
+            Times from `start` to `end`, in any order; of an oscillator that knows M and K, also at a point with
+            friction or stops, with units, such as ["0.1 s", "0.2 s"]; for a structure, a one-dimensional array
+            (m,). At the time of an event velocities and accelerations are those just after it.
         output : str, optional
             For a structure: the output that is sampled, in place of all coordinates.
 
@@ -255,10 +263,11 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         output (parts, m)."""
         row = None if output is None else self.structure._row(output)
         wanted = f"times from {self.start!r} to {self.end!r}"
-        times = np.atleast_1d(checks.real_array(t, "t", wanted))
+        times = np.atleast_1d(checks.real_array(time_of(self.structure, t, "t"), "t", wanted))
         inside = (times >= self.start) & (times <= self.end)
         if times.ndim != 1 or not inside.all():
-            raise ParameterError(f"t = {times[~inside][:3].tolist()!r}: must be {wanted}")
+            with shown_as_given([(t, times)]):
+                raise ParameterError(f"t = {times[~inside][:3].tolist()!r}: must be {wanted}")
         order = np.argsort(times, kind="stable")
         values, status = _core.sample_structure(
             *core_arrays(self.structure, self.load, True), *self._segments(), times[order], parts
@@ -369,11 +378,11 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
             wanted = f"two increasing times from {self.start!r} to {self.end!r}"
             if cycles is not None:
                 raise ParameterError(f"window = {window!r}: must be left out with cycles")
-            if not self.of_structure:
-                window = argument(self.osc, window, "window", "1/omega")
+            given, window = window, time_of(self._system, window, "window")
             times = np.atleast_1d(checks.real_array(window, "window", wanted))
             if times.shape != (2,) or not self.start <= times[0] < times[1] <= self.end:
-                raise ParameterError(f"window = {window!r}: must be {wanted}")
+                with shown_as_given([(given, window)]):
+                    raise ParameterError(f"window = {window!r}: must be {wanted}")
             return float(times[0]), float(times[1])
         if cycles is None:
             return self.start, self.end
@@ -971,8 +980,9 @@ def simulate_structure(
                 for gap in structure.gaps
             ]
             i = int(np.argmin(apart))
+            opening = value_text(structure, "opening", apart[i])
             raise SingularError("; ".join(filter(None, [
-                f"{sentence(status)}: gaps[{i}] is {apart[i]:.6g}, must be >= 0", _overlap(structure, np.zeros(1)),
+                f"{sentence(status)}: gaps[{i}] is {opening}, must be >= 0", _overlap(structure, np.zeros(1)),
             ])))  # fmt: skip
         structure._raise_status(status)
     events = np.zeros(count, EVENTS_OF_STRUCTURE)
@@ -1057,9 +1067,9 @@ def simulate(
 def simulate(point: Point, /, cycles: float, **options: Any) -> Trajectory: ...
 
 
+@physical_arguments
 @every_system(simulate_structure, of_law=state_by_coordinates)
 @memory_for("events of a simulation, by max_events")
-@physical_arguments
 def simulate(
     osc: Oscillator,
     r: float,

@@ -475,7 +475,8 @@ def _draw_boxes(ax: Any, structure: Structure, boxes: dict[int, Box]) -> None:
             }  # fmt: skip
             # the stiffness of a stop is written above the slot
             fixed = any(
-                isinstance(gap, Stop) and gap.direction[j] and not moves(gap) for gap in structure.gaps
+                isinstance(gap, Stop) and gap.direction[j] and not moves(gap)
+                for gap in structure.gaps
             )
             top = 1.5 if fixed else 1.6
             ax.add_patch(Rectangle((left, 0.55), right - left, top - 0.55, fc="w", ec="k", lw=0.7))

@@ -154,7 +154,8 @@ def checked_state(state: Any, clearance: float) -> dict[str, float]:
     y, half = given["z"] - given["x"], 0.5 * clearance
     if abs(y) > half * (1 + 1e-9):
         raise ParameterError(
-            f"state['z'] - state['x'] = {y!r}: must be between the walls, -{half:.6g} to {half:.6g}"
+            f"state['z'] - state['x'] = {given['z']!r} - {given['x']!r}: must be between the walls, "
+            f"-{half:.6g} to {half:.6g}"
         )
     return given
 

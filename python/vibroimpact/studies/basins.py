@@ -35,6 +35,8 @@ __all__ = ["Attractor", "Basins", "basins"]
 _Array = NDArray[np.float64]
 #: Coordinates of a state; y = z - x.
 COORDINATES = ("t", "x", "x_dot", "y", "z_dot")
+#: The names of the coordinates and velocities of both masses in the structure of an oscillator.
+OF_STRUCTURE = {"x": "q_0", "z": "q_1", "x_dot": "q_dot_0", "z_dot": "q_dot_1"}
 #: The core's names for the parts of an axis of a plane.
 AXIS_NAMES = {
     "axes": "plane: name",
@@ -340,6 +342,19 @@ def basins_structure(
     return found
 
 
+def _by_coordinates(given: dict[str, Any]) -> None:
+    """Converts the names of a plane of an oscillator, and the argument `state`, to those for a structure."""
+    state_by_coordinates(given)
+    plane = given.get("plane")
+    if isinstance(plane, (list, tuple)):
+        given["plane"] = tuple(
+            (OF_STRUCTURE.get(axis[0], axis[0]), *axis[1:])
+            if isinstance(axis, (list, tuple)) and axis and isinstance(axis[0], str)
+            else axis
+            for axis in plane
+        )
+
+
 @overload
 def basins(
     osc: Oscillator, r: Value, clearance: Value, plane: tuple[Any, Any] | None = None,
@@ -364,7 +379,7 @@ def basins(
 
 
 @physical_arguments
-@every_system(basins_structure, of_law=state_by_coordinates)
+@every_system(basins_structure, of_law=_by_coordinates)
 def basins(
     osc: Oscillator,
     r: float,
@@ -416,7 +431,8 @@ def basins(
     plane : ((name, (lo, hi)), (name, (lo, hi))), optional
         Two coordinates, each with a range, in which `points` values are taken, or with an array that rises or
         falls throughout; or (name, lo, hi, n). Names are "x", "x_dot", "y" (that is z - x), "z_dot" and "t"; for a
-        structure "q_0", "q_1", ... (coordinates, from 0) and "q_dot_0", ... (velocities).
+        structure "q_0", "q_1", ... (coordinates, from 0) and "q_dot_0", ... (velocities), which at a point with
+        friction or stops are also "x", "z", "x_dot" and "z_dot".
     states : int or array_like (5, M), optional
         Instead of a plane: a number of random states, or for an oscillator an array with t, x, x', z, z' of each.
         Random ones are at t = 0, uniform in a box: x, x' and z' from -s to s and y from wall to wall, where s is

@@ -32,6 +32,7 @@ from .units import (
     plain_number,
     positive,
     positive_each,
+    shown_as_given,
     units_to_show,
     value_text,
 )
@@ -489,15 +490,17 @@ class Oscillator:
             dimensionless(self, name, value)
             for name, value in (("r", r), ("clearance", clearance), ("load", load))
         )
-        ratio = checks.frequency_ratio(ratio, self.xi)
-        gap = positive_each(gap, "clearance", clearance)
-        wanted = "a force over F0 from 0 to 1e100"
-        rubs = checks.to_float(dimensionless(self, "friction", friction), "friction", wanted)
-        if not 0 <= rubs <= 1e100:
-            raise ParameterError(f"friction = {rubs!r}: must be {wanted}")
-        walls = None if stops is None else _compliant_walls(self, stops)
-        if not isinstance(force, Load):
-            return Point(self, ratio, gap, checks.number(force, "load"), rubs, walls)
+        rubs = dimensionless(self, "friction", friction)
+        with shown_as_given([(r, ratio), (load, force), (friction, rubs)]):
+            ratio = checks.frequency_ratio(ratio, self.xi)
+            gap = positive_each(gap, "clearance", clearance)
+            wanted = "a force over F0 from 0 to 1e100"
+            rubs = checks.to_float(rubs, "friction", wanted)
+            if not 0 <= rubs <= 1e100:
+                raise ParameterError(f"friction = {rubs!r}: must be {wanted}")
+            walls = None if stops is None else _compliant_walls(self, stops)
+            if not isinstance(force, Load):
+                return Point(self, ratio, gap, checks.number(force, "load"), rubs, walls)
         if force.constant.size != 2 or not math.isclose(force.frequency, ratio, rel_tol=1e-12):
             raise ParameterError(
                 f"load = {force!r}: must have the frequency r = {ratio!r} and 2 coordinates"
@@ -644,7 +647,8 @@ def _compliant_walls(osc: Oscillator, stops: Any) -> tuple[Wall | None, Wall | N
                 given, ("stiffness", "damping"), ("K", "K/omega"), strict=True
             )
         ]
-        stop = Stop([-1, 1], 1, *numbers)
+        with shown_as_given(zip(given, numbers, strict=True)):
+            stop = Stop([-1, 1], 1, *numbers)
         return stop.stiffness, stop.damping
 
     try:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any, Protocol, TypeAlias, overload
@@ -95,8 +96,11 @@ NAMED: dict[str, tuple[float, Powers, bool]] = {
     "mHz": (2e-3 * math.pi, (0, 0, -1), True), "rpm": (2 * math.pi / 60, (0, 0, -1), True),
     "%": (0.01, (0, 0, 0), False),
 }  # fmt: skip
-#: Patterns of a number followed by text, and of one unit with its power.
+#: Patterns of a number followed by text, of a number in a message, and of one unit with its power.
 QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*((?:1/)?[^\d\s.].*?)\s*")
+NUMBER = re.compile(r"-?\b\d+(?:\.\d+)?(?:e[-+]?\d+)?\b")
+#: The value of the parameter in a message about a starting motion.
+STARTING = re.compile(r"(the motion has (\w+) = )(-?[\d.]+(?:e[-+]?\d+)?)$")
 FACTOR = re.compile(r"([A-Za-z%]+)(?:\^?(-?\d))?")
 #: The dimensionless units of arguments of functions, by name; a state has a mapping of its own.
 ARGUMENTS = {"r": "omega", "clearance": "F0/K", "load": "F0", "friction": "F0"}
@@ -115,8 +119,9 @@ OF_STRUCTURE = {
 }  # fmt: skip
 #: The units of the initial state of a free vibration.
 START = {"amplitude": "F0/K", "y": "F0/K", "x_dot": "omega F0/K", "z_dot": "omega F0/K"}
-#: Arguments that contain values of a state by name.
+#: Arguments that contain values of a state by name, and the times of a simulation of a structure.
 OF_STATES = ("state", "fixed")
+TIMES = {"duration": "1/omega", "start": "1/omega"}
 #: The units of the quantities that limits and targets refer to.
 OF_FIGURES = {
     "displacement": "F0/K", "rms": "F0/K", "acceleration": "omega^2 F0/K", "force": "F0",
@@ -679,6 +684,14 @@ def argument(osc: Any, value: Any, name: str, unit: str) -> Any:
     return number_of(value, name, unit, lambda: osc.units(_force(osc, unit)))
 
 
+def time_of(system: Any, value: Any, name: str) -> Any:
+    """The dimensionless time of an argument of a method of a result, also of a structure with units."""
+    units = getattr(system, "_units", None)
+    if units is None and not hasattr(system, "F0"):
+        return value  # of a structure of the user, whose units have no names
+    return argument(system if units is None else OfStructure(units), value, name, "1/omega")
+
+
 def _force(osc: Scaled, unit: str) -> float | None:
     """A load amplitude for units of quantities that do not depend on it: frequencies, times and masses."""
     return 1.0 if osc.F0 is None and unit in ("omega", "1/omega", MASS, "") else None
@@ -705,6 +718,62 @@ def plain_number(value: Any, name: str, powers: Powers, names: str) -> Any:
     sizes = [Decimal(repr(known[own])) for known, own in zip(KNOWN, names.split(), strict=True)]
     own_size = math.prod(one**power for one, power in zip(sizes, powers, strict=True))
     return float(size / own_size) if isinstance(size, Decimal) else size / float(own_size)
+
+
+def given_and_used(given: Any, used: Any) -> Iterator[tuple[str, float]]:
+    """The values with units of an argument as texts, and the dimensionless numbers that replaced them."""
+    if isinstance(given, Mapping) and isinstance(used, Mapping):
+        for key, value in given.items():
+            yield from given_and_used(value, used.get(key))
+    elif isinstance(given, (list, tuple, np.ndarray)) and isinstance(
+        used, (list, tuple, np.ndarray)
+    ):
+        for one, other in zip(given, used, strict=False):
+            yield from given_and_used(one, other)
+    elif has_unit(given) and not isinstance(used, str) and np.size(used) == 1:
+        number = float(np.asarray(used).item())
+        if number:  # 0 may be that of another value
+            yield str(given), number
+
+
+@contextmanager
+def shown_as_given(values: Iterable[tuple[Any, Any]], osc: Any = None) -> Iterator[None]:
+    """Errors within name the values of arguments as they were given, then as dimensionless numbers.
+
+    The rest of a message, with what is allowed, refers to dimensionless numbers.
+
+    Parameters
+    ----------
+    values : iterable of (given, used)
+        Arguments with units, and what replaced them.
+    osc : Oscillator, optional
+        The system, for the value of a starting motion.
+    """
+    try:
+        yield
+    except (ParameterError, ParameterTypeError) as error:
+        name, equals, rest = str(error).partition(" = ")
+        value, must, allowed = rest.partition(": must ")
+        known = {
+            f"{number:.9g}": (text, number)
+            for given, used in values for text, number in given_and_used(given, used)
+        }  # fmt: skip
+        named: dict[str, float] = {}
+
+        def as_given(found: re.Match[str]) -> str:
+            text, number = known.get(f"{float(found[0]):.9g}", ("", 0.0))
+            if text:
+                named[text] = number
+            return text or found[0]
+
+        value = NUMBER.sub(as_given, value)
+        if equals and must and named:
+            plain = ", ".join(f"{text} is {number:.6g}" for text, number in named.items())
+            allowed = STARTING.sub(
+                lambda start: start[1] + value_text(osc, start[2], float(start[3])), allowed
+            )
+            error.args = (f"{name} = {value}: must {allowed}; without units {plain}",)
+        raise
 
 
 def units_to_show(osc: Any) -> Units | None:
@@ -812,6 +881,14 @@ def unit_of_state(name: Any) -> str:
 
 def dimensionless(osc: Scaled, name: str, value: Any, parameter: str = "") -> Any:
     """The dimensionless value of an argument of a function; a value without a unit is unchanged."""
+    if name in OF_STATES and not isinstance(value, Mapping):  # of a structure
+        lists = isinstance(value, (list, tuple)) and [
+            part for part in value if isinstance(part, (list, tuple, np.ndarray))
+        ]
+        if not lists or not len(lists) == len(value) == 2:
+            return value
+        parts = zip(value, ("F0/K", "omega F0/K"), strict=True)
+        return tuple(number_of(part, name, unit, osc.units) for part, unit in parts)
     if name in OF_STATES:
         return {
             key: number_of(part, f"{name}[{key!r}]", STATE[key], osc.units)
@@ -839,9 +916,14 @@ def dimensionless(osc: Scaled, name: str, value: Any, parameter: str = "") -> An
     if name == "limit":  # of the target
         unit = OF_FIGURES.get(parameter)
         return value if unit is None else number_of(value, name, unit, osc.units)
-    unit = (PARAMETERS | START).get(parameter if name in OF_PARAMETER else name)
+    unit = (PARAMETERS | START | TIMES).get(parameter if name in OF_PARAMETER else name)
     if unit is None and name in OF_PARAMETER:
         unit = OF_STRUCTURE.get(parameter.split("_")[0])
+    if unit is None and name in OF_PARAMETER:
+        raise ParameterError(
+            f"{name} = {value!s}: must have no units for the parameter {parameter!r}; those of "
+            f"{', '.join(PARAMETERS | OF_STRUCTURE)} may have them"
+        )
     if unit is None:
         return value
     return argument(osc, value, name, unit)

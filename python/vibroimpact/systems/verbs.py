@@ -20,9 +20,11 @@ from .units import (
     PARAMETERS,
     PLAIN,
     START,
+    TIMES,
     OfStructure,
     dimensionless,
     has_unit,
+    shown_as_given,
 )
 
 #: Parameters without a dimension, which may be given in %.
@@ -277,6 +279,13 @@ def physical_arguments(function: Callable[Given, Found]) -> Callable[Given, Foun
     known = {*PARAMETERS, *(START if "amplitude" in names else ())}
     taken = {*known, *OF_STATES, *OF_PARAMETER, *BY_NAME, "plane"}
     places = [(i, name) for i, name in enumerate(names) if name in taken]
+    if takes_points:  # by keyword only
+        of_structure = inspect.signature(function.of_structure).parameters  # type: ignore[attr-defined]
+        late = [name for name in (*TIMES, "state") if name in of_structure and name not in names]
+        places += [(len(signature) + len(of_structure), name) for name in late]
+    defaults = {
+        name: item.default for name, item in signature.items() if name in ("parameter", "target")
+    }
     with_units = ", ".join(f"`{name}`" for name in names if name in known and name not in SHARES)
     if with_units:
         parts = inspect.cleandoc(function.__doc__ or "").split("\n\n")
@@ -294,6 +303,7 @@ def physical_arguments(function: Callable[Given, Found]) -> Callable[Given, Foun
         if args and isinstance(args[0], Point):  # which replaces several arguments
             order = [names[0], *left_of_point(names[1:], getattr(function, "along", ()))]
             where = [(i, name) for i, name in enumerate(order) if name in taken]
+            where += places[len([name for name in names if name in taken]) :]
         for i, name in where:  # most calls have numbers
             value = args[i] if i < len(args) else kwargs.get(name)
             if type(value) not in PLAIN and has_unit(value):
@@ -310,15 +320,17 @@ def physical_arguments(function: Callable[Given, Found]) -> Callable[Given, Foun
             physical = [name for name in physical if name in OF_PARAMETER]
         if not isinstance(osc, (Oscillator, OfStructure)):
             return function(*args, **kwargs)
-        before: Any = given.get("uncertain")
+        before = {name: given[name] for name in physical}
+        chosen = defaults | {name: given[name] for name in ("parameter", "target") if name in given}
         for name in physical:
-            given[name] = dimensionless(
-                osc, name, given[name], str(given.get("parameter", given.get("target")))
-            )
+            of = str(chosen.get("parameter", chosen.get("target")))
+            given[name] = dimensionless(osc, name, given[name], of)
+        used = [(before[name], given[name]) for name in physical]
         if "uncertain" in physical:
-            given["uncertain"] = factors_of(given, before)
+            given["uncertain"] = factors_of(given, before["uncertain"])
         own = [given[name] for name in order[: len(args)]]
         rest: Any = {name: given[name] for name in kwargs}
-        return function(*own, *args[len(own) :], **rest)  # type: ignore[arg-type]
+        with shown_as_given(used, osc):
+            return function(*own, *args[len(own) :], **rest)  # type: ignore[arg-type]
 
     return converted
