@@ -412,3 +412,15 @@ def test_bounds_of_a_branch_are_named_as_given():
         vi.branch(motion, *name, bounds=("3 mm", "4 mm")) for name in ((), ("clearance",))
     )
     np.testing.assert_array_equal(default.clearance, named.clearance)
+
+
+def test_a_tolerance_with_a_unit_is_a_deviation():
+    """A tolerance in mm that does not include 0 is refused, also if its dimensionless numbers include 1."""
+    for tolerance in (("0.1 mm", "0.2 mm"), ("-0.2 mm", "-0.1 mm")):
+        with pytest.raises(
+            ParameterError, match=r"tolerance\['clearance'\] = .*mm.*: must include 0"
+        ):
+            vi.design(
+                RIG, r=("20 Hz", "20.4 Hz"), free={"clearance": ("3 mm", "8 mm")},
+                tolerance={"clearance": tolerance}, samples=0,
+            )  # fmt: skip

@@ -274,6 +274,38 @@ def test_refused_times_and_values(run, motion):
         vi.bifurcation_diagram(RUBS, "stiffness_1", ("1 kN/m", "2 kN/m"), points=3)
 
 
+def test_branches_and_zones_at_values_with_units(motion):
+    """Special points are in the units of the rig, and systems, motions and membership at such values are found."""
+    branch = vi.branch(motion, "slip", bounds=("0.29 N", "0.31 N"))
+    assert [repr(point) for point in branch.special_points] == [
+        "<bound at slip = 0.29 N>", "<bound at slip = 0.31 N>"
+    ]  # fmt: skip
+    assert branch.at("0.3 N")[0].friction[0].slip == pytest.approx(0.05)
+    with pytest.raises(vi.errors.ParameterError, match=r"value = 0\.3 mm: must be a force"):
+        branch.at("0.3 mm")
+    spans = ("frequency", "20.3 Hz", "20.7 Hz"), ("opening", ("0.95 mm", "1.05 mm"))
+    zone = vi.zone(motion, *spans, lines=5)
+    units = RIG.units().to("mm N s")
+    for x, y in (("20.5 Hz", "1 mm"), ("20.4 Hz", "9 mm")):
+        bare = (float(x[:-3]) / units.frequency, float(y[:-3]) / units.length)
+        assert zone.contains(x, y) == zone.contains(*bare) == (y == "1 mm")
+    assert zone.at("20.5 Hz", "1 mm")[1].frequency == pytest.approx(20.5 / units.frequency)
+    assert zone.motion("20.5 Hz", "1 mm").stable
+    with pytest.raises(vi.errors.ParameterError, match="y = 1 N: must be a length"):
+        zone.contains("20.5 Hz", "1 N")
+
+
+def test_the_load_of_a_branch_is_a_factor():
+    """The load of a structure is a factor of that of the point, and is not shown as a force."""
+    point = RIG.at("20.5 Hz", "2 mm", load="5 N", friction="0.3 N")
+    motion = vi.exact(point, vi.simulate(point, cycles=5, discard=400))
+    branch = vi.branch(motion, "load", bounds=(0.99, 1.01))
+    assert "along load, 0.99 to 1.01:" in repr(branch)
+    assert repr(branch.special_points[0]) == "<bound at load = 0.99>"
+    with pytest.raises(vi.errors.ParameterError, match="no units for the parameter 'load'"):
+        vi.branch(motion, "load", bounds=("4.9 N", "5.1 N"))
+
+
 def test_structures_of_users_have_no_units():
     """A structure defined by the user is shown in the user's units, which have no names."""
     structure, load = by_hand()

@@ -217,7 +217,7 @@ def _draw_front(ax: Any, design: Design, scales: style.Scales) -> None:
         levels = [scales(rows[name], unit) for name in ("nominal", "level")]
         ax.plot(*levels, color=color, label=label_of_rows, **style_of_rows)
     ax.set_xlabel(f"{label} without deviations")
-    ax.set_ylabel(f"{100 * design.quantile:g} % quantile")
+    ax.set_ylabel(f"{100 * design.quantile:g} % quantile of {label}")
     style.add_legend(ax, **style.ABOVE)
 
 

@@ -26,7 +26,7 @@ from ..results.systems import structure_of
 from ..results.tables import Result
 from ..systems.oscillator import Pattern
 from ..systems.structure import Load, Structure
-from ..systems.units import place_text, range_text
+from ..systems.units import OF_STRUCTURE, of_parameter, place_text, range_text, value_text
 from ..systems.verbs import every_system, physical_arguments
 from .switching import KINDS, switched
 
@@ -149,7 +149,7 @@ class SpecialPoint:
         return switched(self.motion, self.type, self.impact, self.side, self.parameter)
 
     def __repr__(self) -> str:
-        place = f"{self.parameter} = {self.value:.10g}"
+        place = f"{self.parameter} = {value_text(self.branch._system, self.branch._shown, self.value, 10)}"
         if not self.branch.of_structure:
             own = "" if self.parameter in ("r", "clearance") else f", {place}"
             place = place_text(self.branch.osc, self.r, self.clearance, 10) + own
@@ -393,19 +393,27 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
         both = [self._values("points", name) for name in ("rest_begin", "rest_end")]
         return np.moveaxis(np.stack(both, axis=1), 0, -1).swapaxes(0, 1)
 
-    def at(self, value: float) -> tuple[Structure, Load]:
+    @property
+    def _shown(self) -> str:
+        """The parameter whose unit values have; "" if there is none, as for the load of a structure, a factor."""
+        known = not self.of_structure or self.parameter.split("_")[0] in OF_STRUCTURE
+        return self.parameter if known else ""
+
+    def at(self, value: float | str) -> tuple[Structure, Load]:
         """The structure and the load at a value of the parameter, for a branch of a structure.
 
         Parameters
         ----------
-        value : float
-            Value of the parameter.
+        value : float or str
+            Value of the parameter; at a point of an oscillator that knows M, K and F0 also with its unit.
 
         Returns
         -------
         (Structure, Load)
             The system with this value.
         """
+        if self.of_structure:
+            value = of_parameter(self.structure, self.parameter, value, "value")
         value = checks.finite(value, "value")
         bounds = [(self.keys["low"], self.keys["high"])]
         return Path(self._result, *self._start, bounds).at(value)
@@ -596,7 +604,7 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
         kinds = dict.fromkeys(filter(None, types))
         found = ", ".join(f"{types.count(kind)} {kind}" for kind in kinds) or "no special points"
         pattern = "" if self.of_structure else f" {self.pattern.sides}/{self.pattern.cycles}"
-        span = range_text(self._system, self.parameter, self.values.min(), self.values.max())
+        span = range_text(self._system, self._shown, self.values.min(), self.values.max())
         return f"<Branch{pattern} along {self.parameter}, {span}: {len(self)} points, {found}>"
 
 

@@ -25,7 +25,7 @@ from ..results.parameters import Path, Span, keys_of_parameter
 from ..results.tables import runs
 from ..systems.oscillator import Oscillator, Pattern, pattern_of
 from ..systems.structure import Load, Structure
-from ..systems.units import OF_STRUCTURE, argument, number_of
+from ..systems.units import OF_STRUCTURE, argument, number_of, of_parameter
 from ..systems.verbs import every_system, physical_arguments
 from .branch import Followed, branch_structure, run_from
 from .geometry import signed_area, winding
@@ -402,9 +402,14 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         return x, y
 
     def _plain(self, x: Any, y: Any) -> tuple[Any, Any]:
-        """Points without units; those of an oscillator may have units, if it knows M, K and F0."""
+        """Points without units; those of an oscillator, also at a point with friction or stops, may have units, if
+        it knows M, K and F0."""
         if self.of_structure:
-            return x, y
+            names = self.x_parameter, self.y_parameter
+            return tuple(
+                of_parameter(self.structure, parameter, value, name)
+                for parameter, value, name in zip(names, (x, y), ("x", "y"), strict=True)
+            )
         return argument(self.osc, x, "r", "omega"), argument(self.osc, y, "clearance", "F0/K")
 
     def _square(self, points: _Array) -> _Array:
@@ -469,10 +474,12 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         structure, load = Path(self._result, *self._start, [self.x, self.y]).at(*self._place(x, y))
         return structure, Load(constant=load.constant) if self.self_excited else load
 
-    @staticmethod
-    def _place(x: float, y: float) -> list[float]:
+    def _place(self, x: float, y: float) -> list[float]:
         """A point of the plane of a structure."""
-        return [checks.finite(value, name) for name, value in (("x", x), ("y", y))]
+        return [
+            checks.finite(value, name)
+            for name, value in zip(("x", "y"), self._plain(x, y), strict=True)
+        ]
 
     def motion(self, x: Any, y: Any) -> Any:
         """The motion at a point, followed from the boundary; of an oscillator also at "19.5 Hz" and "4 mm".

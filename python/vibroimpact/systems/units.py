@@ -692,6 +692,27 @@ def time_of(system: Any, value: Any, name: str) -> Any:
     return argument(system if units is None else OfStructure(units), value, name, "1/omega")
 
 
+def of_parameter(structure: Any, parameter: str, value: Any, name: str) -> Any:
+    """The dimensionless value of a parameter of a structure with units; a value without a unit is unchanged."""
+    units = getattr(structure, "_units", None)
+    if units is None or not has_unit(value):
+        return value
+    unit = unit_of_parameter(parameter, value, name, OF_STRUCTURE)
+    return number_of(value, name, unit, lambda: units)
+
+
+def unit_of_parameter(parameter: str, value: Any, name: str, known: Mapping[str, str]) -> str:
+    """The dimensionless unit of a parameter of which a value with a unit was given."""
+    unit = known.get(parameter)
+    unit = OF_STRUCTURE.get(parameter.split("_")[0]) if unit is None else unit
+    if unit is None:
+        raise ParameterError(
+            f"{name} = {value!s}: must have no units for the parameter {parameter!r}; those of "
+            f"{', '.join(known)} may have them"
+        )
+    return unit
+
+
 def _force(osc: Scaled, unit: str) -> float | None:
     """A load amplitude for units of quantities that do not depend on it: frequencies, times and masses."""
     return 1.0 if osc.F0 is None and unit in ("omega", "1/omega", MASS, "") else None
@@ -916,14 +937,12 @@ def dimensionless(osc: Scaled, name: str, value: Any, parameter: str = "") -> An
     if name == "limit":  # of the target
         unit = OF_FIGURES.get(parameter)
         return value if unit is None else number_of(value, name, unit, osc.units)
-    unit = (PARAMETERS | START | TIMES).get(parameter if name in OF_PARAMETER else name)
-    if unit is None and name in OF_PARAMETER:
-        unit = OF_STRUCTURE.get(parameter.split("_")[0])
-    if unit is None and name in OF_PARAMETER:
-        raise ParameterError(
-            f"{name} = {value!s}: must have no units for the parameter {parameter!r}; those of "
-            f"{', '.join(PARAMETERS | OF_STRUCTURE)} may have them"
-        )
+    unit = (PARAMETERS | START | TIMES).get(name)
+    if name in OF_PARAMETER:
+        # a load is a factor among the parameters of a structure
+        of_structure = isinstance(osc, OfStructure)
+        known = OF_STRUCTURE if of_structure else PARAMETERS | START | OF_STRUCTURE
+        unit = unit_of_parameter(parameter, value, name, known)
     if unit is None:
         return value
     return argument(osc, value, name, unit)

@@ -266,6 +266,27 @@ def factors_of(given: Mapping[str, Any], before: Mapping[str, Any]) -> dict[str,
     return found
 
 
+def check_deviations(given: Mapping[str, Any], before: Mapping[str, Any]) -> None:
+    """Raises an error for a tolerance of a free parameter with a dimension that does not include 0.
+
+    Its dimensionless numbers might include 1, and would then be factors.
+    """
+    free: Any = given.get("free") or {}
+    for name, unit in PARAMETERS.items():
+        value = before.get(name)
+        if not unit or name not in free or not has_unit(value) or "%" in str(value):
+            continue
+        try:
+            numbers = np.asarray(given["tolerance"][name], dtype=float)
+        except (TypeError, ValueError):
+            continue
+        if numbers.size > 1 and not numbers.min() <= 0 <= numbers.max():
+            raise ParameterError(
+                f"tolerance[{name!r}] = {value!s}: must include 0, as deviations from the chosen value; "
+                "factors of it, such as (0.95, 1.05), have no unit"
+            )
+
+
 def physical_arguments(function: Callable[Given, Found]) -> Callable[Given, Found]:
     """A decorator: frequencies, lengths and loads may have units if the oscillator knows its units."""
     signature = inspect.signature(function).parameters
@@ -326,6 +347,8 @@ def physical_arguments(function: Callable[Given, Found]) -> Callable[Given, Foun
             of = str(chosen.get("parameter", chosen.get("target")))
             given[name] = dimensionless(osc, name, given[name], of)
         used = [(before[name], given[name]) for name in physical]
+        if "tolerance" in physical:
+            check_deviations(given, before["tolerance"])
         if "uncertain" in physical:
             given["uncertain"] = factors_of(given, before["uncertain"])
         own = [given[name] for name in order[: len(args)]]
