@@ -380,6 +380,14 @@ REFUSED = {
     "load": (lambda: RIG.at("19.5 Hz", "4 mm", load="-3 N"), "load = -3 N: must be a number"),
     "friction": (lambda: RIG.at("19.5 Hz", "4 mm", friction="-0.1 N"), "friction = -0.1 N: must be a force"),
     "frequency": (lambda: RIG.at("-2 Hz", "4 mm"), "r = -2 Hz: must be a number"),
+    "zero": (lambda: RIG.at("19.5 Hz", "-4 mm"), "clearance = -4 mm: must be a finite number with clearance > 0"),
+    "many": (lambda: RIG.at("19.5 Hz", ["3 mm", "4 mm"]), "clearance = [3 mm, 4 mm]: must be a finite number"),
+    "fixed": (
+        lambda: vi.basins(
+            RIG, "19.5 Hz", "4 mm", (("x", ("-1 mm", "1 mm")), ("z_dot", (-1, 1))), points=2, fixed={"x": "2 mm"}
+        ),
+        "fixed['x'] = 2 mm: must be left out: it is an axis",
+    ),
     "stop": (
         lambda: RIG.at("19.5 Hz", "4 mm", stops=(None, ("-840 kN/m", "75 N s/m"))),
         "stiffness = -840 kN/m: must be a number from 0 to 1e100; without units -840 kN/m is -20",

@@ -31,7 +31,6 @@ from .units import (
     place_text,
     plain_number,
     positive,
-    positive_each,
     shown_as_given,
     units_to_show,
     value_text,
@@ -491,9 +490,9 @@ class Oscillator:
             for name, value in (("r", r), ("clearance", clearance), ("load", load))
         )
         rubs = dimensionless(self, "friction", friction)
-        with shown_as_given([(r, ratio), (load, force), (friction, rubs)]):
+        with shown_as_given([(r, ratio), (clearance, gap), (load, force), (friction, rubs)]):
             ratio = checks.frequency_ratio(ratio, self.xi)
-            gap = positive_each(gap, "clearance", clearance)
+            gap = positive(gap, "clearance")
             wanted = "a force over F0 from 0 to 1e100"
             rubs = checks.to_float(rubs, "friction", wanted)
             if not 0 <= rubs <= 1e100:

@@ -793,7 +793,8 @@ def shown_as_given(values: Iterable[tuple[Any, Any]], osc: Any = None) -> Iterat
             allowed = STARTING.sub(
                 lambda start: start[1] + value_text(osc, start[2], float(start[3])), allowed
             )
-            error.args = (f"{name} = {value}: must {allowed}; without units {plain}",)
+            note = f"; without units {plain}" if re.search(r"\d", allowed) else ""
+            error.args = (f"{name} = {value}: must {allowed}{note}",)
         raise
 
 
