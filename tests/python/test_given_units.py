@@ -11,6 +11,7 @@ RIG = vi.Oscillator.from_dimensional(
     M="2.7 kg", K="42 kN/m", xi="1.1 %", m="0.11 kg", restitution=0.75, F0="6 N"
 )
 UNITS = RIG.units()
+RECORD = vi.SensorRecord(1000, load=np.sin(np.arange(2000.0)), acceleration=np.ones(2000))
 LENGTH = 6 / 42e3
 
 
@@ -432,3 +433,29 @@ def test_a_tolerance_with_a_unit_is_a_deviation():
                 RIG, r=("20 Hz", "20.4 Hz"), free={"clearance": ("3 mm", "8 mm")},
                 tolerance={"clearance": tolerance}, samples=0,
             )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("M", "-2.7 kg"), ("K", "0 kN/m"), ("m", "-110 g"), ("F0", "-6 N"), ("C", "-2 N s/m"), ("d", "-4 mm"),
+     ("f", "-3 Hz"), ("frequency", "-19.5 Hz"), ("duration", "-1 s"), ("rate", "-1 kHz"), ("known K", "-42 kN/m"),
+     ("error of known K", "-1 %"), ("friction", "-0.1 N")],
+)  # fmt: skip
+def test_values_of_rigs_are_shown_as_given(name, value):
+    """A value that must be positive is refused with its unit."""
+    rig = {"M": "2.7 kg", "K": "42 kN/m", "m": "0.11 kg", "restitution": 0.75, "F0": "6 N"}
+    own = {"d": "4 mm", "frequency": "19.5 Hz"}
+    damping = {"C": value} if name == "C" else {"xi": "1.1 %"}
+    calls = {
+        "d": lambda: RIG.structure(d=value),
+        "f": lambda: RIG.base_load(value, acceleration="1 m/s^2"),
+        "frequency": lambda: vi.VirtualRig(**rig, xi=0.01, **own | {name: value}),
+        "friction": lambda: vi.VirtualRig(**rig, xi=0.01, **own, friction=value),
+        "duration": lambda: vi.VirtualRig(**rig, xi=0.01, **own).record(value),
+        "rate": lambda: vi.SensorRecord(value, load=np.ones(20), acceleration=np.ones(20)),
+        "known K": lambda: vi.identify(RECORD, known={"K": value}),
+        "error of known K": lambda: vi.identify(RECORD, known={"K": ("42 kN/m", value)}),
+    }
+    with pytest.raises(ParameterError) as caught:
+        calls.get(name, lambda: vi.Oscillator.from_dimensional(**rig | {name: value} | damping))()
+    assert str(caught.value).startswith(f"{name} = {value}: must be a finite number with {name} >")

@@ -723,7 +723,7 @@ def identified(
 ) -> Identification:  # fmt: skip
     """All steps; arguments as in `identify`."""
     if frequency is not None:
-        frequency = positive(own_number(frequency, "frequency"), "frequency")
+        frequency = positive(own_number(frequency, "frequency"), "frequency", given=frequency)
     values, doubted = with_errors(known or {})
     scale, shared = known_values(values)
     calibration = positive(calibration, "calibration", zero=True)

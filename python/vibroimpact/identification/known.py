@@ -66,14 +66,14 @@ def with_errors(known: Mapping[str, Any]) -> tuple[Mapping[str, Any], list[Doubt
             )
         values[name], error = value
         checks.choice(name, "known: name", tuple(KNOWN))
-        label, share = f"error of known {name}", 1.0
+        label, share, given = f"error of known {name}", 1.0, error
         if KNOWN[name] and isinstance(error, str) and error.rstrip().endswith("%"):
             # of a quantity with a dimension only a share can be meant
             share = own_number(values[name], name, label=f"known {name}")
             error = plain_number(error, label, (0, 0, 0), "m N s")
         elif has_unit(error):
             error = own_number(error, "xi" if not KNOWN[name] else name, label=label)
-        errors[name] = positive(error, label, zero=True) * positive(
+        errors[name] = positive(error, label, zero=True, given=given) * positive(
             share, f"known {name}", zero=True
         )
     if {"M", "K", "omega"} <= known.keys() and {"M", "K", "omega"} & errors.keys():
@@ -111,6 +111,7 @@ def known_values(known: Mapping[str, float]) -> tuple[dict[str, float], dict[str
                 f"known {name} = {value!r}: must be left out; give it as friction = {value!r}"
             )
         checks.choice(name, "known: name", tuple(KNOWN))
+        given = value
         if name == "omega" or name in POWERS or name in OTHERS:
             value = own_number(value, name, label=f"known {name}")
         if name in ("xi", "mu", "R1", "R2"):
@@ -122,7 +123,7 @@ def known_values(known: Mapping[str, float]) -> tuple[dict[str, float], dict[str
             if not math.isfinite(values[name]):
                 raise ParameterError(f"known {name} = {value!r}: must be a finite number")
         else:
-            values[name] = positive(value, f"known {name}", zero=name == "C")
+            values[name] = positive(value, f"known {name}", zero=name == "C", given=given)
     if values.get("mu") == 0:
         raise ParameterError(
             "known mu = 0.0: must be > 0, otherwise impacts do not affect the motion of M"

@@ -161,7 +161,7 @@ class SensorRecord:
         range: PerChannel = None,  # noqa: A002, the word of a sensor's data sheet
         noise: PerChannel = None, start: float = 0.0, name: str = "",
     ) -> None:  # fmt: skip
-        object.__setattr__(self, "rate", positive(own_number(rate, "rate"), "rate"))
+        object.__setattr__(self, "rate", positive(own_number(rate, "rate"), "rate", given=rate))
         given = {
             "load": load, "acceleration": acceleration, "velocity": velocity, "displacement": displacement,
         }  # fmt: skip

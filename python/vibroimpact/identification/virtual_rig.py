@@ -126,7 +126,9 @@ class VirtualRig:
 
     def __post_init__(self) -> None:
         if self.contact is None:
-            frequency = positive(own_number(self.frequency, "frequency"), "frequency")
+            frequency = positive(
+                own_number(self.frequency, "frequency"), "frequency", given=self.frequency
+            )
             object.__setattr__(self, "contact", min(CONTACT, CONTACT_CYCLES / frequency))
         above = ("M", "K", "m", "d", "F0", "frequency", "rate", "bandwidth", "ring_frequency")
         for name in (
@@ -139,8 +141,9 @@ class VirtualRig:
             "calibration",
             "contact",
         ):
-            value = own_number(getattr(self, name), name) if name in OF_RIG else getattr(self, name)
-            value = positive(value, name, zero=name not in above)
+            given = getattr(self, name)
+            value = own_number(given, name) if name in OF_RIG else given
+            value = positive(value, name, zero=name not in above, given=given)
             if (
                 name in ("xi", "drift", "amplitude", "calibration", "ring_damping")
                 and not value < 1
@@ -179,7 +182,8 @@ class VirtualRig:
             object.__setattr__(self, "offset", offset)
         checks.instance(self.known_bandwidth, "known_bandwidth", bool)
         friction = dimensionless(self.oscillator, "friction", self.friction)
-        object.__setattr__(self, "friction", positive(friction, "friction", zero=True))
+        number = positive(friction, "friction", zero=True, given=self.friction)
+        object.__setattr__(self, "friction", number)
         harmonics = checks.real_array(self.harmonics, "harmonics", "a list of numbers")
         if harmonics.ndim != 1 or not np.isfinite(harmonics).all():
             raise ParameterError(
@@ -304,7 +308,7 @@ class VirtualRig:
             The load and this quantity, with the noise and the filters of the sensors.
         """
         quantity = checks.choice(quantity, "quantity", tuple(MOTIONS))
-        duration = positive(own_number(duration, "duration"), "duration")
+        duration = positive(own_number(duration, "duration"), "duration", given=duration)
         settle = positive(settle, "settle", zero=True)
         n = round(duration * self.rate)
         if n < LEAST:

@@ -143,7 +143,7 @@ def swept_sine(
 
 def _time(value: Any, name: str) -> float:
     """A positive time; with a unit, in seconds."""
-    return positive(own_number(value, "duration", label=name), name)
+    return positive(own_number(value, "duration", label=name), name, given=value)
 
 
 def _amplitude(value: Any) -> float:

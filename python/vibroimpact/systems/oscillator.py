@@ -143,7 +143,9 @@ class Oscillator:
         mass: Any = mu
         given = {"M": M, "K": K, "F0": F0}
         values: dict[str, Any] = {
-            name: value if value is None else positive(own_number(value, name, names), name)
+            name: value
+            if value is None
+            else positive(own_number(value, name, names), name, given=value)
             for name, value in given.items()
         }
         if has_unit(mu):
@@ -242,10 +244,10 @@ class Oscillator:
         }
         if (C is None) == (xi is None):
             raise ParameterError(f"C = {C!r}, xi = {xi!r}: exactly one must be given")
-        mass, stiffness = positive(values["M"], "M"), positive(values["K"], "K")
+        mass, stiffness = positive(values["M"], "M", given=M), positive(values["K"], "K", given=K)
         ratio = values["xi"]
         if C is not None:
-            damping = positive(values["C"], "C", zero=True)
+            damping = positive(values["C"], "C", zero=True, given=C)
             # with 50 digits, so that the result is the nearest float and xi = 0.05 is restored exactly
             with localcontext() as context:
                 context.prec = 50
@@ -257,11 +259,11 @@ class Oscillator:
                 )
         return cls(
             xi=ratio,
-            mu=positive(values["m"], "m", zero=True) / mass,
+            mu=positive(values["m"], "m", zero=True, given=m) / mass,
             restitution=restitution,
             M=mass,
             K=stiffness,
-            F0=values["F0"],
+            F0=None if F0 is None else positive(values["F0"], "F0", given=F0),
             unit_names=names,
         )
 
@@ -317,7 +319,7 @@ class Oscillator:
             )
         else:
             own = own_number(d, "d", self.unit_names or SI)
-            half, M, K = 0.5 * positive(own, "d"), self.M, self.K
+            half, M, K = 0.5 * positive(own, "d", given=d), self.M, self.K
         if isinstance(restitution, (tuple, list)) and len(restitution) != 2:
             raise ParameterError(
                 f"restitution = {restitution!r}: must be one coefficient or law, or two: right, left"
@@ -372,7 +374,7 @@ class Oscillator:
         if self.M is None or self.K is None:
             raise ParameterError("M = None: must be the primary mass for a motion of the base")
         names = self.unit_names or SI
-        omega = 2 * math.pi * positive(own_number(f, "f", names), "f")
+        omega = 2 * math.pi * positive(own_number(f, "f", names), "f", given=f)
         amplitudes = {
             "displacement": displacement,
             "velocity": velocity,

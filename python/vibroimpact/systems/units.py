@@ -487,9 +487,7 @@ def positive_each(value: Any, name: str, given: Any = None) -> Any:
     """One positive number, or an array of them; messages show what was given, if it had units."""
     shown = has_unit(given)
     if not isinstance(value, (list, tuple)) and np.ndim(value) == 0:
-        if shown and not 0 < value < math.inf:
-            raise ParameterError(f"{name} = {given!s}: must be a finite number with {name} > 0")
-        return positive(value, name)
+        return positive(value, name, given=given)
     wanted = f"finite numbers with {name} > 0"
     array = checks.real_array(value, name, wanted)
     good = (array > 0) & np.isfinite(array)
@@ -499,12 +497,13 @@ def positive_each(value: Any, name: str, given: Any = None) -> Any:
     return array
 
 
-def positive(value: Any, name: str, *, zero: bool = False) -> float:
-    """One positive number, or 0 if that is allowed."""
+def positive(value: Any, name: str, *, zero: bool = False, given: Any = None) -> float:
+    """One positive number, or 0 if that is allowed; messages show what was given, if it had a unit."""
     wanted = f"a finite number with {name} {'>=' if zero else '>'} 0"
     item = checks.to_float(value, name, wanted)
     if not (0 < item < math.inf or (zero and item == 0)):
-        raise ParameterError(f"{name} = {value!r}: must be {wanted}")
+        shown = str(given) if has_unit(given) else repr(value)
+        raise ParameterError(f"{name} = {shown}: must be {wanted}")
     return item
 
 
