@@ -130,25 +130,25 @@ def test_an_unstable_motion_is_a_doubt(monkeypatch):
 
 @pytest.mark.slow
 def test_a_period_longer_than_a_short_record_shows_is_found():
-    """Nine periods of four load cycles, the halves of which are nearly alike: flights repeat, but no motion of two
-    cycles describes them. Such a fit is doubted: the sequence of walls would fit half the period, too."""
+    """Nine periods of four load cycles, the halves of which are nearly alike: the record denies two cycles, and has
+    enough periods of four that leave clearly less scatter."""
     rig, (_, load, acceleration, _), k, sides = random_rig(1167, "other")
     assert (k, sides) == (4, "LRLRLRLR")
-    with pytest.warns(vi.PoorFitWarning, match="both halves of the period have the same impacts"):
-        found = vi.identify(
-            rate=rig.rate,
-            load=load,
-            acceleration=acceleration,
-            known={"M": M, "K": K, "m": M * rig.mu},
-        )
-    assert found.misfit < 2
+    found = vi.identify(
+        rate=rig.rate, load=load, acceleration=acceleration, known={"M": M, "K": K, "m": M * rig.mu}
+    )
+    assert found.good
+    assert found.misfit < 1.1
     assert found.pattern == vi.Pattern("RL" * 4, 4)
+    true = {"xi": rig.xi, "R1": rig.restitution[0], "R2": rig.restitution[1], "d": rig.d}
+    for name, value in true.items():
+        assert abs(found.values[name] - value) < 4 * found.errors[name], name
 
 
 def test_impacts_that_no_flights_resolve_are_explained():
     """Contacts that leave most flights too few samples: the error gives the number, the reason and a remedy."""
-    rig, _ = chaotic_rig(1067, "other")
-    found = identified(rig, 1067)
+    rig, _ = chaotic_rig(1026, "other")
+    found = identified(rig, 1026)
     assert found.oscillator is None
     (why,) = (
         note for _, note in found._result.notes if "between two others that are resolved" in note

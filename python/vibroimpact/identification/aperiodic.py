@@ -249,8 +249,9 @@ class Impacts:
             held=np.array([shared.size]), slope=np.append(flown.slope, slope),
             every_weight=np.block([[flown.every_weight, shared[:, None]], [shared, weight]]),
         )  # fmt: skip
-        self.held = ["friction"]
+        held, self.held = self.held, ["friction"]
         _, A, C, G = slopes(self.constraints, here, common, np.append(at.g, 0.0), flown.free[:0])
+        self.held, self.slips = held, None
         by: _Array = passed_on(A, C, turned[..., None]) + G[..., -1:]
         by[~at.ok] = 0
         return every, by.reshape(-1, 1)

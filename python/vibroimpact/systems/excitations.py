@@ -56,7 +56,7 @@ def half_sine(amplitude: float, duration: float, step: float, end: float | None 
     >>> shock = vi.half_sine(50.0, duration=0.011, step=1e-4, end=0.5)
     >>> run = vi.simulate(structure, vi.base_record(structure, 1e-4, acceleration=shock))
     >>> run
-    <Trajectory t = 0 to 0.5: 20 impacts>
+    <Trajectory t = 0 to 0.5 s: 20 impacts>
     """
     amplitude = _amplitude(amplitude)
     duration, step = _time(duration, "duration"), _time(step, "step")
