@@ -130,8 +130,8 @@ def test_an_unstable_motion_is_a_doubt(monkeypatch):
 
 @pytest.mark.slow
 def test_a_period_longer_than_a_short_record_shows_is_found():
-    """Nine periods of four load cycles, the halves of which are nearly alike: the record denies two cycles, and has
-    enough periods of four that leave clearly less scatter."""
+    """Nine periods of four load cycles, the halves of which are nearly alike: the record denies two cycles, and
+    has enough periods of four that leave clearly less scatter."""
     rig, (_, load, acceleration, _), k, sides = random_rig(1167, "other")
     assert (k, sides) == (4, "LRLRLRLR")
     found = vi.identify(
