@@ -257,6 +257,17 @@ def doubt_halves(steps: Sequence[Step], found: Fit) -> None:
             )
 
 
+def doubt_period(steps: Sequence[Step], found: Fit) -> None:
+    """Doubt the period of a motion that differs from period to period by more than its noise if the fit is too vague
+    to show whether a motion of this period describes it."""
+    for step in steps:
+        if step.scattered and found.undetermined:
+            step.notes.append(
+                f"doubtful: the motion differs from period to period by more than the noise of its samples, and "
+                f"{', '.join(found.undetermined)} cannot be told from it: it may not be periodic"
+            )
+
+
 def from_single(
     steps: list[Step], single: tuple[list[Step], Fit | None, Law], scale: Mapping[str, float],
     shared: Mapping[str, float],
@@ -397,6 +408,7 @@ def identified_by(
                     steps, single, *given
                 )
                 return other or because(single, "its exact motion does not describe it")
+        doubt_period(others, found)
         return others, found, own
     if "twice" in attempts:
         with_other_loads(steps, scale, shared, guess)

@@ -103,8 +103,9 @@ class Step:
         #: step share them.
         self.known_flights: dict[tuple[int, bool], tuple[FreeFit, Folded]] = {}
         self.noise = math.nan
-        #: Whether the scatter from period to period exceeds the noise, as for an almost periodic motion.
-        self.restless = False
+        #: Whether the scatter from period to period exceeds the noise, and whether it is also a clear share of the
+        #: motion, as for an almost periodic one.
+        self.scattered = self.restless = False
         #: The picked impacts that the single flights resolve.
         self.resolved: NDArray[np.bool_] = np.empty(0, dtype=bool)
         #: Largest number of load cycles in a period.
@@ -274,9 +275,8 @@ def of_record(
             "record would help"
         )
     step.noise = noise
-    step.restless = noise > MUCH * float(np.std(values)) and (
-        noise > RESTLESS * white_noise(values) or colour > COLOURED
-    )
+    step.scattered = noise > RESTLESS * white_noise(values) or colour > COLOURED
+    step.restless = step.scattered and noise > MUCH * float(np.std(values))
     step.most_cycles = most_cycles(cycles)
     return step
 
