@@ -66,8 +66,8 @@ def test_a_growing_load_of_an_almost_periodic_motion_is_a_doubt():
 
 
 def test_a_period_that_leaves_all_open_is_doubted():
-    """Chaos that a sensor with a growing gain makes look like RLRL/2: the fit tells neither mass nor restitution, and
-    its period is doubted."""
+    """Chaos that a sensor with a growing gain makes look like RLRL/2: the fit tells neither mass nor restitution,
+    and its period is doubted."""
     rig = replace(chaotic_rig(3, "other")[0], gain_growth=0.03, duration=2.2)
     found = identified(rig, 3)
     assert {"mu", "R1", "R2", "d"} <= set(found.undetermined)

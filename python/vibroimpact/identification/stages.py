@@ -258,8 +258,8 @@ def doubt_halves(steps: Sequence[Step], found: Fit) -> None:
 
 
 def doubt_period(steps: Sequence[Step], found: Fit) -> None:
-    """Doubt the period of a motion that differs from period to period by more than its noise if the fit is too vague
-    to show whether a motion of this period describes it."""
+    """Doubt the period of a motion that differs from period to period by more than its noise if the fit is too
+    vague to show whether a motion of this period describes it."""
     for step in steps:
         if step.scattered and found.undetermined:
             step.notes.append(
