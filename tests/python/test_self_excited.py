@@ -263,6 +263,77 @@ def test_zone_in_closed_form(squeal, tmp_path):
     assert one == two
 
 
+def test_an_atlas_has_the_zone(squeal, tmp_path):
+    """An atlas knows no motion, and finds the same zone: each motion of its survey lies in it."""
+    atlas = vi.atlas(bow(0.05), vi.Load.none(), *PLANE, survey=12, settling=60, lines=9)
+    (zone,) = atlas.zones
+    assert zone.closed
+    assert len(atlas.unexplained) == 0
+    counts = atlas.survey.counts
+    assert counts["periodic"] > 1
+    assert counts["periodic"] + counts["without impacts"] == 12
+    for piece in zone.boundary:
+        for x, y in zip(piece.x[::10].tolist(), piece.y[::10].tolist(), strict=True):
+            if piece.type == "event_vanishes":
+                assert fastest_slip(y, speed=x)[1] == pytest.approx(x, rel=1e-10)
+    x, y = np.random.default_rng(4).uniform(*zip(PLANE[0][1], PLANE[1][1], strict=True), (200, 2)).T
+    assert (zone.contains(x, y) == squeal.contains(x, y)).all()
+    atlas.save(tmp_path / "atlas.json")
+    assert repr(vi.load(tmp_path / "atlas.json")) == repr(atlas)
+    (case,) = vi.read_namelist(_written(tmp_path, atlas.to_namelist()))
+    assert case.text.startswith(atlas.case)
+
+
+def reaches_the_belt(damping, q, rate, slip=0.6, speed=0.2):
+    """Whether a slipping mass of 1 on a spring of 1 becomes as fast as the belt, in closed form."""
+    sigma = damping / 2
+    w = math.sqrt(1 - sigma**2)
+    # q - slip = e^(-sigma t) (a cos wt + b sin wt); the speed is greatest where the acceleration vanishes
+    a = q - slip
+    b = (rate + sigma * a) / w
+    velocity = b * w - sigma * a, -(a * w + sigma * b)
+    acceleration = velocity[1] * w - sigma * velocity[0], -(velocity[0] * w + sigma * velocity[1])
+    first = math.atan2(-acceleration[0], acceleration[1]) % math.pi
+    peaks = [
+        math.exp(-sigma * t / w) * (velocity[0] * math.cos(t) + velocity[1] * math.sin(t))
+        for t in (first, first + math.pi)
+    ]
+    return max(rate, *peaks) - speed
+
+
+def test_basins_in_closed_form(tmp_path):
+    """A mass that slips more slowly than the belt sticks later, and goes on to stick and slip, or slides steadily
+    for ever: the closed form of a slip tells which."""
+    damping = 0.1
+    plane = (("q_0", (-0.2, 1.4)), ("q_dot_0", (-0.6, 0.19)))
+    basins = vi.basins(bow(damping), vi.Load.none(), plane, points=(15, 14), settling=20)
+    assert [one.name for one in basins.attractors] == ["2/1", "equilibrium"]
+    cycle = basins.attractors[0].motion
+    assert cycle.self_excited
+    assert cycle.period == pytest.approx(self_excited(bow(damping)).period, rel=1e-12)
+    q, rate = basins.states[:, 0]
+    margin = np.vectorize(reaches_the_belt)(damping, q, rate)
+    clear = abs(margin) > 1e-9
+    assert clear.mean() > 0.9
+    assert ((margin > 0) == (basins.labels == 0))[clear].all()
+    assert 0.05 < (basins.labels == 1).mean() < 0.95
+    basins.save(tmp_path / "basins.json")
+    again = vi.load(tmp_path / "basins.json")
+    assert (again.labels == basins.labels).all()
+    assert again.attractors[0].motion.period == cycle.period
+    (case,) = vi.read_namelist(_written(tmp_path, basins.to_namelist()))
+    assert (case.run()[0].labels == basins.labels).all()
+
+
+def test_basins_beyond_the_end_of_the_branch():
+    """Where stick-slip is damped out, all states slide steadily; a constant force moves the equilibrium alone."""
+    for load in (None, vi.Load(constant=[0.3])):
+        basins = vi.basins(bow(0.2908), load, states=10, settling=100)
+        assert [one.name for one in basins.attractors] == ["equilibrium"]
+        assert basins.fractions == pytest.approx([1.0])
+        assert basins.attractors[0].motion is None
+
+
 def test_a_chart_has_the_periods():
     """One motion at each point before the end of stick-slip, with the period of the closed form."""
     pytest.importorskip("xarray")
@@ -484,10 +555,11 @@ def test_what_is_not_self_excited():
         vi.branch(motion, "stick", bounds=(0.5, 1.2))
     with pytest.raises(vi.ParameterError, match="must be a Motion or a Trajectory"):
         vi.exact(bow(), vi.Load.none(), ([0.1], [0]))
-    with pytest.raises(
-        vi.ParameterError, match=r"load = <No load>: must be a load with a frequency"
-    ):
-        vi.basins(bow(), vi.Load.none(), states=3)
+    with pytest.raises(vi.ParameterError, match="a self-excited motion has no load"):
+        vi.atlas(bow(), None, ("speed", (0.1, 0.3)), ("frequency", (0.5, 0.9)))
+    free = vi.Structure([1.0], [0.1], [0.0], friction=[vi.Friction([1], **BELT)])
+    with pytest.raises(vi.SingularError, match="no spring holds it"):
+        vi.basins(free, None, states=3)
     with pytest.raises(vi.ParameterError, match="must have 2 coordinates"):
         vi.exact(PAIR, vi.Load.none(), motion)
 

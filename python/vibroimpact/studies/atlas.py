@@ -15,7 +15,7 @@ from ..results import door, namelist
 from ..results.namelist import SYMMETRIC
 from ..results.parameters import Span
 from ..systems.oscillator import Oscillator, Pattern
-from ..systems.structure import Load, Structure
+from ..systems.structure import Load, Structure, counted, without_none
 from ..systems.verbs import every_system, physical_arguments
 from .zone import NAMES, OnPlane, Zone, keys_of_plane, window
 
@@ -385,9 +385,14 @@ class Atlas(OnPlane, study="atlas"):
         return self._draw(ax, inverse, units=units)
 
     def __repr__(self) -> str:
-        gaps = f", {len(self.unexplained)} attractors unexplained" if self.unexplained else ""
+        left = counted(len(self.unexplained), "attractor")
+        gaps = f", {left} unexplained" if self.unexplained else ""
         seen = f"; {self.survey}" if len(self.survey) else ""
-        return f"<Atlas of {len(self.zones)} zones, {len(self.attractors)} attractors surveyed{gaps}{seen}>"
+        zones, surveyed = (
+            counted(len(self.zones), "zone"),
+            counted(len(self.attractors), "attractor"),
+        )
+        return f"<Atlas of {zones}, {surveyed} surveyed{gaps}{seen}>"
 
 
 def turns(pattern: Pattern) -> list[str]:
@@ -406,7 +411,7 @@ def names_of(pattern: Pattern, osc: Oscillator) -> set[str]:
 
 def atlas_structure(
     structure: Structure,
-    load: Load,
+    load: Load | None,
     x: Span,
     y: Span,
     max_impacts: int = 4,
@@ -422,13 +427,19 @@ def atlas_structure(
     y_at: float | None = None,
 ) -> Atlas:
     """As `atlas`, for a structure."""
-    checks.instance(load, "load", Load)
-    keys, names = keys_of_plane(structure, load, (x, y), (x_at, y_at))
+    checks.instance(structure, "structure", Structure)
+    load = without_none(load)
+    if load is not None:
+        checks.instance(load, "load", Load)
+    given = load or Load(constant=np.zeros(structure.coordinates))
+    keys, names = keys_of_plane(structure, given, (x, y), (x_at, y_at))
     keys |= {
         "max_impacts": max_impacts, "max_cycles": max_cycles, "survey": survey, "settling": settling,
         "lines": lines, "max_points": max_points, "max_events": max_events,
     }  # fmt: skip
-    return door.run_structure(Atlas, structure, load, keys, threads, progress, names, stops=True)
+    return door.run_structure(
+        Atlas, structure, load, keys, threads, progress, names, needs_frequency=False, stops=True
+    )
 
 
 @overload
@@ -440,7 +451,7 @@ def atlas(
 ) -> Atlas: ...  # fmt: skip
 @overload
 def atlas(
-    structure: Structure, load: Load, x: Span, y: Span,
+    structure: Structure, load: Load | None, x: Span, y: Span,
     max_impacts: int = 4, max_cycles: int = 1, survey: int = 100, settling: int = 400, lines: int = 17,
     max_points: int = 20_000, max_events: int = 10_000_000, threads: int | None = None,
     progress: door.Progress | None = None, x_at: float | None = None, y_at: float | None = None,
@@ -483,7 +494,7 @@ def atlas(
     osc : Oscillator
         The oscillator, without its r and clearance.
     structure, load : Structure, Load
-        In place of `osc`.
+        In place of `osc`; `Load.none()`, None or a constant load for self-excited motions.
     x, y : (parameter, (float, float))
         For a structure, in place of r and clearance: each a parameter, as in `branch`, with its lowest and highest
         value, or with an array, of which only the ends are used; the value of the structure lies between them.
@@ -496,7 +507,8 @@ def atlas(
     survey : int
         Number of points of the window at which simulations run until they settle; for a structure 100 by default.
     settling : int
-        Load cycles simulated at each point before its attractor is examined.
+        Load cycles, or for self-excited motions natural periods, simulated at each point before its attractor is
+        examined.
     lines, guesses, max_points : int
         As in `zone`.
     max_events : int

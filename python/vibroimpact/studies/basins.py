@@ -22,7 +22,7 @@ from ..results import door
 from ..results.noun import Noun, column, key
 from ..results.states import state_by_coordinates
 from ..systems.oscillator import Oscillator, Point, of_numbers
-from ..systems.structure import Load, Structure
+from ..systems.structure import Load, Structure, without_none
 from ..systems.verbs import every_system, physical_arguments
 from .find import structure_motions_of
 from .lyapunov import Lyapunov, lyapunov
@@ -64,8 +64,9 @@ class Attractor:
     kind : str
         "periodic" or "rest" (periodic, with accumulation and rest): Newton's method confirms a stable motion that
         states reach; "chaotic": the largest exponent is positive by more than its error; "quasi-periodic": it is
-        zero within its error, and no stable motion is found nearby; "no impacts"; "permanent rest", where gaps of
-        a structure stay closed or friction sticks permanently, wherever the structure came to rest; or "periodic?"
+        zero within its error, and no stable motion is found nearby; "no impacts"; "equilibrium", without a load or
+        under a constant one; "permanent rest", where gaps of a structure stay closed or friction sticks
+        permanently, wherever the structure came to rest; or "periodic?"
         where a simulation of an oscillator repeats itself to rounding for long but no stable exact motion was
         found.
     name : str
@@ -311,7 +312,7 @@ class Basins(Noun, study="basins", formerly="StructureBasins"):
 
 def basins_structure(
     structure: Structure,
-    load: Load,
+    load: Load | None,
     plane: tuple[Any, Any] | None = None,
     states: int | None = None,
     points: int | tuple[int, int] | None = None,
@@ -326,6 +327,7 @@ def basins_structure(
 ) -> Basins:
     """As `basins`, for a structure."""
     check_choice(plane, states)
+    load = without_none(load)
     keys: dict[str, Any] = {
         **door.start_keys(structure, state, start), "settling": settling, "max_cycles": max_cycles,
         "max_events": max_events,
@@ -336,7 +338,15 @@ def basins_structure(
         else _plane_keys(plane, "q_0, q_1, ... or q_dot_0, ...", points)
     )
     found = door.run_structure(
-        Basins, structure, load, keys, threads, progress, AXIS_NAMES, stops=True
+        Basins,
+        structure,
+        load,
+        keys,
+        threads,
+        progress,
+        AXIS_NAMES,
+        needs_frequency=False,
+        stops=True,
     )
     found.require()
     return found
@@ -365,7 +375,7 @@ def basins(
 ) -> Basins: ...  # fmt: skip
 @overload
 def basins(
-    structure: Structure, load: Load, plane: tuple[Any, Any] | None = None, states: int | None = None,
+    structure: Structure, load: Load | None, plane: tuple[Any, Any] | None = None, states: int | None = None,
     points: int | tuple[int, int] | None = None,
     state: tuple[ArrayLike, ArrayLike] | None = None, start: float = 0.0, settling: int = 1000,
     max_cycles: int = 16, rng: Rng = 0, max_events: int = 10_000_000, threads: int | None = None,
@@ -416,7 +426,8 @@ def basins(
     its largest Lyapunov exponent shows whether it is chaotic, quasi-periodic, or still settling. States with
     events in the same places are then watched for two million events: if one of them settles, they are on a
     transient, and those that do not settle remain undecided. Equal motions are one attractor, whichever impact
-    comes first.
+    comes first. Without a load, or with a constant one, states settle on self-excited motions or in an
+    equilibrium; those that do neither within 31 `settling` remain undecided.
 
     The system is `osc, r, clearance`, or `structure, load`, or a point from `Oscillator.at`.
 
@@ -427,7 +438,7 @@ def basins(
     r, clearance : float
         As in `simulate`; so is the number `load`.
     structure, load : Structure, Load
-        In place of them; the load has a frequency.
+        In place of them; `Load.none()`, None or a constant load for self-excited motions.
     plane : ((name, (lo, hi)), (name, (lo, hi))), optional
         Two coordinates, each with a range, in which `points` values are taken, or with an array that rises or
         falls throughout; or (name, lo, hi, n). Names are "x", "x_dot", "y" (that is z - x), "z_dot" and "t"; for a
@@ -449,7 +460,8 @@ def basins(
     cycles : int
         For an oscillator: load cycles after which a state without a decision is examined again.
     settling : int
-        For a structure: load cycles after which a state that does not repeat is followed for longer.
+        For a structure: load cycles, or for self-excited motions natural periods, after which a state that does
+        not repeat is followed for longer.
     probes : int
         For an oscillator: number of states simulated first.
     max_cycles : int

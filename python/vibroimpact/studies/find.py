@@ -335,7 +335,7 @@ def find_structure(
     load = without_none(load)
     found = door.run_structure(
         FoundMotions, structure, load, keys, threads, progress,
-        needs_frequency=isinstance(load, Load) and bool(load.frequency), stops=True,
+        needs_frequency=False, stops=True,
     )  # fmt: skip
     found.require()
     return found

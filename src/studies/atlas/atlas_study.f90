@@ -3,6 +3,7 @@ module vi_atlas_study
    use vi_atlas, only: atlas_request_type, atlas_type, family_type, find_atlas, outcomes_of
    use vi_common_keys, only: check_window, max_events_key, window_keys
    use vi_family, only: can_be_symmetric
+   use vi_free_states, only: is_free
    use vi_kinds, only: wp
    use vi_pattern, only: starred_symbols
    use vi_zone_request, only: zone_request_type
@@ -137,7 +138,7 @@ contains
       type(case_type), intent(inout) :: case
 
       if (case%model == of_structure) then
-         if (len(case%study%fault) == 0) call needs_frequency(case, 'x')
+         if (len(case%study%fault) == 0 .and. .not. is_free(case)) call needs_frequency(case, 'x')
          if (len(case%study%fault) == 0) call check_plane(case)
          return
       end if
@@ -277,7 +278,7 @@ contains
          call find_structure_atlas(structure_request_type(s%whole_number('max_impacts'), &
             s%whole_number('max_cycles'), s%whole_number('survey'), s%whole_number('settling'), &
             s%whole_number('max_events'), s%whole_number('lines'), s%whole_number('max_points'), &
-            threads), path, points, families, n, progress)
+            threads, is_free(case)), path, points, families, n, progress)
       end associate
       if (is_stopped(progress)) then
          result%cut = counted(n, 'zone')//' of a survey of '//counted(size(points), 'point')// &

@@ -6,6 +6,7 @@
 !! own.
 module vi_structure_atlas
    use vi_curve_point, only: curve_type
+   use vi_free_states, only: find_pace, settle_free_states
    use vi_kinds, only: wp
    use vi_progress, only: add_done_work, add_expected_work, is_stopped
    use vi_status, only: stat
@@ -34,6 +35,8 @@ module vi_structure_atlas
       integer :: survey = 100, settling = 300, max_events = 10000000
       !> Lattice lines in each direction, largest number of points of a loop, and OpenMP threads.
       integer :: lines = 17, points = 20000, threads = 1
+      !> Whether the motions are self-excited; load cycles are then natural periods.
+      logical :: free = .false.
    end type structure_request_type
 
    !> A point of the survey.
@@ -110,19 +113,30 @@ contains
       integer, intent(inout), optional :: progress(3)
       real(wp), parameter :: plastic = 1.324717957244746_wp
       type(structure_type) :: structure
-      type(load_type) :: load
+      type(load_type) :: load, paced
       type(found_list_type) :: list
-      real(wp) :: states(2*size(path%structure%mass, 1), 2)
+      type(settling_type) :: how
+      character(:), allocatable :: fault
+      real(wp) :: states(2*size(path%structure%mass, 1), 2), unit
       type(outcome_type) :: one(1)
       integer :: ready
 
       point%at = modulo(0.5_wp + number/[plastic, plastic**2], 1.0_wp)
       call changed(path, point%at, structure, load)
-      call random_structure_states(structure, load, number, states, ready)
       point%outcome = not_settled
+      fault = ''
+      paced = load
+      if (request%free) call find_pace(structure, load, unit, paced, fault)
+      if (len(fault) > 0) return
+      call random_structure_states(structure, paced, number, states, ready)
       if (ready /= stat%ok) return
-      call settle_states(structure, load, 0.0_wp, states(:, 2:), settling_type(request%settling, &
-         max(longest, request%max_cycles), request%max_events, 1, .false.), list, one, progress)
+      how = settling_type(request%settling, max(longest, request%max_cycles), request%max_events, &
+         1, .false.)
+      if (request%free) then
+         call settle_free_states(structure, load, unit, states(:, 2:), how, list, one, progress)
+      else
+         call settle_states(structure, load, 0.0_wp, states(:, 2:), how, list, one, progress)
+      end if
       if (one(1)%status == stat%not_computed) then
          point%outcome = 0
       else if (one(1)%label > 0) then
@@ -168,6 +182,8 @@ contains
       call changed(path, point%at, there%structure, there%load)
       there%changes%start = [(value_at(path%changes(i), point%at(i)), i=1, 2)]
       start = point%motion
+      ! a self-excited motion has its own frequency
+      if (request%free) there%load%frequency = start%frequency
       call start_curve(there%structure, there%load, start, there%changes, surface, unknowns, &
          mirrored, message)
       if (len(message) > 0) return

@@ -11,6 +11,7 @@ module vi_basins_study
    use vi_common_keys, only: clearance_key, half_gap, load_key, max_events_key, &
       most_numbers, most_state, state_keys
    use vi_forced_system, only: new_forced_system
+   use vi_free_states, only: find_pace, is_free, settle_free_states
    use vi_kinds, only: wp
    use vi_pattern, only: starred_symbols
    use vi_progress, only: is_stopped
@@ -176,7 +177,7 @@ module vi_basins_study
       start_keys, &
       key_type('settling', a_whole, default='1000', low=0.0_wp, high=1.0e6_wp, &
       meaning='load cycles simulated before the search for a motion, unless it repeats to rounding &
-      &earlier')]
+      &earlier; without a periodic load natural periods, at first')]
 
    !> Labels of states without an attractor.
    integer, parameter :: undecided = 0, closed = -3
@@ -592,7 +593,7 @@ contains
       associate (s => case%study)
          if (len(s%fault) > 0) return
          call check_start_state(case)
-         call needs_frequency(case, 'max_cycles')
+         if (.not. is_free(case)) call needs_frequency(case, 'max_cycles')
          if (len(s%fault) > 0 .or. .not. s%has('axes')) return
          places = [(place_in_state(s%word('axes', i), case%coordinates), i=1, 2)]
          if (any(places == 0) .or. places(1) == places(2)) call s%refuse('axes', &
@@ -630,32 +631,49 @@ contains
       real(wp), allocatable :: states(:, :)
       type(outcome_type), allocatable :: outcomes(:)
       integer, allocatable :: labels(:), numbers(:)
+      character(:), allocatable :: fault
+      type(load_type) :: paced
+      type(settling_type) :: how
+      real(wp) :: unit
       integer :: first, i, lost, n, reached
+      logical :: free
 
       call structure_of(case, structure, load)
       load%frequency = load_frequency(case)
+      free = is_free(case)
+      fault = ''
+      paced = load
+      if (free) call find_pace(structure, load, unit, paced, fault)
       n = case%coordinates
       first = stat%ok
       associate (s => case%study)
          allocate (states(2*n, count_states(s)))
          allocate (outcomes(size(states, 2)))
-         if (s%has('states')) then
-            call random_structure_states(structure, load, s%whole_number('seed'), states, first)
+         if (len(fault) > 0) then
+            ! nothing is simulated
+         else if (s%has('states')) then
+            call random_structure_states(structure, paced, s%whole_number('seed'), states, first)
          else
             states = spread([s%numbers('q'), s%numbers('q_dot')], 2, size(states, 2))
             call set_axes(s, [(place_in_state(s%word('axes', i), n), i=1, 2)], states)
          end if
-         if (first /= stat%ok) then
+         if (first /= stat%ok) fault = 'a gap is closed at q = 0, around which random states are &
+            &drawn; give a plane'
+         if (len(fault) > 0) then
             result%empty = .true.
-            call result%fail('a gap is closed at q = 0, around which random states are drawn; give &
-               &a plane')
+            call result%fail(fault)
             return
          end if
-         call settle_states(structure, load, s%number('start'), states, settling_type( &
-            s%whole_number('settling'), s%whole_number('max_cycles'), &
-            s%whole_number('max_events'), threads), list, outcomes, progress)
+         how = settling_type(s%whole_number('settling'), s%whole_number('max_cycles'), &
+            s%whole_number('max_events'), threads)
+         if (free) then
+            call settle_free_states(structure, load, unit, states, how, list, outcomes, progress)
+         else
+            call settle_states(structure, load, s%number('start'), states, how, list, outcomes, &
+               progress)
+         end if
       end associate
-      call number_attractors(list, outcomes, labels, numbers, names)
+      call number_attractors(list, outcomes, free, labels, numbers, names)
       reached = count(labels /= not_reached .and. labels /= closed)
       if (is_stopped(progress)) result%cut = whole(count(labels /= not_reached))//' of '// &
          counted(size(labels), 'state')//' were reached'
@@ -664,7 +682,7 @@ contains
       call result%put('states', 'q_dot', [states(n + 1:, :)], n)
       call result%put('states', 'label', labels - 1)
       call result%put_codes('states', 'attractor', max(0, labels), names)
-      call put_structure_attractors(result, list, labels, numbers, names, n)
+      call put_structure_attractors(result, list, free, labels, numbers, names, n)
       lost = count(labels == undecided .or. labels == event_limited)
       result%empty = count(labels > 0) == 0 .and. (reached == 0 .or. len(result%cut) == 0)
       i = findloc(outcomes%status /= stat%ok .and. outcomes%status /= stat%not_computed, &
@@ -678,11 +696,13 @@ contains
 
    !> Numbers the attractors by decreasing share: motions, the one without impacts, those that are
    !! chaotic or quasi-periodic, and rests that never end.
-   pure subroutine number_attractors(list, outcomes, labels, numbers, names)
+   pure subroutine number_attractors(list, outcomes, free, labels, numbers, names)
       !> The motions on which states settle.
       type(found_list_type), intent(in) :: list
       !> (states) What became of each.
       type(outcome_type), intent(in) :: outcomes(:)
+      !> Whether the motions are self-excited: without one, states end in an equilibrium.
+      logical, intent(in) :: free
       !> (states) The number of the attractor of each, or the label of states without.
       integer, allocatable, intent(out) :: labels(:)
       !> (attractors) The number of the motion of each; 0 if it is none of the list.
@@ -718,6 +738,7 @@ contains
             call name_motion(list%motions(j), names(i)%text)
          else
             names(i)%text = trim(other_names(kinds(j - list%n - 1)))
+            if (free .and. j == list%n + 1) names(i)%text = 'equilibrium'
          end if
       end do
       do i = 1, size(labels)
@@ -742,11 +763,13 @@ contains
    end subroutine name_motion
 
    !> Fills the tables of the attractors and their motions, with remarks.
-   pure subroutine put_structure_attractors(result, list, labels, numbers, names, n)
+   pure subroutine put_structure_attractors(result, list, free, labels, numbers, names, n)
       !> The result.
       type(result_type), intent(inout) :: result
       !> The motions.
       type(found_list_type), intent(inout) :: list
+      !> Whether they are self-excited.
+      logical, intent(in) :: free
       !> (states) Number of the attractor of each.
       integer, intent(in) :: labels(:)
       !> (attractors) The number of the motion of each; 0 if there is none.
@@ -771,6 +794,7 @@ contains
       periodic = pack(numbers, numbers > 0)
       if (.not. allocated(list%motions)) allocate (list%motions(0))
       call put_found(result, list%motions, periodic, n)
+      if (free) call result%put('motions', 'frequency', list%motions(periodic)%frequency)
       call result%open('attractors', 'attractor', [size(names)])
       call result%put_text('attractors', 'name', names)
       call result%put('attractors', 'fraction', shares)

@@ -5,20 +5,57 @@ module vi_free_states
    use vi_motion, only: no, yes
    use vi_progress, only: add_done_work, add_expected_work, is_stopped
    use vi_settled_states, only: outcome_type, settling_type
-   use vi_status, only: stat
+   use vi_status, only: stat, status_text
    use vi_structure, only: load_type, structure_type
    use vi_structure_found, only: add_motion, found_list_type
+   use vi_structure_groups, only: load_frequency, record_end
    use vi_structure_return, only: self_excited, settled_type
-   use vi_structure_run, only: new_run, run_type
+   use vi_structure_run, only: longest_natural_period
+   use vi_study, only: case_type
    implicit none (type, external)
    private
 
-   public :: settle_free_states
+   public :: find_pace, is_free, settle_free_states
 
    !> States between which the list of motions is brought up to date.
    integer, parameter :: block = 512
 
 contains
+
+   !> Whether the motions of a structure are self-excited: without a load, or under constant forces.
+   logical function is_free(case)
+      !> The case; its load is used.
+      type(case_type), intent(in) :: case
+
+      is_free = .not. load_frequency(case) > 0 .and. record_end(case) < 0
+   end function is_free
+
+   !> The time that stands for a load cycle, which is the longest natural period.
+   subroutine find_pace(structure, load, unit, paced, fault)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> Constant forces.
+      type(load_type), intent(in) :: load
+      !> The time.
+      real(wp), intent(out) :: unit
+      !> The load with this period, under which random states are drawn; it does not act.
+      type(load_type), intent(out) :: paced
+      !> Empty, or why there is no such time.
+      character(:), allocatable, intent(out) :: fault
+      integer :: status
+
+      fault = ''
+      call longest_natural_period(structure, load, unit, status)
+      if (status /= stat%ok) then
+         fault = status_text(status)
+      else if (.not. unit > 0) then
+         fault = 'without a periodic load, settling counts natural periods, and the structure has &
+            &none: no spring holds it'
+      else
+         paced = load
+         paced%frequency = two_pi/unit
+      end if
+   end subroutine find_pace
 
    !> The motion on which each of some states settles.
    subroutine settle_free_states(structure, load, unit, states, how, list, outcomes, progress)

@@ -5,8 +5,8 @@ module vi_find_study
    use vi_forced_system, only: event_type, impact_event, new_forced_system, release_event, &
       stick_event
    use vi_found_motion, only: described_type, found_type
-   use vi_free_states, only: settle_free_states
-   use vi_kinds, only: two_pi, wp
+   use vi_free_states, only: find_pace, is_free, settle_free_states
+   use vi_kinds, only: wp
    use vi_motion, only: motion_type, yes
    use vi_motion_study, only: exact_kind, motion_columns, put_motions, put_origin
    use vi_progress, only: is_stopped
@@ -21,7 +21,6 @@ module vi_find_study
    use vi_structure_groups, only: load_frequency, record_end, structure_of
    use vi_structure_keys, only: needs_frequency
    use vi_structure_lines, only: follow_lines
-   use vi_structure_run, only: longest_natural_period
    use vi_study, only: a_whole, case_type, column_type, every_model, key_type, list_for, &
       of_oscillator, of_structure, result_type, study_type, wholes
    use vi_text, only: counted, whole
@@ -100,8 +99,6 @@ module vi_find_study
 
    type(column_type), parameter :: structure_columns(*) = [found_columns(:3), &
       column_type('motions', 'settled', wholes, meaning='simulated states that settle on it'), &
-      column_type('motions', 'frequency', unit='omega', listed=.false., &
-      meaning='of self-excited motions: 2 pi over the period'), &
       found_columns(4:), &
       column_type('search', 'states', wholes, listed=.false., &
       meaning='initial states that were simulated'), &
@@ -349,14 +346,6 @@ contains
       end associate
    end subroutine check_find
 
-   !> Whether the motions of a structure are self-excited: without a load, or under constant forces.
-   logical function is_free(case)
-      !> The case; its load is used.
-      type(case_type), intent(in) :: case
-
-      is_free = .not. load_frequency(case) > 0 .and. record_end(case) < 0
-   end function is_free
-
    !> Searches motions of a structure.
    subroutine run_structure(case, threads, result, progress)
       !> The case, checked.
@@ -374,6 +363,7 @@ contains
       type(outcome_type), allocatable :: outcomes(:)
       integer, allocatable :: settled(:), order(:), kinds(:)
       integer :: failures(0:codes), first, i, most_impacts, reached, without
+      character(:), allocatable :: fault
       real(wp) :: unit
       type(load_type) :: paced
       type(settling_type) :: how
@@ -384,19 +374,10 @@ contains
       free = is_free(case)
       paced = load
       if (free) then
-         call longest_natural_period(structure, load, unit, first)
-         if (first /= stat%ok .or. .not. unit > 0) then
-            result%empty = .true.
-            if (first /= stat%ok) then
-               call result%fail(status_text(first))
-            else
-               call result%fail('without a periodic load, settling counts natural periods, and the &
-                  &structure has none: no spring holds it')
-            end if
-            return
-         end if
-         ! states are drawn as under a load with this period that does not act
-         paced%frequency = two_pi/unit
+         call find_pace(structure, load, unit, paced, fault)
+         result%empty = len(fault) > 0
+         if (result%empty) call result%fail(fault)
+         if (result%empty) return
       end if
       failures = 0
       associate (s => case%study, n => case%coordinates)

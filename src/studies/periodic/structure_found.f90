@@ -45,6 +45,8 @@ module vi_structure_found
       column_type('motions', 'motion', wholes, meaning='number of the motion'), &
       column_type('motions', 'cycles', wholes, meaning='load cycles in a period'), &
       column_type('motions', 'stable', verdicts, meaning='whether disturbances decay'), &
+      column_type('motions', 'frequency', unit='omega', listed=.false., &
+      meaning='of self-excited motions: 2 pi over the period'), &
       impact_columns, &
       column_type('motions', 'residual', listed=.false., &
       meaning='largest relative residual of the equations'), &
