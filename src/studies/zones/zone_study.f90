@@ -425,7 +425,7 @@ contains
       mirrored = .false.
       associate (structure => plane%structure, load => plane%load, motion => plane%motion, &
          changes => plane%changes)
-call find_structure_motion(case, case%start, .true., structure, load, motion, status, &
+         call find_structure_motion(case, case%start, .true., structure, load, motion, status, &
             progress)
          if (status == stat%not_computed) then
             result%cut = 'the computation was stopped before a motion was found'
