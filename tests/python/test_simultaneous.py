@@ -197,6 +197,34 @@ def test_motion_with_impacts_at_one_instant():
             refused()
 
 
+@pytest.mark.parametrize("law", LAWS)
+def test_history_of_friction_along_a_gap_that_others_release(law):
+    """The history of balls that hit one with friction, which rests, reaches the state of each next event, and that
+    friction has no events while its gap rests."""
+    rng = np.random.default_rng(0)
+    compared = 0
+    for _ in range(10):
+        mass = rng.uniform(0.3, 2, 3)
+        gaps = [vi.Gap(-g, 0.0, rng.uniform(0.3, 0.9)) for g in np.eye(3) - np.eye(3, k=-1)]
+        friction = [vi.Friction([1, 0, 0], 0.3 * mass[0])]
+        s = vi.Structure(mass, [0] * 3, [0] * 3, gaps, friction, simultaneous=law)
+        load = vi.Load(1.0, constant=-mass, cosine=[mass[0] * rng.uniform(0, 3), 0, 0])
+        try:
+            run = vi.simulate(s, load, duration=6, state=([0, 0.3, 0.9], [0, 0, 0]), max_events=500)
+        except vi.SingularError as error:
+            run = error.result
+        rests = False
+        for kind, gap in run.events[["kind", "gap"]].tolist():
+            rests = (rests and (kind, gap) != ("release", 0)) or (kind, gap) == ("stick", 0)
+            assert not (rests and gap == 3)
+        times = run.events["time"]
+        for i in np.flatnonzero(np.diff(times) > 1e-3):
+            q = run.sample([times[i + 1] - 1e-10])[0][:, 0]
+            assert np.abs(q - run.states[i + 1, 0]).max() < 1e-8
+            compared += 1
+    assert compared > 50
+
+
 def test_law_is_kept(tmp_path):
     """Files, namelists, texts and copies keep the law; structures with different laws differ."""
     s = cradle(3, "sequence")

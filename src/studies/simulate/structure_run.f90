@@ -437,11 +437,12 @@ contains
       integer, intent(in) :: closed(:)
       !> The load phase (rad), and (n) coordinates and velocities.
       real(wp), intent(in) :: phase, q(:), rate(:)
-      !> In: time. Out: regime and pairs.
+      !> In: time. Out: regime and pairs; what leaves limits that the regime lacks is not listed any
+      !! more.
       type(run_state_type), intent(inout) :: state
       !> `stat%ok`, or as in `new_regime`.
       integer, intent(out) :: status
-      integer :: number
+      integer :: i, number
 
       call find_regime(run, closed, number, status)
       if (status /= stat%ok) return
@@ -453,8 +454,25 @@ contains
          if (allocated(state%x)) deallocate (state%x, state%v)
          allocate (state%x(size(regime%xq, 1)), state%v(size(regime%xq, 1)))
          call to_pairs(regime, phase, q, rate, state%x, state%v)
+         if (.not. allocated(state%partings)) return
+         ! rows of forces have other numbers in each regime
+         state%partings = pack(state%partings, [(state%partings(i)%row <= run%structure%channels &
+            .and. has_limit(regime, state%partings(i)), i=1, size(state%partings))])
       end associate
    end subroutine enter
+
+   !> Whether a regime has the limit that a row leaves.
+   pure logical function has_limit(regime, leaving)
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      !> The row.
+      type(leaving_type), intent(in) :: leaving
+
+      has_limit = .false.
+      if (leaving%row > size(regime%upper)) return
+      has_limit = merge(regime%upper(leaving%row), -regime%lower(leaving%row), leaving%wall > 0) &
+         < huge(1.0_wp)
+   end function has_limit
 
    !> Judges anew which gaps rest after a jump of forces or speeds, and makes one change.
    !!
@@ -695,14 +713,24 @@ contains
       do j = 1, size(run%structure%openings)
          if (.not. abs(factor_along(run%structure, j, gap)) > 0) cycle
          associate (closed => run%regimes(state%regime)%closed)
-            if (.not. allocated(state%pending)) allocate (state%pending(0))
-            state%pending = [state%pending, j]
+            call tell_later(state, j)
             call leading_term(run%regimes(state%regime), state%x, state%v, phase, &
                run%structure%channel(j), 1, order, sense)
             call part(run, state, run%structure%channel(j), merge(1, -1, any(closed == -j)), order)
          end associate
       end do
    end subroutine slip_away
+
+   !> Notes that friction or a stop changed at this instant, to be reported as an event.
+   pure subroutine tell_later(state, number)
+      !> In and out: the state.
+      type(run_state_type), intent(inout) :: state
+      !> The friction or the stop.
+      integer, intent(in) :: number
+
+      if (.not. allocated(state%pending)) allocate (state%pending(0))
+      if (all(state%pending /= number)) state%pending = [state%pending, number]
+   end subroutine tell_later
 
    !> Notes that a gap touches without a speed, so that contacts are judged anew.
    pure subroutine touch(state, gap)
@@ -834,13 +862,18 @@ contains
          call settle_all(run, sticks, phase, state, status)
          if (status /= stat%ok) return
       end if
-      changed = size(state%pending) > 0
-      if (changed) then
-         call state_now(run, state, state%q, state%rate)
-         call note(state, kind_of_friction(run, state, state%pending(1)), state%pending(1), &
-            0.0_wp, 0.0_wp, state%q, state%rate, event)
+      do while (size(state%pending) > 0)
+         ! friction along a gap that rests again at this instant has no part in the motion
+         changed = .not. is_absorbed(run%structure, state%pending(1), &
+            run%regimes(state%regime)%resting)
+         if (changed) then
+            call state_now(run, state, state%q, state%rate)
+            call note(state, kind_of_friction(run, state, state%pending(1)), state%pending(1), &
+               0.0_wp, 0.0_wp, state%q, state%rate, event)
+         end if
          state%pending = state%pending(2:)
-      end if
+         if (changed) exit
+      end do
       if (size(state%pending) == 0) deallocate (state%pending)
    end subroutine judge_friction
 
@@ -876,7 +909,7 @@ contains
          do i = 1, size(halted)
             associate (number => halted(i))
                if ((any(closed == number) .neqv. any(old == number)) .or. (any(closed == -number) &
-                  .neqv. any(old == -number))) state%pending = [state%pending, number]
+                  .neqv. any(old == -number))) call tell_later(state, number)
                if (any(closed == number)) cycle
                call leading_term(run%regimes(state%regime), state%x, state%v, phase, &
                   structure%channel(number), 1, order, sense)
@@ -1064,7 +1097,7 @@ contains
          do i = 1, size(rubbing)
             if (any(halted == rubbing(i))) cycle
             if ((any(after == -rubbing(i)) .neqv. any(before == -rubbing(i))) .or. any(before == &
-               rubbing(i))) state%pending = [state%pending, rubbing(i)]
+               rubbing(i))) call tell_later(state, rubbing(i))
          end do
       end associate
       if (size(state%pending) == 0) deallocate (state%pending)
@@ -1565,7 +1598,7 @@ contains
       integer, intent(out) :: status
       real(wp), dimension(size(state%together)) :: speeds, rounding
       real(wp) :: phase, opening(0:2), restitution, slope, impulse, approach, least
-      integer :: i
+      integer :: i, j
 
       status = stat%ok
       changed = .true.
@@ -1578,6 +1611,9 @@ contains
          call enter(run, opened(run%structure, run%regimes(state%regime)%closed, i), phase, &
             state%q, state%rate, state, status)
          if (status /= stat%ok) return
+         do j = 1, size(run%structure%openings)
+            if (abs(factor_along(run%structure, j, i)) > 0) call tell_later(state, j)
+         end do
          call note(state, release_event, i, 0.0_wp, 0.0_wp, state%q, state%rate, event)
          event%together = .true.
          return
@@ -1737,8 +1773,6 @@ contains
       end associate
       call enter(run, closed, phase, state%q, state%rate, state, status)
       if (status /= stat%ok) return
-      if (allocated(state%partings)) state%partings = pack(state%partings, state%partings%row <= &
-         run%structure%channels)
       ! the limit that was passed is left on its other side
       associate (regime => run%regimes(state%regime), row => reached%row, &
          structure => run%structure)
@@ -1764,7 +1798,7 @@ contains
       end associate
    end subroutine pass_stop
 
-   !> Lists a row of a stop that leaves its limit.
+   !> Lists a row that leaves a limit, if the regime has this limit.
    pure subroutine part(run, state, row, wall, order, speed)
       !> The run.
       type(run_type), intent(in) :: run
@@ -1778,6 +1812,7 @@ contains
       real(wp) :: d(0:3)
 
       leaving = leaving_type(row, wall, 0.0_wp, order)
+      if (.not. has_limit(run%regimes(state%regime), leaving)) return
       if (present(speed)) then
          leaving%speed = speed
       else if (order == 1) then
