@@ -148,17 +148,49 @@ class ReferenceRegimes:
             t = new
         return t
 
+    def together(self, j, y):
+        """The gaps that are closed at an impact on gap j, if a law tells what follows."""
+        gaps = [i for i, part in enumerate(self.parts) if isinstance(part, vi.Gap)]
+        near = [i for i in gaps if abs(self.opening(self.parts[i])[0] @ y[:, 0].real) < 1e-11]
+        return near if self.structure.simultaneous and j in near else [j]
+
+    def strike(self, closed, y):
+        """The velocities after impacts at one instant: one after the other, or Newton's law at all."""
+        g = np.array([self.parts[i].direction for i in closed])
+        kicks = self.inverse @ g.T
+        r = np.array([self.parts[i].restitution for i in closed])
+        closing = -np.array([self.opening(self.parts[i])[1] for i in closed]) @ y
+        a, left = g @ kicks, closing[:, 0].real.copy()
+        while left.max() > 1e-12:
+            impulses = np.zeros(len(closed))
+            if len(closed) == 1:
+                impulses = (1 + r)[:, None] * closing / a
+            elif self.structure.simultaneous == "sequence":
+                i = left.argmax()
+                impulses[i] = (1 + r[i]) * left[i] / a[i, i]
+            else:
+                impulses = self.all_at_once(a, (1 + r) * left)
+            y[self.n : 2 * self.n] -= kicks @ impulses.reshape(len(closed), -1)
+            left -= a @ impulses.reshape(len(closed), -1)[:, 0].real
+        return kicks
+
+    @staticmethod
+    def all_at_once(a, wanted):
+        """The impulses p >= 0 with a p >= wanted, equal where p > 0, by trying all sets of gaps."""
+        for number in range(1, 2 ** len(wanted)):
+            some = np.flatnonzero([number >> i & 1 for i in range(len(wanted))])
+            impulses = np.zeros(len(wanted))
+            impulses[some] = np.linalg.solve(a[np.ix_(some, some)], wanted[some])
+            if impulses.min() >= 0 and (wanted - a @ impulses).max() < 1e-12:
+                return impulses
+        raise ValueError("no impulses")
+
     def impact(self, j, states, y):
         """The velocities after an impact, and the states, in which friction opposes its speed."""
-        gap = self.parts[j]
-        kick = self.inverse @ gap.direction
-        speed = -self.opening(gap)[1] @ y
-        y[self.n : 2 * self.n] -= np.outer(
-            kick, (1 + gap.restitution) * speed / (gap.direction @ kick)
-        )
+        kicks = self.strike(self.together(j, y), y)
         after = list(states)
         for i, part in enumerate(self.parts):
-            if isinstance(part, vi.Friction) and abs(part.direction @ kick) > 1e-12:
+            if isinstance(part, vi.Friction) and np.abs(part.direction @ kicks).max() > 1e-12:
                 after[i] = UP if self.slip(part) @ y[:, 0].real > 0 else DOWN
             if after[i] in (PRESSING, INSIDE) and part.release == "force" and part.damping:
                 after[i] = PRESSING if self.force(part) @ y[:, 0].real > 0 else INSIDE

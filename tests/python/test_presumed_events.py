@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from shared_structures import one_stop, with_elements
+from test_elements_audit import of_all_kinds
 
 CASES = with_elements()
 
@@ -34,6 +35,24 @@ def test_the_events_of_a_motion_give_it_again(name):
     assert np.abs(found.speeds - motion.speeds).max() < 1e-11 * size
     assert found.multipliers == pytest.approx(motion.multipliers, abs=1e-10)
     assert found.determinant == pytest.approx(motion.law, rel=1e-9, abs=1e-12)
+
+
+@pytest.mark.parametrize("number", [364, 424, 501])
+def test_stops_that_impacts_change(number):
+    """An impact that makes a stop let go or press at its instant is followed by that change, with no equation."""
+    structure, load = of_all_kinds(np.random.default_rng([1, number]))
+    motion = vi.exact(structure, load, vi.simulate(structure, load, cycles=600, discard=500))
+    follows = np.isin(motion.kinds[1:], ["let_go", "press"]) & (np.diff(motion.phases) == 0)
+    assert follows.any()
+    given = (structure, load, motion.phases, motion.gaps, motion.cycles)
+    found = vi.periodic(*given, kinds=motion.kinds)
+    assert found.residual < 1e-13
+    assert found.admissible
+    assert np.abs(found.states - motion.states).max() < 1e-11
+    assert found.speeds == pytest.approx(motion.speeds, abs=1e-11)
+    assert found.determinant == pytest.approx(motion.determinant, rel=1e-8, abs=1e-12)
+    sums = [[np.sum(m.multipliers**k) for k in range(1, 5)] for m in (found, motion)]
+    assert sums[0] == pytest.approx(sums[1], abs=1e-9)
 
 
 @pytest.mark.parametrize("name", ["stop", "reversals", "stick"])

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import vibroimpact as vi
+from reference_regimes import ReferenceRegimes
 
 LAWS = ("newton", "sequence")
 
@@ -195,6 +196,56 @@ def test_motion_with_impacts_at_one_instant():
             (vi.ParameterError, vi.SingularError), match=r"coupled gaps|derivatives"
         ):
             refused()
+
+
+def rod_with_elements(rng, law):
+    """A driven rod that falls flat on two walls, pressed stops that cannot pull, and perhaps friction."""
+    r = rng.uniform(0.5, 0.9, 2 if law == "sequence" else 1)
+    gaps = [vi.Gap([1, -1], 0.3, r[0]), vi.Gap([1, 1], 0.3, r[-1])]
+    for _ in range(rng.integers(1, 3)):
+        opening, k, c = rng.uniform(-0.1, 0.28), rng.uniform(1, 10), rng.uniform(1, 4)
+        gaps.append(vi.Stop([1, rng.choice([0, 0.4])], opening, k, c, release="force"))
+    friction = [vi.Friction([1, 0], rng.uniform(0.05, 0.2))] if rng.random() < 0.5 else []
+    mass = [rng.uniform(0.5, 2), rng.uniform(0.1, 0.4)]
+    s = vi.Structure(mass, [0.1, 0.05], [1.0, 1.0], gaps, friction, simultaneous=law)
+    return s, vi.Load(rng.uniform(0.7, 1.5), sine=[rng.uniform(0.3, 1), 0])
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_stops_and_friction_after_impacts_at_one_instant(law):
+    """Stops that such impacts make pull let go at that instant, and friction opposes its new speed: times, states
+    and the kinds of changes are those of a simulation by matrix exponentials."""
+    rng = np.random.default_rng(4)
+    changed = 0
+    for _ in range(30):
+        s, load = rod_with_elements(rng, law)
+        start = [rng.uniform(-0.3, 0.1), 0.0], [rng.uniform(0.5, 2), 0.0]
+        try:
+            run = vi.simulate(s, load, duration=5, state=start)
+        except vi.SingularError as error:
+            run = error.result
+        # up to where impacts follow each other too closely for the steps of the reference
+        hits = np.unique(run.events["time"][run.events["kind"] == "impact"])
+        close = hits[1:][np.diff(hits) < 0.01]
+        duration = close.min(initial=run.end) - 0.005
+        run = vi.simulate(s, load, duration=duration, state=start)
+        reference = ReferenceRegimes(s, load, 1e-3)
+        known = reference.simulate(duration, start)
+        # the reference has one impact at each instant
+        last = np.append(np.diff(run.events["time"]) > 0, True)
+        times = np.array([t for t, *_ in known])
+        final = np.append(np.diff(times) > 1e-9, True)
+        assert run.events["time"][last] == pytest.approx(times[final], abs=1e-9)
+        states = np.array([y for *_, y in known])[final]
+        assert np.abs(run.states[last].reshape(len(states), -1) - states).max() < 1e-8
+        for kind in ("let_go", "press", "touch", "leave", "slip_up", "slip_down"):
+            assert np.sum(run.events["kind"] == kind) == [k for _, k, *_ in known].count(kind)
+        assert np.abs(np.concatenate(run.final_state) - reference.final).max() < 1e-8
+        hit = np.flatnonzero(
+            (run.events["kind"][:-1] == "impact") & (np.diff(run.events["time"]) == 0)
+        )
+        changed += np.sum(np.isin(run.events["kind"][hit + 1], ["let_go", "press"]))
+    assert changed > 5
 
 
 @pytest.mark.parametrize("law", LAWS)

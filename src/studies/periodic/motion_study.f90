@@ -664,7 +664,7 @@ contains
       character(9), parameter :: words_of_friction(3) = [character(9) :: 'halt', 'slip_up', &
          'slip_down']
       character(:), allocatable :: text
-      integer :: i, status
+      integer :: first, i, status
 
       if (.not. has_elements(case)) then
          if (group%has('kinds')) call group%refuse('kinds', &
@@ -677,12 +677,16 @@ contains
          else if (group%count_words('kinds') /= n) then
             call group%refuse('kinds', counted(n, 'event')//' are in gaps')
          else
+            first = 1
             do i = 2, n
-               if (phases(i) > phases(i - 1)) cycle
+               if (phases(i) > phases(i - 1)) first = i
+               if (i == first) cycle
                if (any(words_of_friction == group%word('kinds', i)) .and. any([words_of_friction, &
                   'impact   '] == group%word('kinds', i - 1))) cycle
+               if (group%word('kinds', first) == 'impact' .and. any([words_of_friction, &
+                  'let_go   ', 'press    '] == group%word('kinds', i))) cycle
                call group%refuse('phases', 'of simultaneous events, all after the first must be of &
-                  &friction')
+                  &friction, or let_go or press after an impact')
             end do
          end if
       end associate

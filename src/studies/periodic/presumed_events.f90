@@ -15,8 +15,8 @@ module vi_presumed_events
    use vi_modes, only: advance
    use vi_motion, only: no, unknown, yes
    use vi_status, only: stat
-   use vi_structure, only: load_type, regime_type, restitution_of, state_of, structure_type, &
-      to_pairs
+   use vi_structure, only: load_type, opening_at, regime_type, restitution_of, state_of, &
+      structure_type, to_pairs
    use vi_structure_map, only: apply_flight, from_coordinates, to_coordinates
    use vi_structure_return, only: keep_period, most_events, one_cycle, settle, settled_type
    use vi_structure_run, only: event_kinds, find_regime, halt_event, impact_event, leave_event, &
@@ -236,7 +236,7 @@ contains
          call pass_label([kinds(i), gaps(i)], closed)
          call find_regime(run, closed, events(i)%regime, status)
          if (status /= stat%ok .or. .not. follows(events, i)) cycle
-         ! an impact already leads to where friction slips after it
+         ! an impact already leads to what its impulse changes
          do j = i - 1, 1, -1
             events(j)%regime = events(i)%regime
             if (events(j)%kind == impact_event) exit
@@ -246,7 +246,8 @@ contains
       begun%elapsed = events(1)%elapsed
    end subroutine place_events
 
-   !> Whether friction changes at an event because an impact at the same instant changes its speed.
+   !> Whether friction or the force of a stop changes at an event because an impact at the same
+   !! instant changes its speed.
    pure logical function follows(events, i)
       !> The events, and the number of one.
       type(run_event_type), intent(in) :: events(:)
@@ -254,7 +255,7 @@ contains
       integer :: j
 
       follows = .false.
-      if (events(i)%kind < halt_event) return
+      if (events(i)%kind < let_go_event) return
       do j = i - 1, 1, -1
          if (events(j)%cycle /= events(i)%cycle .or. events(j)%elapsed < events(i)%elapsed) return
          follows = events(j)%kind == impact_event
@@ -520,7 +521,7 @@ contains
       !> The unknowns.
       real(wp), intent(in) :: u(:)
       real(wp), allocatable :: x(:), v(:), x_now(:), v_now(:)
-      real(wp) :: d(0:3), elapsed, limit, phase, restitution, slope
+      real(wp) :: d(0:3), elapsed, limit, opening(0:2), phase, restitution, slope
       integer(int64) :: cycle
       integer :: hits, i, n, number, row, wall
 
@@ -558,7 +559,9 @@ contains
                call row_derivatives(regime, x_now, v_now, phase, row, d)
                event%speed = wall*d(1)
             case (let_go_event, press_event)
-               event%speed = abs(dot_product(structure%directions(:, event%gap), event%rate))
+               opening = opening_at(structure, event%gap, phase, run%load%frequency)
+               event%speed = abs(dot_product(structure%directions(:, event%gap), event%rate) &
+                  - opening(1))
             case default
             end select
             deallocate (x, v)

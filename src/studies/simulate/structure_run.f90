@@ -844,7 +844,7 @@ contains
       !> `stat%ok`, or as in `settle_friction`.
       integer, intent(out) :: status
       integer, allocatable :: sticks(:)
-      real(wp) :: phase
+      real(wp) :: phase, speed
       integer :: i
 
       status = stat%ok
@@ -868,8 +868,12 @@ contains
             run%regimes(state%regime)%resting)
          if (changed) then
             call state_now(run, state, state%q, state%rate)
-            call note(state, kind_of_friction(run, state, state%pending(1)), state%pending(1), &
-               0.0_wp, 0.0_wp, state%q, state%rate, event)
+            associate (number => state%pending(1))
+               speed = 0
+               if (.not. run%structure%rubs(number)) speed = speed_of_stop(run, number, state)
+               call note(state, kind_of_friction(run, state, number), number, speed, 0.0_wp, &
+                  state%q, state%rate, event)
+            end associate
          end if
          state%pending = state%pending(2:)
          if (changed) exit
@@ -1036,23 +1040,23 @@ contains
       if (status == stat%ok) call judge_friction(run, state, event, passes, status)
    end subroutine begin_slip
 
-   !> The friction whose speed an impulse on a gap changes.
-   pure function rubs_with(structure, gap) result(rubbing)
+   !> The friction whose speed impulses on gaps change.
+   pure function rubs_with(structure, gaps) result(rubbing)
       !> The structure.
       type(structure_type), intent(in) :: structure
-      !> The gap.
-      integer, intent(in) :: gap
+      !> The gaps.
+      integer, intent(in) :: gaps(:)
       integer, allocatable :: rubbing(:)
       real(wp), parameter :: no_coupling = 1.0e-12_wp
-      integer :: j
+      integer :: i, j
 
       allocate (rubbing(0))
       if (.not. structure%has_friction) return
       do j = 1, size(structure%openings)
          if (.not. structure%rubs(j)) cycle
-         if (abs(dot_product(structure%directions(:, j), structure%mobility(:, gap))) &
-            *sqrt(structure%effective(gap)*structure%effective(j)) > no_coupling) rubbing = &
-            [rubbing, j]
+         if (any([(abs(dot_product(structure%directions(:, j), structure%mobility(:, gaps(i)))) &
+            *sqrt(structure%effective(gaps(i))*structure%effective(j)) > no_coupling, i=1, &
+            size(gaps))])) rubbing = [rubbing, j]
       end do
    end function rubs_with
 
@@ -1354,47 +1358,80 @@ contains
       state%elapsed = max(0.0_wp, state%elapsed - real(cycles, wp)*run%period)
    end subroutine move
 
-   !> Lets go of stops that an impact makes pull, and presses those that it makes push: their forces
+   !> Puts a state just after impacts into the regime of the stops and the friction whose forces
+   !! they change.
+   pure subroutine follow_impacts(run, gaps, state, changed, status)
+      !> In and out: regimes are added.
+      type(run_type), intent(inout) :: run
+      !> The gaps that were hit at this instant.
+      integer, intent(in) :: gaps(:)
+      !> In and out: the state, with q and q' after the impacts.
+      type(run_state_type), intent(inout) :: state
+      !> Whether the regime was chosen anew.
+      logical, intent(out) :: changed
+      !> `stat%ok`, or as in `settle_friction`.
+      integer, intent(out) :: status
+      integer, allocatable :: rubbing(:)
+      real(wp) :: phase
+
+      phase = run%load%frequency*state%elapsed
+      call press_anew(run, gaps, phase, state, changed, status)
+      if (status /= stat%ok) return
+      rubbing = rubs_with(run%structure, gaps)
+      if (size(rubbing) == 0) return
+      changed = .true.
+      call rub(run, rubbing, phase, state, status)
+   end subroutine follow_impacts
+
+   !> Lets go of stops that impacts make pull, and presses those that they make push: their forces
    !! jump by their dashpots, and do not pass 0.
-   pure subroutine press_anew(run, gap, phase, state, event, status)
+   pure subroutine press_anew(run, gaps, phase, state, presses, status)
       !> In and out: the regime is added.
       type(run_type), intent(inout) :: run
-      !> The gap, and the load phase (rad).
-      integer, intent(in) :: gap
+      !> The gaps, and the load phase (rad).
+      integer, intent(in) :: gaps(:)
       real(wp), intent(in) :: phase
-      !> In and out: the state, with q and q' after the impact.
+      !> In and out: the state, with q and q' after the impacts.
       type(run_state_type), intent(inout) :: state
-      !> In and out: the impact.
-      type(run_event_type), intent(inout) :: event
+      !> Whether there are such stops.
+      logical, intent(out) :: presses
       !> `stat%ok`, or as in `new_regime`.
       integer, intent(out) :: status
       integer, allocatable :: changed(:), closed(:), now(:)
-      integer :: i, j
+      integer :: i, j, k
 
       status = stat%ok
+      presses = .false.
+      if (.not. any(run%structure%push > 0)) return
       allocate (closed, source=run%regimes(state%regime)%closed)
       allocate (changed(0))
       do i = 1, size(closed)
          j = abs(closed(i))
          if (.not. run%structure%push(j) > 0) cycle
-         associate (direction => run%structure%directions(:, j), &
-            mobility => run%structure%mobility(:, gap))
-            if (.not. abs(dot_product(direction, mobility)) > 64*epsilon(1.0_wp)* &
-               dot_product(abs(direction), abs(mobility))) cycle
-         end associate
+         if (.not. any([(is_moved(j, gaps(k)), k=1, size(gaps))])) cycle
          now = without_force(run, [j], phase, state%q, state%rate)
          if (now(1) /= closed(i)) changed = [changed, j]
       end do
-      if (size(changed) == 0) return
+      presses = size(changed) > 0
+      if (.not. presses) return
       do i = 1, size(changed)
          j = merge(-changed(i), changed(i), any(closed == changed(i)))
          closed = merged(pack(closed, abs(closed) /= changed(i)), j)
+         call tell_later(state, changed(i))
       end do
       call enter(run, closed, phase, state%q, state%rate, state, status)
-      if (status /= stat%ok) return
-      if (.not. allocated(state%pending)) allocate (state%pending(0))
-      state%pending = [state%pending, changed]
-      call note(state, impact_event, gap, event%speed, event%impulse, state%q, state%rate, event)
+   contains
+      !> Whether an impulse on a gap changes the speed of a stop.
+      pure logical function is_moved(number, gap)
+         !> Numbers of the stop and of the gap.
+         integer, intent(in) :: number, gap
+
+         associate (direction => run%structure%directions(:, number), &
+            mobility => run%structure%mobility(:, gap))
+            is_moved = abs(dot_product(direction, mobility)) > 64*epsilon(1.0_wp)* &
+               dot_product(abs(direction), abs(mobility))
+         end associate
+      end function is_moved
    end subroutine press_anew
 
    !> Advances to an impact and through it.
@@ -1413,10 +1450,9 @@ contains
       !> `stat%ok`, or `stat%coupled_impacts` where its outcome is not defined; as in
       !! `settle_friction`.
       integer, intent(out) :: status
-      integer, allocatable :: rubbing(:)
       real(wp) :: impulse, restitution, slope
       integer :: j, gap
-      logical :: bare, pushes
+      logical :: bare, changes, pushes
 
       status = stat%ok
       ! whether the end of a contact is decided by a force
@@ -1482,13 +1518,9 @@ contains
          if (size(regime%resting) > 0 .or. allocated(state%touching)) state%unsettled = .true.
          call note(state, impact_event, gap, reached%speed, impulse, q, rate, event, bare)
       end associate
-      if (pushes) call press_anew(run, gap, run%load%frequency*state%elapsed, state, &
-         event, status)
-      if (status /= stat%ok .or. .not. run%structure%has_friction) return
-      rubbing = rubs_with(run%structure, gap)
-      if (size(rubbing) == 0) return
-      call rub(run, rubbing, run%load%frequency*state%elapsed, state, status)
-      if (status /= stat%ok) return
+      if (.not. (pushes .or. run%structure%has_friction)) return
+      call follow_impacts(run, [gap], state, changes, status)
+      if (status /= stat%ok .or. .not. changes) return
       call note(state, impact_event, gap, reached%speed, impulse, state%q, state%rate, event)
    end subroutine collide
 
@@ -1677,13 +1709,12 @@ contains
       real(wp), intent(in) :: speeds(:), rounding(:)
       !> `stat%ok`, or as in `settle_friction`.
       integer, intent(out) :: status
-      integer, allocatable :: gaps(:), rubbing(:), more(:)
-      integer :: i, j
+      integer, allocatable :: gaps(:)
+      integer :: i
+      logical :: changes
 
-      status = stat%ok
       call move_alloc(state%together, gaps)
       deallocate (state%freed)
-      allocate (rubbing(0))
       do i = 1, size(gaps)
          if (abs(speeds(i)) <= rounding(i)) then
             call touch(state, gaps(i))
@@ -1695,14 +1726,10 @@ contains
             call part(run, state, run%structure%channel(gaps(i)), run%structure%wall(gaps(i)), 1, &
                -speeds(i))
          end if
-         more = rubs_with(run%structure, gaps(i))
-         do j = 1, size(more)
-            if (all(rubbing /= more(j))) rubbing = [rubbing, more(j)]
-         end do
       end do
       if (size(run%regimes(state%regime)%resting) > 0) state%unsettled = .true.
       if (allocated(state%touching)) state%unsettled = .true.
-      if (size(rubbing) > 0) call rub(run, rubbing, run%load%frequency*state%elapsed, state, status)
+      call follow_impacts(run, gaps, state, changes, status)
    end subroutine part_together
 
    !> Subtracts what an impulse changes.
@@ -1741,7 +1768,7 @@ contains
       !! in `new_regime`.
       integer, intent(out) :: status
       integer, allocatable :: closed(:)
-      real(wp) :: phase, wall(0:2)
+      real(wp) :: phase
       integer :: kind, order, sense, number
       logical :: grazes
 
@@ -1791,12 +1818,26 @@ contains
             if (order > 0) call part(run, state, structure%push(number), -1, order)
          end if
          if (size(regime%resting) > 0 .or. allocated(state%touching)) state%unsettled = .true.
-         wall = opening_at(structure, number, phase, run%load%frequency)
-         call note(state, kind, number, abs(dot_product(structure%directions(:, number), &
-            state%rate) - wall(1)), 0.0_wp, state%q, state%rate, event)
+         call note(state, kind, number, speed_of_stop(run, number, state), 0.0_wp, state%q, &
+            state%rate, event)
          if (row == structure%channel(number)) event%speed = reached%speed
       end associate
    end subroutine pass_stop
+
+   !> The speed at which a stop is pressed or left.
+   pure real(wp) function speed_of_stop(run, number, state) result(speed)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> The stop.
+      integer, intent(in) :: number
+      !> The state, with its velocities.
+      type(run_state_type), intent(in) :: state
+      real(wp) :: wall(0:2)
+
+      wall = opening_at(run%structure, number, run%load%frequency*state%elapsed, &
+         run%load%frequency)
+      speed = abs(dot_product(run%structure%directions(:, number), state%rate) - wall(1))
+   end function speed_of_stop
 
    !> Lists a row that leaves a limit, if the regime has this limit.
    pure subroutine part(run, state, row, wall, order, speed)
@@ -1966,7 +2007,7 @@ contains
          ! where friction turns in a hop, its height is a difference of coordinates: the lowest hops
          ! would have the rounding errors of these
          gap = gap_of(run%regimes(state%regime), state%leaving%row, state%leaving%wall)
-         if (size(rubs_with(run%structure, gap)) > 0) then
+         if (size(rubs_with(run%structure, [gap])) > 0) then
             longest = 1.0e-5_wp
             time_error = 1.0e-10_wp
          end if
@@ -2043,7 +2084,7 @@ contains
       integer :: i
 
       status = stat%ok
-      allocate (rubbing, source=rubs_with(structure, gap))
+      allocate (rubbing, source=rubs_with(structure, [gap]))
       if (size(rubbing) == 0) return
       down = closing
       weakest = closing
