@@ -198,6 +198,14 @@ def test_motion_with_impacts_at_one_instant():
             refused()
 
 
+def unbalanced(found):
+    """The energy that quantities leave unexplained, as a share of the work and the losses."""
+    losses = found.damping_loss, found.impact_loss, found.friction_loss
+    return abs(found.work - sum(losses) - found.energy_change) / (
+        abs(found.work) + np.abs(losses).sum()
+    )
+
+
 def rod_with_elements(rng, law):
     """A driven rod that falls flat on two walls, pressed stops that cannot pull, and perhaps friction."""
     r = rng.uniform(0.5, 0.9, 2 if law == "sequence" else 1)
@@ -209,6 +217,20 @@ def rod_with_elements(rng, law):
     mass = [rng.uniform(0.5, 2), rng.uniform(0.1, 0.4)]
     s = vi.Structure(mass, [0.1, 0.05], [1.0, 1.0], gaps, friction, simultaneous=law)
     return s, vi.Load(rng.uniform(0.7, 1.5), sine=[rng.uniform(0.3, 1), 0])
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_energy_of_motions_of_a_rod(law):
+    """The work of the load is what dashpots, friction and impacts at one instant dissipate."""
+    rng = np.random.default_rng(6)
+    for _ in range(20):
+        s, load = rod_with_elements(rng, law)
+        start = [rng.uniform(-0.3, 0.1), 0.0], [rng.uniform(0.5, 2), 0.0]
+        try:
+            run = vi.simulate(s, load, duration=3, state=start)
+        except vi.SingularError as error:
+            run = error.result
+        assert unbalanced(run.quantities(window=(0.0, run.end))) < 1e-10
 
 
 @pytest.mark.parametrize("law", LAWS)

@@ -216,7 +216,12 @@ def structure_quantities(
             wall[here] = opening_speed_at(gap, impacts["time"][here], run.load.frequency)
     # the closing speed of the gaps just after the impacts is negative
     closing = (directions[impacts["gap"]] * run.states[hits, 1]).sum(axis=1) - wall
-    impacts["loss"] = 0.5 * impacts["impulse"] * (impacts["speed"] + closing)
+    speed = impacts["speed"]
+    if run.structure.simultaneous == "newton":
+        # impulses that act at once have the approach speeds before all of them
+        own = np.sum(directions * np.linalg.solve(run.structure.mass, directions.T).T, axis=1)
+        speed = closing + own[impacts["gap"]] * impacts["impulse"]
+    impacts["loss"] = 0.5 * impacts["impulse"] * (speed + closing)
     found = integrated(arguments, segments, window, harmonics, impacts, True)
     # the work of a moving wall contains its speed
     return replace(found, work=math.fsum([found.work, *(-impacts["impulse"] * wall)]))
