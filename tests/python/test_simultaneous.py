@@ -206,6 +206,45 @@ def unbalanced(found):
     )
 
 
+@pytest.mark.parametrize("element", ["none", "friction", "stop"])
+@pytest.mark.parametrize("law", LAWS)
+def test_motions_with_rests_and_impacts_at_one_instant(law, element):
+    """Balls that land on each other and rest on a shaken floor, also with friction or a stop: the motion is
+    that of a simulation much later, rests included, and has no verdict of stability."""
+    rng = np.random.default_rng(5)
+    found = 0
+    for _ in range(12):
+        n = int(rng.integers(2, 4))
+        mass, r = rng.uniform(0.3, 2, n), float(rng.choice([0, 0.1, 0.3]))
+        gaps = [vi.Gap(-row, 0.0, r) for row in np.eye(n) - np.eye(n, k=-1)]
+        friction = [vi.Friction(np.eye(n)[0], 0.05)] if element == "friction" else []
+        if element == "stop":
+            gaps.append(vi.Stop(np.eye(n)[-1], 1.0, stiffness=20, damping=0.2))
+        s = vi.Structure(mass, np.zeros((n, n)), np.zeros((n, n)), gaps, friction, simultaneous=law)
+        load = vi.Load(
+            rng.uniform(1.2, 3), constant=-mass, cosine=rng.uniform(1.5, 3) * mass[0] * np.eye(n)[0]
+        )
+        try:
+            motion = vi.exact(s, load, vi.simulate(s, load, cycles=200))
+        except vi.SingularError:
+            continue
+        if not motion.without_multipliers:
+            continue
+        found += 1
+        assert motion.stable is None
+        assert motion.admissible is not False
+        assert len(motion.rests)
+        period = motion.cycles * 2 * np.pi / load.frequency
+        later = vi.simulate(s, load, cycles=motion.cycles, discard=400 * motion.cycles)
+        times = later.start + np.linspace(0.01, 0.99, 50) * period
+        q = np.array(later.sample(times)[0])
+        assert np.abs(motion.sample(times)[0] - q).max() < 1e-8 * np.abs(q).max()
+        again = vi.exact(s, load, motion)
+        assert np.abs(again.sample(times)[0] - q).max() < 1e-8 * np.abs(q).max()
+        assert unbalanced(motion.quantities()) < 1e-8
+    assert found or (law, element) == ("newton", "friction")
+
+
 def rod_with_elements(rng, law):
     """A driven rod that falls flat on two walls, pressed stops that cannot pull, and perhaps friction."""
     r = rng.uniform(0.5, 0.9, 2 if law == "sequence" else 1)

@@ -83,7 +83,7 @@ def exact_structure(
             start, state = guess._run()._between_events()
             start *= guess.load.frequency / load.frequency
             return of_same_kind(settled(structure, load, start, state, cycles=guess.cycles), guess)
-        if structure.simultaneous and guess.without_multipliers and guess._has_meetings:
+        if structure.simultaneous and guess._is_settled:
             check_load(structure, load, frequency=True)
             start, state = guess._run()._between_events()
             start *= guess.load.frequency / load.frequency

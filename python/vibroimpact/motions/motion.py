@@ -343,6 +343,13 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         return bool((after - self.phases < AT_ONCE).any())
 
     @property
+    def _is_settled(self) -> bool:
+        """For a structure: whether it has impacts on coupled gaps at one instant, by the law of the structure, so
+        that it is found by simulation alone."""
+        meets = self.of_structure and self.structure.simultaneous and self._has_meetings
+        return bool(meets and self.without_multipliers)
+
+    @property
     def trivial(self) -> int | None:
         """For a self-excited motion: the index in `multipliers` of the 1 of a shift in time; otherwise None."""
         if not self.self_excited or np.isnan(self.multipliers).any():
@@ -500,6 +507,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         if self.of_structure:
             # impacts at the first instant of the period would be split between its ends
             whole = self.structure._is_rigid and (len(self.rests) or not self._has_meetings)
+            whole = whole and not self._is_settled
             run = self._run() if whole else self._from_flight()
             return run.quantities(harmonics=harmonics)
         events = self.events
@@ -901,7 +909,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         It is not simulated: a simulation would leave an unstable motion, would stop at the first gap that an
         inadmissible motion closes in between, and could not start again from a gap that is closed to rounding.
         """
-        if not self.structure._is_rigid:
+        if not self.structure._is_rigid or (len(self.rests) and self._is_settled):
             return self._simulated()
         n, count = self.structure.coordinates, len(self.phases)
         times = self.phases / self.load.frequency
@@ -951,14 +959,15 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         )  # fmt: skip
 
     def _simulated(self) -> Trajectory:
-        """For a structure with stops or friction: the simulated trajectory over a period from just after the
-        first event.
+        """For a structure with stops or friction, or with rests and coupled gaps that close at one instant: the
+        simulated trajectory over a period from just after the first event.
 
         The first event may occur again at the start, where its condition is met to rounding.
         """
         if self.admissible is False:
             raise SingularError(
-                f"{self!r}: it is not admissible, and with stops or friction a motion is sampled by simulation"
+                f"{self!r}: it is not admissible, and with stops, friction or simultaneous impacts a motion is "
+                "sampled by simulation"
             )
         start = float(self.phases[0] / self.load.frequency)
         return simulate_structure(
@@ -966,8 +975,8 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         )
 
     def _from_flight(self) -> Trajectory:
-        """For a structure with stops or friction: the trajectory over a period from the middle of the longest
-        flight; it contains each event once."""
+        """For a structure: the simulated trajectory over a period from the middle of the longest flight; it
+        contains each event once."""
         start, state = self._run()._between_events()
         return simulate_structure(
             self.structure, self.load, duration=self.period, state=state, start=start

@@ -732,7 +732,7 @@ def run_from(
             f"motion = {motion!r}: must be consistent, with a residual of rounding; "
             "exact(structure, load, motion) gives the exact motion near it"
         )
-    if motion.structure.simultaneous and motion.without_multipliers and motion._has_meetings:
+    if motion._is_settled:
         raise ParameterError(
             f"motion = {motion!r}: cannot be followed; {motion.without_multipliers}"
         )

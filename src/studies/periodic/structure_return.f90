@@ -407,10 +407,7 @@ contains
       call one_cycle(run, state, found%cycles, elapsed, events, n, status, progress)
       if (status /= stat%ok) return
       ! a gap may rest while others are hit
-      if (any(events(:n)%together) .and. (has_elements(structure) .or. any(events(:n)%kind /= &
-         impact_event .or. events(:n)%regime /= 1))) then
-         status = stat%no_derivative
-      else if (any(events(:n)%kind /= impact_event .or. events(:n)%regime /= 1 .or. &
+      if (any(events(:n)%kind /= impact_event .or. events(:n)%regime /= 1 .or. &
          events(:n)%together) .or. (n > 0 .and. has_elements(structure))) then
          if (sticks_throughout(run, state, events(:n))) then
             status = stat%permanent_stick
@@ -681,7 +678,6 @@ contains
             ! impacts on coupled gaps at one instant: the periods of a simulation settle
             p = ieee_value(1.0_wp, ieee_quiet_nan)
             most = most_periods
-            if (any(events(:n)%kind /= impact_event)) return
             if (found%motion%residual <= exact_acceptance .and. (found%motion%residual <= &
                4*epsilon(1.0_wp) .or. found%motion%residual >= before)) exit
             before = found%motion%residual
@@ -742,6 +738,11 @@ contains
       if (has_elements(run%structure)) call store_events(run, begun, events, found)
       found%motion%verdicts%consistent = consistency(found%motion%residual, exact_acceptance)
       call examine_rests(run, events, state, push, complete)
+      if (.not. push .and. any(events%together)) then
+         ! some of the contacts among impacts at one instant last no longer than rounding
+         push = .true.
+         complete = .false.
+      end if
       if (found%motion%verdicts%consistent == yes) found%motion%verdicts%admissible = &
          admission(push, complete)
       found%motion%verdicts%p = p
@@ -1279,8 +1280,7 @@ contains
       n = size(found%gaps)
       m = size(found%resting)
       counts = [n, found%cycles, m]
-      ! a rest follows an impact on its gap: there are no more rests than impacts
-      if (n > size(labels, 2)) status = stat%more_events
+      if (max(n, m) > size(labels, 2)) status = stat%more_events
       if (status /= stat%ok) return
       labels(1, :n) = found%gaps
       labels(2, :m) = found%resting
