@@ -55,6 +55,24 @@ def test_stops_that_impacts_change(number):
     assert sums[0] == pytest.approx(sums[1], abs=1e-9)
 
 
+def test_branch_of_a_motion_whose_stop_an_impact_changes():
+    """Points of a branch are the motions on which simulations settle there, with the same kinds of events."""
+    structure, load = of_all_kinds(np.random.default_rng([1, 501]))
+    motion = vi.exact(structure, load, vi.simulate(structure, load, cycles=600, discard=500))
+    branch = vi.branch(motion, "load", (0.97, 1.03))
+    for i in (0, len(branch) - 1):
+        point = branch[i]
+        start = float(point.phases[0] / load.frequency)
+        run = vi.simulate(
+            structure, point.load, cycles=300, state=(point.q, point.q_dot), start=start
+        )
+        settled = vi.exact(structure, point.load, run)
+        assert settled.kinds == point.kinds
+        assert settled.speeds == pytest.approx(point.speeds, abs=1e-11)
+        assert settled.stable
+        assert point.stable
+
+
 @pytest.mark.parametrize("name", ["stop", "reversals", "stick"])
 def test_other_instants_are_not_a_motion(name):
     """The residual grows in proportion to the error of the times; `exact` recovers the motion."""
