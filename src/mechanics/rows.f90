@@ -16,7 +16,7 @@ module vi_rows
    private
 
    public :: add_harmonic, add_ripple, bound_of_group, bound_values, free_sums, free_value, &
-      free_values, group_values, new_rows, row_values, rough_values
+      free_values, group_values, new_rows, renew_rows, row_values, rough_values
 
    !> Pairs (first_pair to last_pair) that occur in most rows from first_row to last_row.
    type, public :: block_type
@@ -103,22 +103,16 @@ contains
       n = size(position, 1)
       m = size(position, 2)
       rows%pairs = m
-      allocate (rows%offset, source=offset)
-      allocate (rows%ripple, source=ripple)
-      rows%ripple_size = abs(ripple)
-      rows%constant_size = abs(offset) + sum(rows%ripple_size, 2)
       allocate (rows%rate_offset(n), rows%offset_rate(n), rows%rate_offset_rate(n), source=0.0_wp)
       allocate (rate_position(n, m), rate_velocity(n, m))
       do k = 1, m
          rate_position(:, k) = -modes%stiffness(k)*velocity(:, k)
          rate_velocity(:, k) = position(:, k) - 2*modes%damping(k)*velocity(:, k)
-         rows%rate_offset = rows%rate_offset + position(:, k)*modes%drift(k) &
-            + velocity(:, k)*modes%force(k)
       end do
+      call set_constants(modes, position, velocity, offset, ripple, present(of_x), rows)
       if (present(of_x) .and. present(of_v)) then
          rate_position = of_x
          rate_velocity = of_v
-         rows%rate_offset = 0
       end if
       rows%wide = runs_wide() /= 0
       rows%by_position = .not. any(abs(velocity) > 0)
@@ -166,8 +160,52 @@ contains
          rows%rate_velocity(i) = rate_velocity(rows%row(i), rows%pair(i))
       end do
       if (rows%by_position .and. n >= many .and. .not. present(of_x)) call set_groups(rows)
-      call set_touched(modes, position, velocity, occurs, frequency, rows)
+      call set_touched(modes, position, velocity, occurs, rows)
+      call set_fastest(frequency, rows)
    end subroutine new_rows
+
+   !> The same rows with other constants and harmonics: the digits are those of `new_rows`.
+   pure subroutine renew_rows(modes, position, velocity, offset, ripple, frequency, rates_known, &
+      rows)
+      !> As in `new_rows`; omega^2 and sigma of the pairs, and the coefficients, are the same.
+      type(modes_type), intent(in) :: modes
+      real(wp), intent(in) :: position(:, :), velocity(:, :), offset(:)
+      !> (rows, harmonics) As many as before, and Omega.
+      complex(wp), intent(in) :: ripple(:, :)
+      real(wp), intent(in) :: frequency
+      !> Whether the coefficients of the rates were given.
+      logical, intent(in) :: rates_known
+      !> In and out: the rows.
+      type(rows_type), intent(inout) :: rows
+
+      call set_constants(modes, position, velocity, offset, ripple, rates_known, rows)
+      if (rows%groups > 0) rows%most_constant = maxval(rows%constant_size)
+      if (rows%groups > 0) rows%most_ripple = maxval(rows%ripple_size, 1)
+      call set_fastest(frequency, rows)
+   end subroutine renew_rows
+
+   !> The constants of the rows and their rates, and the harmonics.
+   pure subroutine set_constants(modes, position, velocity, offset, ripple, rates_known, rows)
+      !> As in `renew_rows`.
+      type(modes_type), intent(in) :: modes
+      real(wp), intent(in) :: position(:, :), velocity(:, :), offset(:)
+      complex(wp), intent(in) :: ripple(:, :)
+      logical, intent(in) :: rates_known
+      !> In and out: filled in.
+      type(rows_type), intent(inout) :: rows
+      integer :: k
+
+      rows%offset = offset
+      rows%ripple = ripple
+      rows%ripple_size = abs(ripple)
+      rows%constant_size = abs(offset) + sum(rows%ripple_size, 2)
+      rows%rate_offset = 0
+      if (rates_known) return
+      do k = 1, size(position, 2)
+         rows%rate_offset = rows%rate_offset + position(:, k)*modes%drift(k) &
+            + velocity(:, k)*modes%force(k)
+      end do
+   end subroutine set_constants
 
    !> The groups of rows.
    pure subroutine set_groups(rows)
@@ -197,15 +235,13 @@ contains
    end subroutine set_groups
 
    !> The pairs of each row.
-   pure subroutine set_touched(modes, position, velocity, occurs, frequency, rows)
+   pure subroutine set_touched(modes, position, velocity, occurs, rows)
       !> The pairs.
       type(modes_type), intent(in) :: modes
       !> (rows, pairs) Coefficients of x and of v.
       real(wp), intent(in) :: position(:, :), velocity(:, :)
       !> (rows, pairs) Whether a pair occurs in a row.
       logical, intent(in) :: occurs(:, :)
-      !> Omega of the load.
-      real(wp), intent(in) :: frequency
       !> In and out: filled in.
       type(rows_type), intent(inout) :: rows
       integer :: i, j, k, n
@@ -217,8 +253,6 @@ contains
       i = 1
       do j = 1, size(occurs, 1)
          rows%begins(j) = i
-         rows%fastest(j) = 0
-         if (size(rows%ripple, 2) > 0) rows%fastest(j) = size(rows%ripple, 2)*frequency
          do k = 1, size(occurs, 2)
             if (.not. occurs(j, k)) cycle
             rows%touched(i) = k
@@ -226,14 +260,30 @@ contains
             rows%drag(i) = 2*modes%damping(k)
             rows%of_x(i) = position(j, k)
             rows%of_v(i) = velocity(j, k)
-            rows%fastest(j) = max(rows%fastest(j), sqrt(modes%stiffness(k)) + 2*modes%damping(k))
             i = i + 1
          end do
          i = rows%begins(j) + filled(i - rows%begins(j))
       end do
       rows%begins(size(occurs, 1) + 1) = i
-      rows%most_fastest = maxval(rows%fastest)
    end subroutine set_touched
+
+   !> The factors of the growth of derivatives.
+   pure subroutine set_fastest(frequency, rows)
+      !> Omega of the load.
+      real(wp), intent(in) :: frequency
+      !> In and out: the rows, with the pairs of each.
+      type(rows_type), intent(inout) :: rows
+      integer :: i, j
+
+      do j = 1, size(rows%fastest)
+         rows%fastest(j) = 0
+         if (size(rows%ripple, 2) > 0) rows%fastest(j) = size(rows%ripple, 2)*frequency
+         do i = rows%begins(j), rows%begins(j + 1) - 1
+            rows%fastest(j) = max(rows%fastest(j), sqrt(rows%stiffness(i)) + rows%drag(i))
+         end do
+      end do
+      rows%most_fastest = maxval(rows%fastest)
+   end subroutine set_fastest
 
    !> A number of pairs, filled up.
    elemental integer function filled(n)

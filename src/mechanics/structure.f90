@@ -19,14 +19,14 @@ module vi_structure
       steady_response, steps_type
    use vi_restitution, only: constant_law, friction_law, new_restitution, pushing_law, &
       restitution_at, restitution_type, stop_law
-   use vi_rows, only: add_harmonic, free_value, free_values, new_rows, rows_type
+   use vi_rows, only: add_harmonic, free_value, free_values, new_rows, renew_rows, rows_type
    use vi_status, only: stat
    implicit none (type, external)
    private
 
    public :: check_structure, coordinate_of, factor_along, find_narrow, inputs_of, is_absorbed, &
-      is_extreme, new_load, new_regime, new_structure, opening_at, project, restitution_of, &
-      state_of, to_pairs
+      is_extreme, new_load, new_regime, new_structure, opening_at, project, renew_regime, &
+      restitution_of, state_of, to_pairs
 
    !> The shortest time scale, and the sizes of lengths and masses, for which the powers in bounds
    !! on derivatives up to the 21st are represented; an opening from which on a gap never closes.
@@ -98,6 +98,20 @@ module vi_structure
       real(wp) :: step = 0
    end type load_type
 
+   !> What of a regime follows from the matrices, directions and laws alone, and these.
+   type, public :: shape_type
+      !> (n, n) M, and C and K with the stops that press; (n, gaps) G_j.
+      real(wp), allocatable, dimension(:, :) :: mass, damping, stiffness, directions
+      !> (2, gaps) Stiffness and damping of the stops that cannot pull; whether friction has a belt.
+      real(wp), allocatable :: pushing(:, :)
+      logical, allocatable :: belts(:)
+      !> (n, k) and (k, k) As in `complete_regime`: the basis, and M in it; (m, k) x and v of its
+      !! pairs from velocities.
+      real(wp), allocatable, dimension(:, :) :: basis, reduced, xd, vd
+      !> (rows, n) Coefficients of q, q' and the forces in the rows.
+      real(wp), allocatable, dimension(:, :) :: of_q, of_rate, of_force
+   end type shape_type
+
    !> The structure while a set of gaps is at rest and a set of stops presses; free without any.
    !!
    !! A row is a channel or the force of a closed gap, as a sum over the pairs (x, v), the harmonics
@@ -161,6 +175,8 @@ module vi_structure
       logical :: drifts = .false.
       !> What advances the pairs from one sample to the next one.
       type(interval_type) :: interval
+      !> What `renew_regime` needs.
+      type(shape_type), allocatable :: shape
    end type regime_type
 
 contains
@@ -394,7 +410,7 @@ contains
    end function is_extreme
 
    !> The motion of a structure while a set of gaps and stops is closed.
-   pure subroutine new_regime(structure, load, closed, regime, status, searched)
+   pure subroutine new_regime(structure, load, closed, regime, status, searched, renewed)
       !> The structure.
       type(structure_type), intent(in) :: structure
       !> Its load.
@@ -407,11 +423,17 @@ contains
       integer, intent(out) :: status
       !> As in `complete_regime`.
       logical, intent(in), optional :: searched
+      !> Whether `renew_regime` will be called; not by default.
+      logical, intent(in), optional :: renewed
       type(structure_type) :: pressed
       type(load_type) :: pressed_load
       complex(wp) :: force
+      logical :: presses
       integer :: h, i
 
+      if (present(renewed)) then
+         if (renewed) allocate (regime%shape)
+      end if
       regime%closed = closed
       regime%positions = structure%positions
       if (.not. (structure%has_stops .or. structure%has_friction .or. structure%moves)) then
@@ -425,7 +447,11 @@ contains
       regime%held = [regime%resting, pack(closed, [(closed(i) > 0 .and. structure%rubs(abs( &
          closed(i))) .and. .not. is_absorbed(structure, abs(closed(i)), regime%resting), i=1, &
          size(closed))])]
-      pressed = structure
+      presses = .false.
+      do i = 1, size(closed)
+         if (closed(i) > 0) presses = presses .or. structure%elastic(closed(i))
+      end do
+      if (presses) pressed = structure
       pressed_load = load
       if (structure%moves) then
          h = max(size(load%sine, 2), size(structure%motion, 1))
@@ -435,12 +461,9 @@ contains
       do i = 1, size(closed)
          if (closed(i) < 0) cycle
          if (.not. structure%elastic(closed(i))) cycle
-         associate (g => structure%directions(:, closed(i)), law => structure%laws(closed(i)), &
-            opening => structure%openings(closed(i)))
+         associate (g => structure%directions(:, closed(i)), law => structure%laws(closed(i)))
             pressed%stiffness = pressed%stiffness + law%numbers(1)*outer(g)
             pressed%damping = pressed%damping + law%numbers(2)*outer(g)
-            pressed_load%constant = pressed_load%constant + g*(law%numbers(1)*opening &
-               - law%numbers(3))
             if (.not. structure%moves) cycle
             do h = 1, size(structure%motion, 1)
                force = cmplx(law%numbers(1), h*load%frequency*law%numbers(2), wp) &
@@ -450,14 +473,167 @@ contains
             end do
          end associate
       end do
+      call add_contacts(structure, closed, regime%resting, pressed_load%constant)
+      if (presses) then
+         call complete_regime(pressed, pressed_load, regime, status, searched)
+      else
+         call complete_regime(structure, pressed_load, regime, status, searched)
+      end if
+   end subroutine new_regime
+
+   !> Adds the constant forces of stops that press and of friction that slips.
+   pure subroutine add_contacts(structure, closed, resting, constant)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> As in `regime_type`.
+      integer, intent(in) :: closed(:), resting(:)
+      !> (n) In and out: constant forces.
+      real(wp), intent(inout) :: constant(:)
+      integer :: i
+
+      do i = 1, size(closed)
+         if (closed(i) < 0) cycle
+         if (.not. structure%elastic(closed(i))) cycle
+         associate (g => structure%directions(:, closed(i)), law => structure%laws(closed(i)), &
+            opening => structure%openings(closed(i)))
+            constant = constant + g*(law%numbers(1)*opening - law%numbers(3))
+         end associate
+      end do
       do i = 1, size(structure%openings)
          if (.not. structure%rubs(i) .or. any(closed == i)) cycle
-         if (is_absorbed(structure, i, regime%resting)) cycle
-         pressed_load%constant = pressed_load%constant + structure%directions(:, i)*merge( &
-            structure%laws(i)%numbers(1), -structure%laws(i)%numbers(1), any(closed == -i))
+         if (is_absorbed(structure, i, resting)) cycle
+         constant = constant + structure%directions(:, i)*merge(structure%laws(i)%numbers(1), &
+            -structure%laws(i)%numbers(1), any(closed == -i))
       end do
-      call complete_regime(pressed, pressed_load, regime, status, searched)
-   end subroutine new_regime
+   end subroutine add_contacts
+
+   !> A regime at another load, other openings or other levels of friction, in place: the digits are
+   !! those of `new_regime`, without its eigenproblems.
+   pure subroutine renew_regime(structure, load, regime, good)
+      !> The structure, whose gaps are in the same channels as before.
+      type(structure_type), intent(in) :: structure
+      !> Its load.
+      type(load_type), intent(in) :: load
+      !> In and out: a regime of `new_regime` for which this was announced; incomplete if `good` is
+      !! false.
+      type(regime_type), intent(inout) :: regime
+      !> False where the matrices or the directions are others, or another formula applies, so that
+      !! `new_regime` has to be called.
+      logical, intent(out) :: good
+      real(wp), allocatable, dimension(:, :) :: basis, inverse, pushes
+      real(wp) :: constant(size(load%constant)), forces(size(load%constant), 1 + 2*size( &
+         load%sine, 2))
+      integer :: h, status
+      logical :: same
+
+      good = allocated(regime%shape)
+      if (good) good = .not. (structure%moves .or. load%step > 0)
+      if (good) good = size(load%sine, 2) == size(regime%wave_force, 2)
+      if (good) good = has_shape(structure, regime%closed, regime%shape)
+      if (.not. good) return
+      regime%frequency = load%frequency
+      if (size(regime%held) > 0) then
+         if (any(abs(structure%openings(regime%held)) > 0) .or. any(abs(regime%offset) > 0)) then
+            call constraint(structure, regime%held, basis, inverse, regime%offset, pushes, status)
+            good = status == stat%ok
+            if (.not. good) return
+         end if
+      end if
+      constant = load%constant
+      call add_contacts(structure, regime%closed, regime%resting, constant)
+      associate (shape => regime%shape, harmonics => size(load%sine, 2))
+         forces(:, 1) = constant - matmul(shape%stiffness, regime%offset)
+         forces(:, 2:harmonics + 1) = load%cosine
+         forces(:, harmonics + 2:) = load%sine
+         if (size(regime%held) > 0) then
+            call renew_inputs(shape, matmul(transpose(shape%basis), forces), regime, same, good)
+         else
+            call renew_inputs(shape, forces, regime, same, good)
+         end if
+         if (.not. good) return
+         do h = 1, harmonics
+            call steady_motion(regime, size(shape%xd, 1), h, status)
+            good = status == stat%ok
+            if (.not. good) return
+         end do
+         call set_row_constants(structure, constant, load%cosine, load%sine, shape%of_q, &
+            shape%of_rate, shape%of_force, regime)
+      end associate
+      if (allocated(regime%reach)) deallocate (regime%reach, regime%bend)
+      call renew_rows(regime%modes, regime%position, regime%velocity, regime%row_offset, &
+         regime%ripple, regime%frequency, .false., regime%rows)
+      if (allocated(regime%coordinates%offset)) call renew_rows(regime%modes, regime%qx, &
+         regime%qv, regime%offset, regime%steady, regime%frequency, .true., regime%coordinates)
+      call set_unit(regime, load%step)
+      good = regime%unit >= shortest_unit .and. .not. has_extremes(structure, regime)
+      if (good .and. allocated(regime%turns)) call set_tables(regime, same)
+   end subroutine renew_regime
+
+   !> Whether a regime of a structure has a known shape.
+   pure logical function has_shape(structure, closed, shape) result(has)
+      !> The structure, and what is closed.
+      type(structure_type), intent(in) :: structure
+      integer, intent(in) :: closed(:)
+      !> The shape.
+      type(shape_type), intent(in) :: shape
+      real(wp), dimension(size(structure%mass, 1), size(structure%mass, 1)) :: damping, stiffness
+      integer :: i, j
+
+      has = .not. (any(abs(structure%mass - shape%mass) > 0) .or. any(abs(structure%directions &
+         - shape%directions) > 0))
+      if (.not. has) return
+      damping = structure%damping
+      stiffness = structure%stiffness
+      do i = 1, size(closed)
+         if (closed(i) < 0) cycle
+         if (.not. structure%elastic(closed(i))) cycle
+         associate (g => structure%directions(:, closed(i)), law => structure%laws(closed(i)))
+            stiffness = stiffness + law%numbers(1)*outer(g)
+            damping = damping + law%numbers(2)*outer(g)
+         end associate
+      end do
+      has = .not. (any(abs(damping - shape%damping) > 0) .or. any(abs(stiffness &
+         - shape%stiffness) > 0))
+      do j = 1, size(structure%openings)
+         if (structure%rubs(j)) has = has .and. (abs(structure%laws(j)%numbers(3)) > 0 .eqv. &
+            shape%belts(j))
+         if (structure%push(j) > 0) has = has .and. .not. any(abs(structure%laws(j)%numbers(:2) &
+            - shape%pushing(:, j)) > 0)
+      end do
+   end function has_shape
+
+   !> The constant terms and the harmonics of the pairs due to other forces.
+   pure subroutine renew_inputs(shape, forces, regime, same, good)
+      !> The shape.
+      type(shape_type), intent(in) :: shape
+      !> (k, 1 + 2 harmonics) Constant forces, cosines and sines on the coordinates of its basis.
+      real(wp), intent(in) :: forces(:, :)
+      !> In and out: the regime.
+      type(regime_type), intent(inout) :: regime
+      !> Whether the constant terms are the same as before; and false where another one is zero than
+      !! before, for which the pairs have special formulas.
+      logical, intent(out) :: same, good
+      real(wp) :: rates(size(forces, 1), size(forces, 2)), drifts(size(shape%xd, 1), &
+         size(forces, 2)), impulses(size(shape%xd, 1), size(forces, 2))
+      integer :: harmonics, m, status
+
+      m = size(drifts, 1)
+      harmonics = size(forces, 2)/2
+      rates = forces
+      call solve_columns(shape%reduced, rates, status)
+      drifts = matmul(shape%xd, rates)
+      impulses = matmul(shape%vd, rates)
+      associate (modes => regime%modes)
+         good = status == stat%ok .and. all(abs(drifts(:, 1)) + abs(impulses(:, 1)) > 0 .eqv. &
+            abs(modes%drift(:m)) + abs(modes%force(:m)) > 0)
+         same = .not. any(abs(modes%drift(:m) - drifts(:, 1)) + abs(modes%force(:m) &
+            - impulses(:, 1)) > 0)
+         modes%drift(:m) = drifts(:, 1)
+         modes%force(:m) = impulses(:, 1)
+      end associate
+      regime%wave_drift = cmplx(drifts(:, 2:harmonics + 1), -drifts(:, harmonics + 2:), wp)
+      regime%wave_force = cmplx(impulses(:, 2:harmonics + 1), -impulses(:, harmonics + 2:), wp)
+   end subroutine renew_inputs
 
    !> The factor of the direction of a gap that gives that of friction along it; 0 if it is not
    !! along it, or has a belt.
@@ -591,7 +767,7 @@ contains
          allocate (regime%steady(size(basis, 1), harmonics), &
             regime%steady_rate(size(basis, 1), harmonics))
          do h = 1, harmonics
-            call steady_motion(regime, h, status)
+            call steady_motion(regime, size(parts%stiffness), h, status)
             if (status == stat%resonance) call check_resonance(regime, parts, mass, &
                matmul(transpose(abs(basis)), abs(load%cosine(:, h)) + abs(load%sine(:, h))), h, &
                status)
@@ -617,6 +793,23 @@ contains
          regime%base_drift = regime%modes%drift
          regime%base_force = regime%modes%force
       end if
+      if (allocated(regime%shape)) then
+         associate (shape => regime%shape)
+            shape%mass = structure%mass
+            shape%damping = structure%damping
+            shape%stiffness = structure%stiffness
+            shape%directions = structure%directions
+            shape%basis = basis
+            shape%reduced = mass
+            shape%xd = parts%xd
+            shape%vd = parts%vd
+            allocate (shape%pushing(2, size(structure%openings)))
+            do h = 1, size(structure%openings)
+               shape%pushing(:, h) = structure%laws(h)%numbers(:2)
+            end do
+            shape%belts = [(abs(structure%laws(h)%numbers(3)) > 0, h=1, size(structure%laws))]
+         end associate
+      end if
       call set_rows(structure, load, pushes, regime, status)
       if (status /= stat%ok) return
       regime%kick_x = sparse_product(regime%xd, structure%mobility)
@@ -627,15 +820,29 @@ contains
       call set_rates(regime, with_tables .or. structure%has_stops .or. structure%has_friction, &
          load%step)
       if (.not. regime%unit >= shortest_unit) status = stat%extreme_units
-      associate (openings => structure%openings)
-         if (is_extreme(maxval([0.0_wp, pack(abs(openings), abs(openings) < never)])) .or. &
-            is_extreme(maxval([0.0_wp, abs(regime%steady)])) .or. &
-            any(is_extreme(structure%effective) .or. .not. structure%effective > 0)) status = &
-            stat%extreme_units
-      end associate
+      if (has_extremes(structure, regime)) status = stat%extreme_units
       if (status /= stat%ok) return
-      if (with_tables) call set_tables(regime)
+      if (with_tables) call set_tables(regime, .false.)
    end subroutine complete_regime
+
+   !> Whether lengths or masses are so small or large that powers of them are not represented.
+   pure logical function has_extremes(structure, regime)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      real(wp) :: widest
+      integer :: j
+
+      widest = 0
+      do j = 1, size(structure%openings)
+         if (abs(structure%openings(j)) < never) widest = max(widest, abs(structure%openings(j)))
+      end do
+      has_extremes = is_extreme(widest) .or. any(is_extreme(structure%effective) .or. &
+         .not. structure%effective > 0)
+      if (size(regime%steady) > 0) has_extremes = has_extremes .or. &
+         is_extreme(maxval(abs(regime%steady)))
+   end function has_extremes
 
    !> The motion M^-1 G (G^T M^-1 G)^-1 w with which walls carry what rests on them; what is left is
    !! free of it, as it does not move along G.
@@ -1022,22 +1229,24 @@ contains
    end subroutine split_part
 
    !> The steady motion under one harmonic of the load.
-   pure subroutine steady_motion(regime, h, status)
+   pure subroutine steady_motion(regime, m, h, status)
       !> In and out: filled in.
       type(regime_type), intent(inout) :: regime
-      !> The harmonic, from 1.
-      integer, intent(in) :: h
+      !> Number of pairs without the places of friction that sticks, and the harmonic, from 1.
+      integer, intent(in) :: m, h
       !> `stat%ok`, `stat%resonance` where an undamped mode resonates, or `stat%extreme_units`.
       integer, intent(out) :: status
-      complex(wp), dimension(size(regime%modes%stiffness)) :: x, v
-      logical :: resonant(size(x))
+      complex(wp), dimension(m) :: x, v
+      logical :: resonant(m)
 
-      call steady_response(regime%modes%stiffness, regime%modes%damping, h*regime%frequency, &
-         regime%wave_drift(:, h), regime%wave_force(:, h), x, v, resonant)
+      call steady_response(regime%modes%stiffness(:m), regime%modes%damping(:m), &
+         h*regime%frequency, regime%wave_drift(:, h), regime%wave_force(:, h), x, v, resonant)
       status = merge(stat%resonance, stat%ok, any(resonant))
       if (is_extreme(h*regime%frequency)) status = stat%extreme_units
-      regime%steady(:, h) = cmplx(matmul(regime%qx, x%re) + matmul(regime%qv, v%re), &
-         matmul(regime%qx, x%im) + matmul(regime%qv, v%im), wp)
+      associate (qx => regime%qx(:, :m), qv => regime%qv(:, :m))
+         regime%steady(:, h) = cmplx(matmul(qx, x%re) + matmul(qv, v%re), matmul(qx, x%im) &
+            + matmul(qv, v%im), wp)
+      end associate
       regime%steady_rate(:, h) = regime%steady(:, h)*cmplx(0.0_wp, h*regime%frequency, wp)
    end subroutine steady_motion
 
@@ -1106,22 +1315,79 @@ contains
       !> `stat%ok` or `stat%singular`.
       integer, intent(out) :: status
       real(wp), allocatable :: of_force(:, :), of_q(:, :), of_rate(:, :), forces(:, :)
-      real(wp) :: constant(structure%channels + size(regime%held))
-      integer :: i, j, k, rows, m, h
+      integer :: k, rows, m
 
       rows = structure%channels + size(regime%held)
       m = size(regime%modes%stiffness)
       status = stat%ok
       allocate (of_q(rows, size(structure%mass, 1)), of_rate(rows, size(structure%mass, 1)), &
          of_force(rows, size(structure%mass, 1)), source=0.0_wp)
-      allocate (regime%upper(rows), source=huge(1.0_wp))
-      allocate (regime%lower(rows), source=-huge(1.0_wp))
-      allocate (regime%upper_gap(rows), regime%lower_gap(rows), source=0)
+      do k = 1, size(structure%openings)
+         associate (i => structure%channel(k), direction => structure%directions(:, k), &
+            push => structure%push(k))
+            if (structure%rubs(k)) then
+               of_rate(i, :) = direction
+            else if (structure%elastic(k) .or. structure%wall(k) > 0) then
+               of_q(i, :) = direction
+            end if
+            if (push > 0) of_q(push, :) = structure%laws(k)%numbers(1)*direction
+            if (push > 0) of_rate(push, :) = structure%laws(k)%numbers(2)*direction
+         end associate
+      end do
+      if (size(regime%held) > 0) then
+         call forces_of_held(structure, regime%held, pushes, forces, status)
+         if (status /= stat%ok) return
+         of_force(structure%channels + 1:, :) = forces
+         of_q(structure%channels + 1:, :) = -matmul(forces, structure%stiffness)
+         of_rate(structure%channels + 1:, :) = -matmul(forces, structure%damping)
+      end if
+      regime%position = transpose(sparse_product(transpose(regime%qx), transpose(of_q)) &
+         + sparse_product(transpose(regime%dx), transpose(of_rate)))
+      regime%velocity = transpose(sparse_product(transpose(regime%qv), transpose(of_q)) &
+         + sparse_product(transpose(regime%dv), transpose(of_rate)))
+      allocate (regime%upper(rows), regime%lower(rows), regime%upper_gap(rows), &
+         regime%lower_gap(rows), regime%row_offset(rows), regime%ripple(rows, size(load%sine, 2)), &
+         regime%rate_position(rows, m), regime%rate_velocity(rows, m), regime%rate_offset(rows))
+      call set_row_constants(structure, load%constant, load%cosine, load%sine, of_q, of_rate, &
+         of_force, regime)
+      if (load%step > 0) then
+         regime%base_offset = regime%row_offset
+         regime%to_rows = of_force
+      end if
+      if (structure%moves) call add_walls(structure, forces, regime)
+      do k = 1, m
+         regime%rate_position(:, k) = -regime%modes%stiffness(k)*regime%velocity(:, k)
+         regime%rate_velocity(:, k) = regime%position(:, k) &
+            - 2*regime%modes%damping(k)*regime%velocity(:, k)
+      end do
+      if (.not. allocated(regime%shape)) return
+      call move_alloc(of_q, regime%shape%of_q)
+      call move_alloc(of_rate, regime%shape%of_rate)
+      call move_alloc(of_force, regime%shape%of_force)
+   end subroutine set_rows
+
+   !> The limits of the rows, and their constants and harmonics but for walls that move.
+   pure subroutine set_row_constants(structure, forces, cosine, sine, of_q, of_rate, of_force, &
+      regime)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> (n) Constant forces, with those of contacts; (n, harmonics) harmonics of the load.
+      real(wp), intent(in) :: forces(:), cosine(:, :), sine(:, :)
+      !> (rows, n) Coefficients of q, q' and the forces in the rows.
+      real(wp), intent(in) :: of_q(:, :), of_rate(:, :), of_force(:, :)
+      !> In and out: filled in.
+      type(regime_type), intent(inout) :: regime
+      real(wp) :: constant(size(regime%upper))
+      integer :: h, i, j, k
+
+      regime%upper = huge(1.0_wp)
+      regime%lower = -huge(1.0_wp)
+      regime%upper_gap = 0
+      regime%lower_gap = 0
       constant = 0
       do j = 1, size(structure%openings)
          i = structure%channel(j)
          if (structure%rubs(j)) then
-            of_rate(i, :) = structure%directions(:, j)
             constant(i) = -structure%laws(j)%numbers(3)
             if (is_absorbed(structure, j, regime%resting)) cycle
             if (any(regime%closed == -j)) then
@@ -1132,10 +1398,8 @@ contains
                regime%lower_gap(i) = j
             end if
          else if (structure%elastic(j)) then
-            of_q(i, :) = structure%directions(:, j)
-            call set_stop(structure, j, of_q, of_rate, constant, regime)
+            call set_stop(structure, j, constant, regime)
          else if (structure%wall(j) > 0) then
-            of_q(i, :) = structure%directions(:, j)
             regime%upper(i) = structure%openings(j)
             regime%upper_gap(i) = j
          else
@@ -1165,42 +1429,20 @@ contains
          regime%upper_gap(i) = -regime%held(k)
          regime%lower_gap(i) = -regime%held(k)
       end do
-      if (size(regime%held) > 0) then
-         call forces_of_held(structure, regime%held, pushes, forces, status)
-         if (status /= stat%ok) return
-         of_force(structure%channels + 1:, :) = forces
-         of_q(structure%channels + 1:, :) = -matmul(forces, structure%stiffness)
-         of_rate(structure%channels + 1:, :) = -matmul(forces, structure%damping)
-      end if
-      regime%position = transpose(sparse_product(transpose(regime%qx), transpose(of_q)) &
-         + sparse_product(transpose(regime%dx), transpose(of_rate)))
-      regime%velocity = transpose(sparse_product(transpose(regime%qv), transpose(of_q)) &
-         + sparse_product(transpose(regime%dv), transpose(of_rate)))
-      regime%row_offset = matmul(of_q, regime%offset) + matmul(of_force, load%constant)
+      regime%row_offset = matmul(of_q, regime%offset) + matmul(of_force, forces)
       if (structure%has_stops .or. structure%has_friction) regime%row_offset = regime%row_offset &
          + constant
-      if (load%step > 0) then
-         regime%base_offset = regime%row_offset
-         regime%to_rows = of_force
-      end if
-      allocate (regime%ripple(rows, size(load%sine, 2)))
-      do h = 1, size(load%sine, 2)
+      do h = 1, size(sine, 2)
          regime%ripple(:, h) = matmul(of_q, regime%steady(:, h)) &
             + matmul(of_rate, regime%steady_rate(:, h)) &
-            + matmul(of_force, cmplx(load%cosine(:, h), -load%sine(:, h), wp))
+            + matmul(of_force, cmplx(cosine(:, h), -sine(:, h), wp))
       end do
-      if (structure%moves) call add_walls(structure, forces, regime)
-      allocate (regime%rate_position(rows, m), regime%rate_velocity(rows, m), &
-         regime%rate_offset(rows))
       regime%rate_offset = 0
-      do k = 1, m
-         regime%rate_position(:, k) = -regime%modes%stiffness(k)*regime%velocity(:, k)
-         regime%rate_velocity(:, k) = regime%position(:, k) &
-            - 2*regime%modes%damping(k)*regime%velocity(:, k)
+      do k = 1, size(regime%modes%drift)
          regime%rate_offset = regime%rate_offset + regime%position(:, k)*regime%modes%drift(k) &
             + regime%velocity(:, k)*regime%modes%force(k)
       end do
-   end subroutine set_rows
+   end subroutine set_row_constants
 
    !> Adds the motions of walls to the rows: these are the distances to the mean positions of the
    !! walls, less the motions of the walls; the acceleration of a wall adds to the contact force.
@@ -1242,15 +1484,13 @@ contains
       end do
    end subroutine add_walls
 
-   !> The limits of a stop, and the row of its force.
-   pure subroutine set_stop(structure, j, of_q, of_rate, constant, regime)
+   !> The limits of a stop, and the constant of its force.
+   pure subroutine set_stop(structure, j, constant, regime)
       !> The structure.
       type(structure_type), intent(in) :: structure
       !> Number of the stop.
       integer, intent(in) :: j
-      !> (rows, n) In and out: coefficients of q and q' in the rows.
-      real(wp), intent(inout) :: of_q(:, :), of_rate(:, :)
-      !> (rows) In and out: their constants.
+      !> (rows) In and out: constants of the rows.
       real(wp), intent(inout) :: constant(:)
       !> In and out: the regime, with limits.
       type(regime_type), intent(inout) :: regime
@@ -1265,8 +1505,6 @@ contains
          end if
          if (structure%push(j) == 0) return
          associate (push => structure%push(j), numbers => structure%laws(j)%numbers)
-            of_q(push, :) = numbers(1)*structure%directions(:, j)
-            of_rate(push, :) = numbers(2)*structure%directions(:, j)
             constant(push) = numbers(3) - numbers(1)*opening
             if (any(regime%closed == j)) then
                regime%lower(push) = 0
@@ -1292,20 +1530,36 @@ contains
          regime%ripple, regime%frequency, regime%rows)
       if (coordinates) call new_rows(regime%modes, regime%qx, regime%qv, regime%offset, &
          regime%steady, regime%frequency, regime%coordinates, regime%dx, regime%dv)
-      associate (speeds => [sqrt(regime%modes%stiffness), 2*regime%modes%damping, &
-         regime%frequency])
-         if (any(speeds > 0)) then
-            regime%unit = 1/maxval(speeds)
-         else if (step > 0) then
-            regime%unit = step
-         end if
-      end associate
+      call set_unit(regime, step)
    end subroutine set_rates
 
+   !> The shortest time scale.
+   pure subroutine set_unit(regime, step)
+      !> In and out: the regime.
+      type(regime_type), intent(inout) :: regime
+      !> As in `set_rates`.
+      real(wp), intent(in) :: step
+      real(wp) :: fastest
+      integer :: k
+
+      fastest = regime%frequency
+      do k = 1, size(regime%modes%stiffness)
+         fastest = max(fastest, sqrt(regime%modes%stiffness(k)), 2*regime%modes%damping(k))
+      end do
+      regime%unit = 1
+      if (fastest > 0) then
+         regime%unit = 1/fastest
+      else if (step > 0) then
+         regime%unit = step
+      end if
+   end subroutine set_unit
+
    !> The tables for steps in time.
-   pure subroutine set_tables(regime)
+   pure subroutine set_tables(regime, same)
       !> In and out: filled in.
       type(regime_type), intent(inout) :: regime
+      !> Whether there are tables for the same pairs with the same constant terms.
+      logical, intent(in) :: same
       !> Of the longest step and the shortest time scale: the shortest step is then a 64th of it.
       real(wp), parameter :: largest_ratio = 2.0_wp**(levels - 7)
       real(wp) :: speeds(2*size(regime%modes%stiffness) + 1), longest
@@ -1315,8 +1569,9 @@ contains
       longest = 64*time_of_free(regime)
       if (any(speeds > 0)) longest = min(4/minval(speeds, speeds > 0), &
          largest_ratio/maxval(speeds))
-      call new_steps(regime%modes, longest, regime%steps)
-      allocate (regime%turns(size(regime%ripple, 2), levels))
+      if (.not. same .or. abs(regime%steps%length(1) - longest) > 0) call new_steps(regime%modes, &
+         longest, regime%steps)
+      if (.not. allocated(regime%turns)) allocate (regime%turns(size(regime%ripple, 2), levels))
       if (allocated(regime%to_force)) then
          ! all constant terms come with the record
          regime%steps%map(:, [3, 6], :) = 0

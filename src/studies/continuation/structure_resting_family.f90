@@ -18,7 +18,7 @@ module vi_structure_resting_family
    use vi_motion_family, only: at_fault, condition_type, contact_vanishes, coordinates_type, &
       edge, event_vanishes, events_meet, flight_vanishes, flip, fold, grazing, &
       motion_family_type, neimark_sacker, parameters_at, repetition, rest_splits, rest_vanishes, &
-      set_differences, stick_begins, stick_vanishes, zero_approach
+      stick_begins, stick_vanishes, zero_approach
    use vi_orbit, only: n_parameters
    use vi_spectrum, only: outside_circle, spectrum_type
    use vi_structure_family, only: numbers_of
@@ -79,8 +79,9 @@ contains
       !> Out: as in vi_motion_family.
       real(wp), intent(inout) :: b(2, most), a(most, most)
       real(wp), parameter :: h = 1.0e-6_wp
-      type(course_type) :: course, sides(2)
-      real(wp) :: c(n_parameters), shares(size(family%rests%path%changes))
+      type(course_type) :: course
+      real(wp) :: c(n_parameters), shares(size(family%rests%path%changes)), &
+         residuals(size(point) - size(coordinates%active)), slopes(size(residuals), size(residuals))
       integer :: i, j, k, m
       logical :: along
 
@@ -91,33 +92,39 @@ contains
       associate (s => family%rests, active => coordinates%active)
          call follow_period(s, point(:m), c(:size(shares)), .true., course)
          if (.not. course%exists) return
+         residuals = course%residuals
+         slopes = course%slopes(:m, :)
          do k = 1, size(active)
             do i = 1, 2
                shares = c(:size(shares))
                shares(active(k)) = shares(active(k)) + (3 - 2*i)*h
-               call follow_period(s, point(:m), shares, .false., sides(i))
-               if (.not. sides(i)%exists) return
+               call follow_period(s, point(:m), shares, .false., course)
+               if (.not. course%exists) return
+               if (i == 1) a(m + k, :m) = course%residuals
             end do
-            a(m + k, :m) = coordinates%scale(k)*((sides(1)%residuals - sides(2)%residuals)/(2*h))
+            a(m + k, :m) = coordinates%scale(k)*((a(m + k, :m) - course%residuals)/(2*h))
          end do
-         b(1, :m) = course%residuals
-         a(:m, :m) = course%slopes(:m, :)
+         b(1, :m) = residuals
+         a(:m, :m) = slopes
       end associate
       if (all(conditions%kind == edge)) return
       along = .false.
       if (allocated(family%rests%rows)) call along_motions(family, coordinates, conditions, point, &
-         b(1, :m + size(conditions)), a(:size(point), :m + size(conditions)), along)
+         course, b(1, :m + size(conditions)), a(:size(point), :m + size(conditions)), along)
       if (along) return
+      call follow_period(family%rests, point(:m), c(:size(shares)), .true., course)
       do j = 1, size(conditions)
          if (conditions(j)%kind /= edge) call value_in(family, point(:m), course, conditions(j), &
             b(1, m + j))
       end do
+      ! derivatives by unknowns first: their parameters are those of the period
       do j = 1, size(conditions)
-         if (conditions(j)%kind == edge) cycle
-         call set_differences(family, coordinates, conditions(j), point, m + 1, a(:size(point), &
-            m + j))
-         ! the parameters are those of the period
-         call by_unknowns(family, point(:m), c(:size(shares)), conditions(j), course, a(:m, m + j))
+         if (conditions(j)%kind /= edge) call by_unknowns(family, point(:m), c(:size(shares)), &
+            conditions(j), course, a(:m, m + j))
+      end do
+      do j = 1, size(conditions)
+         if (conditions(j)%kind /= edge) call by_parameters(family, coordinates, conditions(j), &
+            point, course, a(m + 1:size(point), m + j))
       end do
    end subroutine set_equations
 
@@ -129,7 +136,7 @@ contains
    !! jumps by the stiffness times that, and derivatives by single unknowns are so large that
    !! differences are too coarse for them. At the nearest motion a condition depends only on the
    !! component of a change along the motions, and differences are taken in these directions.
-   pure subroutine along_motions(family, coordinates, conditions, point, b, a, good)
+   pure subroutine along_motions(family, coordinates, conditions, point, course, b, a, good)
       !> The family.
       class(structure_resting_type), intent(in) :: family
       !> The parameters.
@@ -138,6 +145,8 @@ contains
       type(condition_type), intent(in) :: conditions(:)
       !> A guess.
       real(wp), intent(in) :: point(:)
+      !> In and out: a period of the family at any parameters.
+      type(course_type), intent(inout) :: course
       !> (m + conditions) In: residuals of the m equations. Out: also of the conditions.
       real(wp), intent(inout) :: b(:)
       !> (coordinates, m + conditions) The gradients, in the same way.
@@ -149,7 +158,6 @@ contains
       real(wp), parameter :: far = 0.1_wp
       real(wp) :: basis(size(point), size(point)), factors(size(point), size(point)), &
          ways(size(point), size(conditions)), values(size(conditions), 2), residuals(size(point))
-      type(course_type) :: course
       integer :: i, j, k, m
 
       m = size(point) - size(coordinates%active)
@@ -273,6 +281,36 @@ contains
       good = .true.
    end subroutine orthogonal_basis
 
+   !> The derivatives of a condition by the parameters, by central differences.
+   pure subroutine by_parameters(family, coordinates, condition, point, course, slope)
+      !> The family.
+      class(structure_resting_type), intent(in) :: family
+      !> The parameters.
+      type(coordinates_type), intent(in) :: coordinates
+      !> The condition, not an edge.
+      type(condition_type), intent(in) :: condition
+      !> A point.
+      real(wp), intent(in) :: point(:)
+      !> In and out: a period at any parameters; another one on return.
+      type(course_type), intent(inout) :: course
+      !> (parameters) The derivatives.
+      real(wp), intent(out) :: slope(:)
+      real(wp), parameter :: h = 1.0e-6_wp
+      real(wp) :: moved(size(slope)), both(2)
+      integer :: i, j, m
+
+      m = size(point) - size(slope)
+      do j = 1, size(slope)
+         moved = point(m + 1:)
+         do i = 1, 2
+            moved(j) = point(m + j) + (3 - 2*i)*h
+            call value_at(family, point(:m), parameters_at(coordinates, moved), condition, course, &
+               both(i))
+         end do
+         slope(j) = (both(1) - both(2))/(2*h)
+      end do
+   end subroutine by_parameters
+
    !> The derivatives of a condition by the unknowns, by central differences.
    pure subroutine by_unknowns(family, unknowns, shares, condition, course, slope)
       !> The family.
@@ -293,10 +331,7 @@ contains
          moved = unknowns
          do i = 1, 2
             moved(j) = unknowns(j) + (3 - 2*i)*h
-            call follow_period(family%rests, moved, shares, condition%kind <= neimark_sacker, &
-               course)
-            both(i) = ieee_value(1.0_wp, ieee_quiet_nan)
-            if (course%exists) call value_in(family, moved, course, condition, both(i))
+            call value_at(family, moved, shares, condition, course, both(i))
          end do
          slope(j) = (both(1) - both(2))/(2*h)
       end do
@@ -370,11 +405,27 @@ contains
       type(condition_type), intent(in) :: condition
       type(course_type) :: course
 
+      call value_at(family, unknowns, c, condition, course, value)
+   end function condition_value
+
+   !> The same; the period is kept.
+   pure subroutine value_at(family, unknowns, c, condition, course, value)
+      !> The family.
+      class(structure_resting_type), intent(in) :: family
+      !> Unknowns of the motion, and at least the parameters as shares.
+      real(wp), intent(in) :: unknowns(:), c(:)
+      !> The condition, not an edge.
+      type(condition_type), intent(in) :: condition
+      !> In: a period at any parameters, or none. Out: that of the motion.
+      type(course_type), intent(inout) :: course
+      !> The value, NaN where there is no such period.
+      real(wp), intent(out) :: value
+
       call follow_period(family%rests, unknowns, c(:size(family%rests%path%changes)), &
          condition%kind <= neimark_sacker, course)
       value = ieee_value(1.0_wp, ieee_quiet_nan)
       if (course%exists) call value_in(family, unknowns, course, condition, value)
-   end function condition_value
+   end subroutine value_at
 
    !> The value of one condition in a period.
    pure subroutine value_in(family, unknowns, course, condition, value)

@@ -28,13 +28,13 @@ module vi_structure_rests
    use vi_modes, only: advance
    use vi_rest_family, only: critical
    use vi_status, only: stat
-   use vi_structure, only: load_type, opening_at, regime_type, restitution_of, state_of, &
-      structure_type, to_pairs
+   use vi_structure, only: check_structure, new_regime, opening_at, regime_type, renew_regime, &
+      restitution_of, state_of, structure_type, to_pairs
    use vi_structure_map, only: accelerations, apply_flight, from_coordinates, to_coordinates
    use vi_structure_motion, only: impulse_of
-   use vi_structure_path, only: changed, structure_path_type
+   use vi_structure_path, only: change_again, changed, keeps_gaps, structure_path_type
    use vi_structure_return, only: closed_type
-   use vi_structure_run, only: find_regime, impact_event, new_run, run_event_type, run_state_type, &
+   use vi_structure_run, only: find_regime, impact_event, run_event_type, run_state_type, &
       run_type, simulate_structure, stick_event, whole_periods
    use vi_structure_variation, only: project, tangent_type, through_event
    implicit none (type, external)
@@ -341,7 +341,7 @@ contains
       if (good) good = .not. any(abs(shares - course%shares) > 0)
       if (.not. good) then
          if (allocated(course%shares)) deallocate (course%shares)
-         call set_regimes(s, shares, course%run, course%after, course%stuck, good)
+         call set_regimes(s, shares, course, good)
          if (.not. good) return
          course%shares = shares
       end if
@@ -362,46 +362,118 @@ contains
       course%volume = 1
    end subroutine begin_course
 
-   !> The structure with its load, and the regime after each symbol.
-   pure subroutine set_regimes(s, shares, run, after, stuck, good)
+   !> The structure with its load, and the regime after each symbol: those of other parameters are
+   !! renewed where the matrices are the same.
+   pure subroutine set_regimes(s, shares, course, good)
       !> The family.
       type(rests_type), intent(in) :: s
       !> The parameters, as shares.
       real(wp), intent(in) :: shares(:)
-      !> The structure under its load, with all regimes.
-      type(run_type), intent(out) :: run
-      !> (0:N) The numbers of the regimes; (N) of those where friction sticks, else 0.
-      integer, allocatable, intent(out) :: after(:), stuck(:)
-      !> False if there is none.
+      !> In: as in `follow_period`. Out: with its run and the regimes after its symbols.
+      type(course_type), intent(inout) :: course
+      !> False if there are none.
       logical, intent(out) :: good
-      type(structure_type) :: structure
-      type(load_type) :: load
+      integer, allocatable :: set(:)
       ! tables are for the simulation of accumulations
       logical :: simulates
       integer :: i, status
 
-      good = .false.
-      call changed(s%path, shares, structure, load)
-      if (.not. load%frequency > 0) return
       simulates = any(s%kinds == first)
-      call new_run(structure, load, run, status, simulates)
-      if (status /= stat%ok) return
-      run%pair%known = .false.
-      allocate (after(0:size(s%kinds)))
-      allocate (stuck(size(s%kinds)), source=0)
-      do i = 0, size(s%kinds)
-         call find_regime(run, s%closed(i)%set, after(i), status, simulates)
-         if (status /= stat%ok) return
-         if (i == 0 .or. .not. allocated(s%stuck)) cycle
-         if (size(s%stuck(i)%set) > 0) call find_regime(run, s%stuck(i)%set, stuck(i), &
-            status, simulates)
-         if (status /= stat%ok) return
-      end do
-      do i = 1, size(run%regimes)
-         run%regimes(i)%frequency = load%frequency
-      end do
-      good = .true.
+      if (.not. (allocated(course%after) .and. keeps_gaps(s%path))) then
+         call first_regimes(s, shares, simulates, course, good)
+         return
+      end if
+      associate (run => course%run)
+         call change_again(s%path, shares, run%structure, run%load)
+         good = run%load%frequency > 0
+         if (.not. good) return
+         run%period = two_pi/run%load%frequency
+         do i = 1, size(run%regimes)
+            if (.not. allocated(run%regimes(i)%closed)) exit
+            if (i > maxval([course%after, course%stuck])) then
+               ! met within an accumulation
+               deallocate (run%regimes(i)%closed)
+               cycle
+            end if
+            call renew_regime(run%structure, run%load, run%regimes(i), good)
+            if (good) cycle
+            set = run%regimes(i)%closed
+            call new_regime(run%structure, run%load, set, run%regimes(i), status, simulates, .true.)
+            good = status == stat%ok
+            if (.not. good) exit
+         end do
+         if (.not. good) deallocate (course%after, course%stuck)
+      end associate
    end subroutine set_regimes
+
+   !> The same without any regimes so far.
+   pure subroutine first_regimes(s, shares, simulates, course, good)
+      !> As in `set_regimes`.
+      type(rests_type), intent(in) :: s
+      real(wp), intent(in) :: shares(:)
+      !> Whether contacts will be searched.
+      logical, intent(in) :: simulates
+      !> In and out: the period.
+      type(course_type), intent(inout) :: course
+      !> False if there are none.
+      logical, intent(out) :: good
+      integer :: after(0:size(s%kinds)), stuck(size(s%kinds)), i, status
+
+      good = .false.
+      if (allocated(course%after)) deallocate (course%after, course%stuck)
+      associate (run => course%run)
+         call changed(s%path, shares, run%structure, run%load)
+         if (.not. run%load%frequency > 0) return
+         run%period = two_pi/run%load%frequency
+         call check_structure(run%structure, status)
+         if (status /= stat%ok) return
+         if (allocated(run%regimes)) deallocate (run%regimes)
+         allocate (run%regimes(count_regimes(s)))
+         call find_regime(run, [integer :: ], i, status, simulates, .true.)
+         if (status /= stat%ok) return
+         call find_regime(run, s%closed(0)%set, after(0), status, simulates, .true.)
+         if (status /= stat%ok) return
+         stuck = 0
+         do i = 1, size(s%kinds)
+            call find_regime(run, s%closed(i)%set, after(i), status, simulates, .true.)
+            if (status /= stat%ok) return
+            if (.not. allocated(s%stuck)) cycle
+            if (size(s%stuck(i)%set) > 0) call find_regime(run, s%stuck(i)%set, stuck(i), &
+               status, simulates, .true.)
+            if (status /= stat%ok) return
+         end do
+      end associate
+      allocate (course%after(0:size(s%kinds)), source=after)
+      allocate (course%stuck(size(s%kinds)), source=stuck)
+      good = .true.
+   end subroutine first_regimes
+
+   !> Number of regimes of a family, with that in which nothing is closed.
+   pure integer function count_regimes(s) result(n)
+      !> The family.
+      type(rests_type), intent(in) :: s
+      integer :: i
+
+      n = 1
+      do i = 0, size(s%kinds)
+         if (size(s%closed(i)%set) == 0) cycle
+         if (.not. any_before(s%closed(i)%set, i)) n = n + 1
+      end do
+      if (allocated(s%stuck)) n = n + count([(size(s%stuck(i)%set) > 0, i=1, size(s%stuck))])
+   contains
+      !> Whether a set is also one before.
+      pure logical function any_before(set, i)
+         !> The set, and its number.
+         integer, intent(in) :: set(:), i
+         integer :: j
+
+         any_before = .false.
+         do j = 0, i - 1
+            if (size(s%closed(j)%set) /= size(set)) cycle
+            any_before = any_before .or. all(s%closed(j)%set == set)
+         end do
+      end function any_before
+   end function count_regimes
 
    !> Advances to a symbol and through it.
    pure subroutine next_symbol(s, symbol, phase, column, here, course, good)

@@ -1108,7 +1108,7 @@ contains
    end subroutine rub
 
    !> The number of the regime of a set of closed gaps and stops; the regime is made if it is new.
-   pure subroutine find_regime(run, set, number, status, searched)
+   pure subroutine find_regime(run, set, number, status, searched, renewed)
       !> In and out: with its regimes.
       type(run_type), intent(inout) :: run
       !> The set, as in `regime_type`.
@@ -1118,7 +1118,7 @@ contains
       !> `stat%ok`, or as in `new_regime`.
       integer, intent(out) :: status
       !> As in `new_regime`.
-      logical, intent(in), optional :: searched
+      logical, intent(in), optional :: searched, renewed
       type(regime_type), allocatable :: more(:)
       integer :: n
 
@@ -1137,7 +1137,7 @@ contains
          more(:n) = run%regimes
          call move_alloc(more, run%regimes)
       end if
-      call new_regime(run%structure, run%load, set, run%regimes(number), status, searched)
+      call new_regime(run%structure, run%load, set, run%regimes(number), status, searched, renewed)
       ! one that failed is incomplete
       if (status /= stat%ok) deallocate (run%regimes(number)%closed)
    end subroutine find_regime

@@ -10,8 +10,8 @@ module vi_structure_path
    implicit none (type, external)
    private
 
-   public :: changed, changed_whole, is_odd, mirror_of, moves_alike, new_change, &
-      new_function, opposite_gap, rates_of, reduce, same_law, set_entry, value_at
+   public :: change_again, changed, changed_whole, is_odd, keeps_gaps, mirror_of, moves_alike, &
+      new_change, new_function, opposite_gap, rates_of, reduce, same_law, set_entry, value_at
 
    !> Kinds of entries: matrices, direction, opening and restitution of a gap, parts of the load,
    !! the numbers of a stop (stiffness, damping, preload) or of friction (slip, stick, speed), and
@@ -110,7 +110,6 @@ contains
       type(structure_type), intent(out) :: structure
       !> The load.
       type(load_type), intent(out) :: load
-      integer :: i, k
 
       if (allocated(path%part)) then
          structure = path%whole
@@ -119,13 +118,51 @@ contains
          structure = path%structure
          load = path%load
       end if
+      call change_again(path, shares, structure, load)
+   end subroutine changed_whole
+
+   !> The structure and its load at other parameters.
+   pure subroutine change_again(path, shares, structure, load)
+      !> The path, of all motions.
+      type(structure_path_type), intent(in) :: path
+      !> As in `changed`.
+      real(wp), intent(in) :: shares(:)
+      !> In and out: the structure at any parameters; what follows from its entries is not changed.
+      type(structure_type), intent(inout) :: structure
+      !> In and out: the load.
+      type(load_type), intent(inout) :: load
+      integer :: i, k
+
       do k = 1, size(path%changes)
          do i = 1, size(path%changes(k)%entries, 2)
             call set_entry(structure, load, path%changes(k)%entries(:, i), &
                entry_at(path%changes(k), path%changes(k)%series(:, i), shares(k)))
          end do
       end do
-   end subroutine changed_whole
+   end subroutine change_again
+
+   !> Whether no parameter changes what `check_structure` derives.
+   pure logical function keeps_gaps(path)
+      !> The path.
+      type(structure_path_type), intent(in) :: path
+      integer :: i, k
+
+      keeps_gaps = .not. allocated(path%part)
+      do k = 1, size(path%changes)
+         do i = 1, size(path%changes(k)%entries, 2)
+            select case (path%changes(k)%entries(1, i))
+            case (of_mass, of_direction, of_wall_cosine, of_wall_sine)
+               keeps_gaps = .false.
+            case (of_law)
+               ! only with a dashpot a stop may have to pull
+               if (path%changes(k)%entries(3, i) == 2) keeps_gaps = keeps_gaps .and. &
+                  path%structure%laws(path%changes(k)%entries(2, i))%kind == friction_law
+            case default
+               continue
+            end select
+         end do
+      end do
+   end function keeps_gaps
 
    !> The structure and the load of the motions q = V y: V^T M V, .., V^T G_j and V^T f.
    pure subroutine reduce(part, kept, structure, load)
