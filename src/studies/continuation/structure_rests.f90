@@ -32,7 +32,8 @@ module vi_structure_rests
       restitution_of, state_of, structure_type, to_pairs
    use vi_structure_map, only: accelerations, apply_flight, from_coordinates, to_coordinates
    use vi_structure_motion, only: impulse_of
-   use vi_structure_path, only: change_again, changed, keeps_gaps, structure_path_type
+   use vi_structure_path, only: change_again, changed, keeps_gaps, keeps_matrices, &
+      structure_path_type
    use vi_structure_return, only: closed_type
    use vi_structure_run, only: find_regime, impact_event, run_event_type, run_state_type, &
       run_type, simulate_structure, stick_event, whole_periods
@@ -40,13 +41,20 @@ module vi_structure_rests
    implicit none (type, external)
    private
 
-   public :: follow_period, follows_itself, monodromy, symbols_to_state, unit_of_row
+   public :: follow_period, follows_itself, keep_regimes, monodromy, symbols_to_state, unit_of_row
 
    !> Kinds of symbols: an impact, the first impact of an accumulation, a release, a switch.
    integer, parameter, public :: single = 1, first = 2, release = 3, switch = 4
 
    !> Largest number of impacts in one accumulation.
    integer, parameter :: most_bounces = 2000
+
+   !> The regimes of a family at one place, from which those elsewhere are renewed.
+   type, public :: known_type
+      type(run_type) :: run
+      !> (0:N) and (N) As in `course_type`; not set if the matrices change.
+      integer, allocatable :: after(:), stuck(:)
+   end type known_type
 
    !> What the motions of a family with rests, or with stops and friction, have in common.
    type, public :: rests_type
@@ -70,6 +78,7 @@ module vi_structure_rests
       logical :: halved = .false.
       !> Whether the motions are self-excited, so that the period is unknown.
       logical :: free = .false.
+      type(known_type) :: known
    contains
       procedure :: whole_turn, begin_of, end_of_turn
    end type rests_type
@@ -379,6 +388,11 @@ contains
       integer :: i, status
 
       simulates = any(s%kinds == first)
+      if (allocated(s%known%after) .and. .not. allocated(course%after)) then
+         course%run = s%known%run
+         allocate (course%after(0:size(s%kinds)), source=s%known%after)
+         allocate (course%stuck(size(s%kinds)), source=s%known%stuck)
+      end if
       if (.not. (allocated(course%after) .and. keeps_gaps(s%path))) then
          call first_regimes(s, shares, simulates, course, good)
          return
@@ -405,6 +419,23 @@ contains
          if (.not. good) deallocate (course%after, course%stuck)
       end associate
    end subroutine set_regimes
+
+   !> Keeps the regimes at some parameters, for a family that is complete.
+   pure subroutine keep_regimes(s, shares)
+      !> In and out: the family.
+      type(rests_type), intent(inout) :: s
+      !> The parameters, as shares.
+      real(wp), intent(in) :: shares(:)
+      type(course_type) :: course
+      logical :: good
+
+      if (.not. keeps_matrices(s%path)) return
+      call first_regimes(s, shares, any(s%kinds == first), course, good)
+      if (.not. good) return
+      s%known%run = course%run
+      allocate (s%known%after(0:size(s%kinds)), source=course%after)
+      allocate (s%known%stuck(size(s%kinds)), source=course%stuck)
+   end subroutine keep_regimes
 
    !> The same without any regimes so far.
    pure subroutine first_regimes(s, shares, simulates, course, good)

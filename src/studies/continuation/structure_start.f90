@@ -26,8 +26,8 @@ module vi_structure_start
    use vi_structure_members, only: member_type, set_flights, set_member, set_sides, &
       structure_members_type, whole_sides
    use vi_structure_resting_family, only: structure_resting_type
-   use vi_structure_rests, only: course_type, first, follow_period, monodromy, release, &
-      rests_type, single, switch, symbols_to_state
+   use vi_structure_rests, only: course_type, first, follow_period, keep_regimes, monodromy, &
+      release, rests_type, single, switch, symbols_to_state
    use vi_structure_path, only: change_type, is_odd, mirror_of, structure_path_type
    use vi_structure_symmetry, only: even_and_odd, find_symmetry
    use vi_structure_motion, only: new_equations, relative, residuals
@@ -340,6 +340,7 @@ contains
 
       family%jumps = .true.
       allocate (family%images(0))
+      call keep_regimes(family%rests, shares_of(changes))
       allocate (curve%family, source=family)
       call set_bounds(curve, size(changes))
       point = [unknowns, shares_of(changes)]

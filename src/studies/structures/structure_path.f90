@@ -10,8 +10,8 @@ module vi_structure_path
    implicit none (type, external)
    private
 
-   public :: change_again, changed, changed_whole, is_odd, keeps_gaps, mirror_of, moves_alike, &
-      new_change, new_function, opposite_gap, rates_of, reduce, same_law, set_entry, value_at
+   public :: change_again, changed, changed_whole, is_odd, keeps_gaps, keeps_matrices, mirror_of, &
+      moves_alike, new_change, new_function, opposite_gap, rates_of, reduce, same_law, set_entry, value_at
 
    !> Kinds of entries: matrices, direction, opening and restitution of a gap, parts of the load,
    !! the numbers of a stop (stiffness, damping, preload) or of friction (slip, stick, speed), and
@@ -267,6 +267,28 @@ contains
          sums = [2*(2*share - 1)*sums(1) - sums(2) + series(i), sums(1)]
       end do
    end function clenshaw
+
+   !> Whether no parameter changes matrices either, nor the stiffness of stops.
+   pure logical function keeps_matrices(path)
+      !> The path.
+      type(structure_path_type), intent(in) :: path
+      integer :: i, k
+
+      keeps_matrices = keeps_gaps(path)
+      do k = 1, size(path%changes)
+         do i = 1, size(path%changes(k)%entries, 2)
+            select case (path%changes(k)%entries(1, i))
+            case (of_damping, of_stiffness)
+               keeps_matrices = .false.
+            case (of_law)
+               if (path%changes(k)%entries(3, i) == 1) keeps_matrices = keeps_matrices .and. &
+                  path%structure%laws(path%changes(k)%entries(2, i))%kind == friction_law
+            case default
+               continue
+            end select
+         end do
+      end do
+   end function keeps_matrices
 
    !> The derivatives of the structure and its load by a parameter, as a share.
    pure subroutine rates_of(path, k, share, rates)
