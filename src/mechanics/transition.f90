@@ -66,12 +66,14 @@ module vi_transition
 contains
 
    !> The tables for a damping, a frequency ratio, and the forced part, A cos(lag) and A sin(lag).
-   pure subroutine new_transition(xi, r, in_phase, behind, m)
+   pure subroutine new_transition(xi, r, in_phase, behind, m, marched)
       !> Damping ratio, frequency ratio, and the components A cos(lag) and A sin(lag) of the forced
       !! motion (F0/K).
       real(wp), intent(in) :: xi, r, in_phase, behind
       !> All tables filled.
       type(transition_type), intent(out) :: m
+      !> Whether vi_march will use them, true if it is left out: vi_bounce needs no tables.
+      logical, intent(in), optional :: marched
       integer :: n
 
       m%xi = xi
@@ -84,6 +86,9 @@ contains
       m%forced = hypot(in_phase, behind)*[1.0_wp, r**4, r**5]
       m%h = 0.125_wp/max(1.0_wp, r)
       m%inverse_h = 1/m%h
+      if (present(marched)) then
+         if (.not. marched) return
+      end if
       do n = 0, nodes
          m%table(:, n) = later(m, n*m%h)
       end do

@@ -59,7 +59,7 @@ contains
 
       cycles = settling
       if (present(longer)) cycles = longer*settling
-      system = system_of(c)
+      system = system_of(c, .true.)
       allocate (events(chunk))
       do k = 1, size(releases)
          state = initial_state(system, state_start(system%osc, system%r, system%load, &
@@ -130,7 +130,7 @@ contains
 
       allocate (motion(0))
       m = size(pattern%sides)
-      system = system_of(c)
+      system = system_of(c, .true.)
       state = initial_state(system, state_start(system%osc, system%r, system%load, &
          system%clearance, start))
       allocate (events(most_events*between*m))

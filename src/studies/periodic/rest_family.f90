@@ -168,7 +168,7 @@ contains
 
       n = size(family%symbols)
       m = rest_unknowns(family)
-      system = system_of(c)
+      system = system_of(c, .false.)
       allocate (period%equations(m), period%approach(n), period%rest(n), period%gap(n), &
          period%touched(n), period%touched_at(n))
       period%rest%value = 1
@@ -300,12 +300,14 @@ contains
    end function determinant
 
    !> The forced system with given parameters, for a load amplitude of 1.
-   pure function system_of(c) result(system)
+   pure function system_of(c, marched) result(system)
       !> (6) r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
+      !> As in `new_forced_system`.
+      logical, intent(in) :: marched
       type(forced_system_type) :: system
 
-      system = new_forced_system(oscillator_of(c), c(by_r), 1.0_wp, exp(c(by_clearance)))
+      system = new_forced_system(oscillator_of(c), c(by_r), 1.0_wp, exp(c(by_clearance)), marched)
    end function system_of
 
    !> The release with which a period starts.
@@ -410,7 +412,7 @@ contains
       real(wp) :: limit, touched_at
       integer :: i, touched
 
-      system = system_of(c)
+      system = system_of(c, .false.)
       unknowns(:2) = release
       here = start_of(system, sign(1, family%symbols(size(family%symbols))), release, 2)
       touched = 0

@@ -22,12 +22,14 @@ module vi_forced_system
 contains
 
    !> A system under a load, with its walls.
-   pure function new_forced_system(osc, r, load, clearance) result(system)
+   pure function new_forced_system(osc, r, load, clearance, marched) result(system)
       !> Oscillator without its load.
       type(oscillator_type), intent(in) :: osc
       !> Frequency ratio Omega/omega, load amplitude f, and clearance d in the unit of length of f
       !! (D = d K/F0 for f = 1).
       real(wp), intent(in) :: r, load, clearance
+      !> Whether it will be simulated, true if it is left out: this takes tables.
+      logical, intent(in), optional :: marched
       type(forced_system_type) :: system
 
       system%osc = osc
@@ -38,7 +40,7 @@ contains
       system%lag = lag(osc%xi, r)
       system%wide = runs_wide() /= 0
       call new_transition(osc%xi, r, system%amplitude*cos(system%lag), &
-         system%amplitude*sin(system%lag), system%transition)
+         system%amplitude*sin(system%lag), system%transition, marched)
    end function new_forced_system
 
    !> Time of a state in 1/omega.
