@@ -508,7 +508,7 @@ contains
    end subroutine add_contacts
 
    !> A regime at another load, other openings or other levels of friction, in place: the digits are
-   !! those of `new_regime`, without its eigenproblems.
+   !! those of `new_regime`, but the modes are kept.
    pure subroutine renew_regime(structure, load, regime, good)
       !> The structure, whose gaps are in the same channels as before.
       type(structure_type), intent(in) :: structure

@@ -6,11 +6,11 @@ module mechanics_structure
    use vi_kinds, only: wp
    use vi_lapack, only: eigenvalues
    use vi_modes, only: advance, step_functions
-   use vi_restitution, only: greatest_below, new_restitution, power_law, restitution_at, &
-      restitution_type, table_law
+   use vi_restitution, only: constant_law, friction_law, greatest_below, new_restitution, &
+      power_law, pushing_law, restitution_at, restitution_type, table_law
    use vi_status, only: stat
    use vi_structure, only: check_structure, inputs_of, load_type, new_load, new_regime, &
-      new_structure, regime_type, state_of, structure_type, to_pairs
+      new_structure, regime_type, renew_regime, state_of, structure_type, to_pairs
    implicit none (type, external)
    private
 
@@ -28,6 +28,7 @@ contains
       call test_coinciding()
       call test_responses()
       call test_refusals()
+      call test_renewal()
    end subroutine test_structure
 
    !> Values in [0, 1], and slopes by differences.
@@ -388,5 +389,122 @@ contains
             'responses: to a growing force')
       end subroutine expect
    end subroutine test_responses
+
+   !> A regime at another load, other openings and other friction has the bits of a new one, for
+   !! all that can be closed; with other matrices it is not renewed.
+   subroutine test_renewal()
+      integer, parameter :: n = 3
+      type(random_type) :: random
+      type(structure_type) :: structure
+      type(load_type) :: load
+      type(regime_type) :: regime, expected
+      real(wp) :: matrices(n, n, 3), directions(n, 4), laws(6, 4), harmonics(n, 2, 2), constant(n)
+      integer, allocatable :: closed(:)
+      integer :: i, j, set, status, turn
+      logical :: good, searched
+
+      matrices = 0
+      directions = 0
+      do i = 1, n
+         matrices(i, i, :) = [0.5_wp + 0.3_wp*i, 0.1_wp, 2.0_wp]
+      end do
+      matrices(1, 2, 3) = -1
+      matrices(2, 1, 3) = -1
+      directions(2:3, 1) = [-1.0_wp, 1.0_wp]
+      directions(2:3, 2) = [1.0_wp, -1.0_wp]
+      directions(1, 3) = 1
+      directions(2, 4) = 1
+      laws = 0
+      laws(:3, 1) = [0.4_wp, real(constant_law, wp), 0.7_wp]
+      laws(:3, 2) = [0.5_wp, real(constant_law, wp), 0.6_wp]
+      laws(:5, 3) = [0.3_wp, real(pushing_law, wp), 20.0_wp, 0.4_wp, 0.1_wp]
+      laws(:5, 4) = [0.0_wp, real(friction_law, wp), 0.2_wp, 0.25_wp, 0.1_wp]
+      do set = 1, 8
+         searched = modulo(set, 2) == 0
+         select case (set)
+         case (1, 2)
+            closed = [integer :: ]
+         case (3, 4)
+            closed = [1]
+         case (5)
+            closed = [-4, 3]
+         case (6)
+            closed = [-3, 4]
+         case (7)
+            closed = [1, 3, 4]
+         case default
+            closed = [2, 4]
+         end select
+         do turn = 1, 6
+            do j = 1, size(harmonics, 3)
+               do i = 1, n
+                  harmonics(i, 1, j) = draw(random, -1.0_wp, 1.0_wp)
+                  harmonics(i, 2, j) = draw(random, -1.0_wp, 1.0_wp)
+                  constant(i) = draw(random, 0.1_wp, 1.0_wp)
+               end do
+            end do
+            do i = 1, 3
+               laws(1, i) = draw(random, 0.1_wp, 1.0_wp)
+            end do
+            laws(3:5, 4) = draw(random, 0.1_wp, 1.0_wp)
+            structure = new_structure(matrices, directions, laws)
+            call check_structure(structure, status)
+            load = new_load(draw(random, 0.5_wp, 3.0_wp), harmonics, constant)
+            call new_regime(structure, load, closed, expected, status, searched)
+            call check(status == stat%ok, 'renewal: a new regime')
+            if (turn == 1) then
+               call new_regime(structure, load, closed, regime, status, searched, .true.)
+            else
+               call renew_regime(structure, load, regime, good)
+               call check(good, 'renewal: a regime is renewed')
+            end if
+            call compare()
+         end do
+         structure%stiffness(1, 1) = 1.01_wp*structure%stiffness(1, 1)
+         call renew_regime(structure, load, regime, good)
+         call check(.not. good, 'renewal: not with another stiffness')
+      end do
+   contains
+      !> All that depends on the load, the openings and the friction.
+      subroutine compare()
+         call check(all([same(regime%offset, expected%offset), same(regime%modes%drift, &
+            expected%modes%drift), same(regime%modes%force, expected%modes%force), &
+            same(regime%row_offset, expected%row_offset), same(regime%rate_offset, &
+            expected%rate_offset), same(regime%upper, expected%upper), same(regime%lower, &
+            expected%lower), same([regime%unit, regime%frequency], [expected%unit, &
+            expected%frequency])]), 'renewal: constants')
+         call check(all([same_waves(regime%steady, expected%steady), same_waves( &
+            regime%steady_rate, expected%steady_rate), same_waves(regime%wave_drift, &
+            expected%wave_drift), same_waves(regime%wave_force, expected%wave_force), &
+            same_waves(regime%ripple, expected%ripple), same_waves(regime%rows%ripple, &
+            expected%rows%ripple)]), 'renewal: harmonics')
+         call check(all([same(regime%rows%offset, expected%rows%offset), same( &
+            regime%rows%rate_offset, expected%rows%rate_offset), same(regime%rows%constant_size, &
+            expected%rows%constant_size), same(regime%rows%fastest, expected%rows%fastest), &
+            same(regime%coordinates%offset, expected%coordinates%offset), same( &
+            regime%coordinates%fastest, expected%coordinates%fastest)]), 'renewal: rows')
+         call check(all(regime%upper_gap == expected%upper_gap) .and. all(regime%lower_gap == &
+            expected%lower_gap), 'renewal: limits')
+         if (searched) call check(same(reshape(regime%steps%map, [size(regime%steps%map)]), &
+            reshape(expected%steps%map, [size(expected%steps%map)])) .and. &
+            same_waves(regime%turns, expected%turns), 'renewal: tables')
+      end subroutine compare
+
+      !> Whether two lists have the same bits.
+      logical function same(one, other)
+         real(wp), intent(in) :: one(:), other(:)
+
+         same = size(one) == size(other)
+         if (same) same = all(transfer(one, [0]) == transfer(other, [0]))
+      end function same
+
+      !> The same of amplitudes.
+      logical function same_waves(one, other) result(are)
+         complex(wp), intent(in) :: one(:, :), other(:, :)
+
+         are = all(shape(one) == shape(other))
+         if (are) are = all(transfer(one, [0]) == transfer(other, [0]))
+      end function same_waves
+   end subroutine test_renewal
 
 end module mechanics_structure
