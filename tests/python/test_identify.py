@@ -42,6 +42,16 @@ def test_an_identification_is_saved_and_read(tmp_path):
     assert np.char.startswith(np.array((tmp_path / "found.csv").read_text().split()), "xi,").any()
 
 
+def test_a_load_known_exactly_takes_nothing_from_the_fit():
+    """Its row of a very small error does not hide from rounding what the other rows tell."""
+    record = vi.VirtualRig(**BENCH, known_bandwidth=True).record(rng=2)
+    free, exact = (vi.identify(record, known={"M": 2.7} | more) for more in ({}, {"F0": 6.0}))
+    assert exact.good
+    assert exact.misfit == pytest.approx(free.misfit, abs=0.05)
+    for name, value in (("xi", 0.01143), ("R1", 0.75), ("R2", 0.65), ("d", 0.006)):
+        assert abs(exact.values[name] - value) < 4 * exact.errors[name], name
+
+
 @pytest.mark.parametrize("quantity", ["velocity", "displacement"])
 def test_velocity_and_displacement_do_as_well(quantity):
     """Impacts do not show as spikes in these records, but the harmonics give the same motion."""
