@@ -41,7 +41,8 @@ module vi_case
    type(key_type), parameter, public :: system_keys(*) = [ &
       key_type('xi', low=0.0_wp, high=1.0_wp, below=.true., or='damping', &
       meaning='damping ratio C/(2 sqrt(K M))'), &
-      key_type('mu', low=0.0_wp, high=1.0e6_wp, or='free_mass', meaning='mass ratio m/M'), &
+      key_type('mu', low=0.0_wp, high=1.0e6_wp, or='free_mass', unit='M', &
+      meaning='mass ratio m/M'), &
       key_type('restitution', most=2, low=0.0_wp, high=1.0_wp, &
       takes='one number for both walls or two (right, left), each with 0 <= R <= 1', &
       meaning='coefficient of restitution of both walls, or of the right and the left one'), &

@@ -279,6 +279,7 @@ contains
       missing = why
       call read_quantity(text, value, powers, angular, why)
       if (len(why) > 0) return
+      if (unit == 'M' .and. all(powers == 0) .and. .not. angular) return ! a share of M, in %
       if (any(powers /= wanted) .or. (angular .neqv. is_angle)) then
          why = 'its unit is not that of '//trim(kind_of(wanted, is_angle))
       else if (len(missing) > 0) then

@@ -289,8 +289,10 @@ contains
          good = good .and. all(numbers >= key%low .and. numbers <= key%high)
          if (key%above) good = good .and. all(numbers > key%low)
          if (key%below) good = good .and. all(numbers < key%high)
+         if (.not. good .and. allocated(words) .and. present(own)) call name_converted(key, words, &
+            own, numbers, why)
       end if
-      if (.not. good) why = ''
+      if (.not. good .and. .not. allocated(why)) why = ''
    end subroutine interpret
 
    !> Converts numbers to the units of their key.
@@ -325,6 +327,32 @@ contains
          return
       end do
    end subroutine convert
+
+   !> Names the first number beyond the range of its key, as given and in the unit of the range.
+   pure subroutine name_converted(key, words, own, numbers, why)
+      !> The key.
+      type(key_type), intent(in) :: key
+      !> The numbers with their units as texts.
+      type(line_type), intent(in) :: words(:)
+      !> The units of the key, in turn.
+      character(*), intent(in) :: own(:)
+      !> The numbers in the units of the key.
+      real(wp), intent(in) :: numbers(:)
+      !> The end of the message, from a semicolon on; not allocated if none is beyond the range.
+      character(:), allocatable, intent(out) :: why
+      integer :: i
+
+      do i = 1, size(numbers)
+         if (numbers(i) > key%low .and. numbers(i) < key%high) cycle
+         if (.not. key%above .and. .not. abs(numbers(i) - key%low) > 0) cycle
+         if (.not. key%below .and. .not. abs(numbers(i) - key%high) > 0) cycle
+         if (.not. abs(key%low) > 0 .and. numbers(i) <= 0) return   ! 0 is the same in all units
+         why = '; '//words(i)%text//' is '//trim(number_text(numbers(i), .false., 6))//' '// &
+            trim(own(modulo(i - 1, size(own)) + 1))
+         why = trim(why)
+         return
+      end do
+   end subroutine name_converted
 
    !> Finds a word among those that a key accepts, ignoring case.
    pure subroutine match_word(words, text, good)
@@ -501,11 +529,26 @@ contains
                call values%refuse(trim(values%keys(i)%name))
             else if (.not. good) then
                call values%refuse(trim(values%keys(i)%name), trim(values%keys(i)%over)//' is '// &
-                  trim(number_text(low%numbers(1), .false.)))
+                  as_given(values, low))
             end if
          end associate
       end do
    end subroutine check_order
+
+   !> The number of a key as written in the file, or its default.
+   pure function as_given(values, value) result(text)
+      !> The group.
+      type(values_type), intent(in) :: values
+      !> The value of the key, a number.
+      type(value_type), intent(in) :: value
+      character(:), allocatable :: text
+
+      if (value%given) then
+         text = values%items(value%origin(1))%value
+      else
+         text = trim(number_text(value%numbers(1), .false.))
+      end if
+   end function as_given
 
    !> Whether numbers without a unit are in units of the &system.
    pure logical function has_one_reading(own, units) result(one)

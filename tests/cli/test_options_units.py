@@ -51,6 +51,9 @@ def test_bare_numbers_in_units(tool, tmp_path):
         (["--r", "19.5 Hx"], "--r '19.5 Hx': must be a number with 1e-6 <= r <= 1e6; unknown unit Hx"),
         (["--r", "19.5x"], "--r 19.5x: must be a number"),
         (["--clearance", "4"], "1e-12 <= clearance <= 1e12; a number without a unit can be read in two ways"),
+        (["--clearance", "-4 mm"], "1e-12 <= clearance <= 1e12; -4 mm is -28 F0/K"),
+        (["--r", "0 Hz"], "1e-6 <= r <= 1e6; 0 Hz is 0 omega"),
+        (["--clearance", ""], "--clearance '': must be a number"),
     ],
 )  # fmt: skip
 def test_wrong_units(words, message, tool):
@@ -66,6 +69,27 @@ def test_wrong_units(words, message, tool):
     )
     assert done.status == 2
     assert message in str(done)
+
+
+def test_a_reversed_range_is_named_as_given(tool):
+    """The lower end in the message is what was typed."""
+    words = ["zone", *RIG, *SHARES, "--sides", "RL"]
+    done = tool(*words, "--r", "22 Hz", "19 Hz", "--clearance", "3 mm", "5 mm")
+    assert done.status == 2
+    assert (
+        "--r 22 Hz 19 Hz: must have 1e-6 <= HIGH <= 1e6, and LOW below HIGH; LOW is '22 Hz'"
+        in str(done)
+    )
+
+
+@pytest.mark.parametrize(("given", "mu"), [("0.108 kg", 0.04), ("108 g", 0.04), ("4 %", 0.04)])
+def test_a_mass_ratio_takes_a_mass_or_a_percentage(given, mu, tool, tmp_path):
+    """--mu takes the free mass or its share of M, as in Python."""
+    words = [*RIG, *SHARES, "--r", "19.5 Hz", "--clearance", "4 mm", "--cycles", "3"]
+    at = words.index("--free-mass") if "--free-mass" in words else words.index("--mu")
+    words[at : at + 2] = ["--mu", given]
+    osc, _ = keys_of(tool, tmp_path, "simulate", *words)
+    assert osc.mu == pytest.approx(mu, rel=1e-14)
 
 
 def test_results_in_units(tool, tmp_path):

@@ -57,7 +57,7 @@ class Option(NamedTuple):
                 raise ParameterError(f"--{self.name} {shown(words)}: {error}") from None
             wanted = " ".join(self.metavars * key["most"])
             raise ParameterError(
-                f"--{self.name} {shown(words)}: must be {wanted}; {word} is not a number"
+                f"--{self.name} {shown(words)}: must be {wanted}; {typed(word)} is not a number"
             ) from None
         return int(value) if key["kind"] == "whole" and value.is_integer() else value
 
@@ -106,7 +106,7 @@ def number(text: str) -> float:
     try:
         return checks.read_number(text)
     except ValueError as error:
-        message = str(error) if "must be" in str(error) else f"{text.strip()}: must be a number"
+        message = str(error) if "must be" in str(error) else f"{typed(text)}: must be a number"
         raise argparse.ArgumentTypeError(message) from None
 
 
@@ -180,4 +180,9 @@ def name_of(key: Mapping[str, Any]) -> str:
 
 def shown(words: Sequence[Any]) -> str:
     """The words of an option, as they could be typed."""
-    return " ".join(f"{word:g}" if isinstance(word, float) else str(word) for word in words)
+    return " ".join(f"{word:g}" if isinstance(word, float) else typed(word) for word in words)
+
+
+def typed(word: Any) -> str:
+    """A word as it could be typed; an empty one in quotes."""
+    return str(word).strip() or "''"

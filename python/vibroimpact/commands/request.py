@@ -157,6 +157,8 @@ def in_options(line: str, made: str, request: Request, options: argparse.Namespa
     typed = owner.typed(options)
     value = shown(typed) if isinstance(typed, list) else match[3]
     text = re.sub("^is missing; ", f"{MISSING}; it ", match[4])
+    if len(owner.keys) > 1:  # the range is that of one of its values
+        text = re.sub("^must be a number with ", "must have ", text)
     for other in request.known:
         text = other.in_words(text, "" if other == owner else f" of --{other.name}")
 

@@ -38,6 +38,7 @@ module vi_branch_study
       list_for, of_oscillator, of_parameter, of_structure, result_type, study_type, truths, &
       values_type, verdicts, wholes, words
    use vi_text, only: counted, line_type, number_text, whole
+   use vi_units, only: show_frequency, show_unit, shown_in, shown_type
    implicit none (type, external)
    private
 
@@ -239,9 +240,10 @@ contains
    subroutine check_branch(case)
       !> The case, with `start`.
       type(case_type), intent(inout) :: case
-      real(wp) :: start(2), low, high, least, most
+      real(wp) :: start(2), low, high, least, most, scale
       character(40) :: text
-      character(:), allocatable :: limits
+      character(:), allocatable :: limits, unit
+      type(shown_type) :: shown
       integer :: place, core_place
       logical :: tied
 
@@ -262,6 +264,17 @@ contains
       limits = trim(text)
       if (start(1) <= start(2)) limits = limits//', and the motion has '//trim(parameters(place)) &
          //' = '//trim(number_text(start(1), .false., 10))
+      if (case%system%has('force')) then
+         call case%system%text('unit_names', unit)
+         shown = shown_in(case%system%number('mass'), case%system%number('stiffness'), &
+            case%system%number('force'), unit, '')
+      end if
+      if (start(1) <= start(2) .and. len_trim(shown%names(1)) > 0 .and. &
+         (place == by_r .or. place == by_clearance)) then
+         if (place == by_r) call show_frequency(shown, scale, unit)
+         if (place == by_clearance) call show_unit('F0/K', shown, scale, unit)
+         limits = limits//' ('//trim(number_text(scale*start(1), .false., 6))//' '//unit//')'
+      end if
       if (.not. (low >= least .and. low <= start(1))) then
          call case%study%refuse('low', limits)
       else if (.not. (high <= most .and. high >= start(2) .and. high > low)) then

@@ -66,7 +66,7 @@ module vi_design_study
       takes=of_walls, meaning='range for the left wall only'), &
       key_type('tolerance_clearance', least=2, most=1001, may_miss=.true., unit='F0/K', &
       takes=spread, meaning=of_free), &
-      key_type('tolerance_mu', least=2, most=1001, may_miss=.true., takes=spread, &
+      key_type('tolerance_mu', least=2, most=1001, may_miss=.true., unit='M', takes=spread, &
       meaning=of_free), &
       key_type('tolerance_xi', least=2, most=1001, may_miss=.true., takes=spread, &
       meaning=of_free), &
