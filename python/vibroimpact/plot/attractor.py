@@ -197,6 +197,10 @@ def draw_basins(basins: Basins, ax: Any = None, units: Units | None = None) -> A
     ax.set_ylabel(second)
     named = zip(basins.attractors, basins.fractions, colors[2:], strict=True)
     patches = [Patch(color=c, label=f"{item.name}  {share:.1%}") for item, share, c in named]
+    for label, name, color in ((-1, "undecided", colors[1]), (-2, "closed gap", colors[0])):
+        share = np.mean(labels == label)
+        if share > 0:
+            patches.append(Patch(fc=color, ec="0.5", lw=0.5, label=f"{name}  {share:.1%}"))
     style.add_legend(
         ax, handles=patches, loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=7, frameon=False
     )
@@ -253,6 +257,8 @@ def draw_structure_bifurcation(
     values = scales(diagram.column(quantity), unit)
     table = diagram.points if quantity in ("phase", "speed") else diagram.strobes
     whole, label = scales.parameter(diagram.parameter, diagram.values)
+    if diagram._shown == "load":  # of an oscillator; that of a structure is a factor
+        whole, label = scales.of("load", diagram.values), scales.label("load amplitude", "F0")
     along, run = whole[table["index"]], np.array(diagram.runs)[table["run"]]
     ax = axes(ax, diagram, scales, style.TWO_COLUMNS, pad=16.0)
     for name, mark in SWEEPS.items():

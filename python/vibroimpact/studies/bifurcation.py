@@ -338,6 +338,12 @@ class BifurcationDiagram(
         first = next(iter(self.structure.outputs), "q_0") if self.of_structure else "x"
         return self._draw(ax, quantity or first, units=units)
 
+    @property
+    def _shown(self) -> str:
+        """The parameter whose unit values have; "" for the load of a structure, which is a factor."""
+        is_factor = self.of_structure and self.parameter == "load" and "label" not in self.keys
+        return "" if is_factor else self.parameter
+
     def __repr__(self) -> str:
         cut = "" if self.complete else f"; cut short, {self.cut}"
         if self.of_structure:
@@ -349,7 +355,7 @@ class BifurcationDiagram(
                 "periodic window": len(self.windows),
             }
             found = ", ".join(f"{n} {what}{'s' * (n != 1)}" for what, n in counts.items())
-        span = range_text(self._system, self.parameter, self.values[0], self.values[-1])
+        span = range_text(self._system, self._shown, self.values[0], self.values[-1])
         return f"<BifurcationDiagram over {self.parameter} = {span}: {found}{cut}>"
 
 
@@ -419,13 +425,17 @@ def _along_parameter(given: dict[str, Any]) -> None:
     structure."""
     osc: Oscillator = given["osc"]
     name: Any = given.get("parameter")
-    if "point" in given and name not in NAMES:
+    is_amplitude = (
+        name == "load" and "point" in given and not isinstance(given["point"].amplitude, Load)
+    )
+    if "point" in given and name not in NAMES and not is_amplitude:
         # a parameter of the structure that the point represents, such as the slip level of its friction
         state_by_coordinates(given)
         if not given.get("start", 1):
             del given["start"]
         return
-    checks.choice(name, "parameter", NAMES)
+    if not is_amplitude:
+        checks.choice(name, "parameter", NAMES)
     values = given["values"] = distinct(given.get("values", ()), points=given.pop("points", None))
     if name in ("r", "clearance"):
         if given.get(name) is not None:
@@ -459,7 +469,7 @@ def _along_parameter(given: dict[str, Any]) -> None:
         if walls:
             restitution = [value if i in walls else each for i, each in enumerate(osc.restitution)]
             changes = {"restitution": tuple(restitution)}
-        if name == "clearance":
+        if name in ("clearance", "load"):
             there |= changes
             changes = {}
         found = replace(osc, **changes).at(**there, **elements)
@@ -531,8 +541,9 @@ def bifurcation_diagram(
         In place of `osc`, `r` and `clearance`; the load has a frequency.
     parameter : {"r", "clearance", "xi", "mu", "R1", "R2", "restitution"}, or str or function
         "restitution" changes both walls. For a structure as in `branch`: "frequency", "load", "opening_0", ...,
-        and likewise for a point with friction or stops, such as "slip" or "contact"; or a smooth function that
-        returns (structure, load) for a value; `structure` and `load` are then not used.
+        and likewise for a point with friction or stops, such as "slip" or "contact", where "load" is the
+        amplitude divided by F0 as in `Oscillator.at`; or a smooth function that returns (structure, load) for a
+        value; `structure` and `load` are then not used.
     values : array_like, or (float, float)
         At least two different numbers, in any order and with any spacing; sweeps go through them in sorted order.
         With `points` a range (lo, hi).
