@@ -23,7 +23,7 @@ from .results.events import Sample
 from .results.noun import Savable
 from .results.systems import system_of
 from .results.tables import Column, Found, Result, declared, settled
-from .systems.oscillator import Oscillator, Pattern
+from .systems.oscillator import Oscillator, Pattern, Point
 from .systems.structure import Load, Structure
 from .systems.units import (
     GAP,
@@ -53,6 +53,8 @@ UNITS = {
 } | Quantities.units  # fmt: skip
 
 
+#: The dimensionless units of the numbers of a point.
+POINT = {"r": "", "clearance": "F0/K", "amplitude": "F0", "friction": "F0"}
 #: Methods of a zone at points.
 OF_POINTS = ("contains", "count", "motion", "undecided")
 
@@ -195,7 +197,8 @@ class Physical(Generic[From]):
             return table
         if isinstance(value, Mapping):
             # of a state, without the extra keys for a bitwise continuation
-            names = units_by_name("design") if self._of.study == "design" else UNITS
+            study = getattr(self._of, "study", "")  # a point has none
+            names = units_by_name("design") if study == "design" else UNITS
             return {key: self._converted(key, item) for key, item in value.items() if key in names}
         if hasattr(value, "study"):
             return in_units(value, self.units)
@@ -207,13 +210,13 @@ class Physical(Generic[From]):
             )
         if isinstance(value, Quantities):
             fields = {item.name: getattr(value, item.name) for item in dataclasses.fields(value)}
-            return replace(
-                value, **{key: self._converted(key, item) for key, item in fields.items()}
-            )
+            converted = {key: self._converted(key, item) for key, item in fields.items()}
+            return replace(value, **converted | {"_unit_names": self.units.names})
         if isinstance(value, (list, tuple)) and not hasattr(value, "_fields"):
             return [self._converted(name, item) for item in value]
-        unit = units_by_name(self._of.study).get(name, MIXED)
-        if unit == MIXED:
+        of_point = isinstance(self._of, Point)
+        unit = (POINT if of_point else units_by_name(self._of.study)).get(name, MIXED)
+        if unit == MIXED and not of_point:
             columns = settled(self._of._result).columns()
             known = [item.unit for _, item in columns if item.name == name and item.unit != MIXED]
             unit = known[0] if known else MIXED

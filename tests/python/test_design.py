@@ -321,7 +321,7 @@ def test_a_design_is_converted_to_physical_units(tmp_path):
     from vibroimpact.plot.design import _lines
 
     assert any(
-        f"d = {1000 * length * found.values['clearance']:.5g} mm from wall to wall" in line
+        f"= {1000 * length * found.values['clearance']:.6g} mm (wall to wall, from " in line
         for line in _lines(found)
     )
     assert "(mm)" in shown.plot()[0].get_xlabel()

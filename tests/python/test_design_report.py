@@ -103,6 +103,6 @@ def test_the_page_says_what_was_asked(tmp_path):
             f"displacement <= {40 * length:.6g} mm",
             f"least_gap >= {1e-4 * length:.6g} mm", "multiplier <= 0.98",
             f"m = {found.values['mu'] * 2.7:.5g} kg, with M = 2.7 kg",
-            f"d = {found.values['clearance'] * length:.5g} mm from wall to wall",
+            f"= {found.values['clearance'] * length:.6g} mm (wall to wall, from ",
         ):  # fmt: skip
             assert part in text

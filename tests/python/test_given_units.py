@@ -389,9 +389,21 @@ REFUSED = {
         ),
         "fixed['x'] = 2 mm: must be left out: it is an axis",
     ),
+    "both": (
+        lambda: vi.simulate(RIG.at("19.5 Hz", "4 mm", friction="1 N"), duration="2 s", cycles=20),
+        "cycles = 20, duration = 2 s: exactly one must be given",
+    ),
+    "limits": (
+        lambda: vi.limit_probability(RIG, ["19 Hz"], "4 mm", {"xi": (0.01, 0.012)}, {"displacement": "nan mm"}),
+        "limit['displacement'] = 'nan mm': must be a positive number in F0/K, or a text with a unit, such as",
+    ),
+    "target": (
+        lambda: vi.design(RIG, r=("19 Hz", "20 Hz"), free={"mu": (0.02, 0.05)}, clearance="4 mm", limit="2 mm"),
+        "limit = '2 mm': must be a positive number (attenuation is dimensionless)",
+    ),
     "stop": (
         lambda: RIG.at("19.5 Hz", "4 mm", stops=(None, ("-840 kN/m", "75 N s/m"))),
-        "stiffness = -840 kN/m: must be a number from 0 to 1e100; without units -840 kN/m is -20",
+        "stiffness of the left wall = -840 kN/m: must be a number from 0 to 1e100; without units -840 kN/m is -20",
     ),
 }  # fmt: skip
 
@@ -421,6 +433,66 @@ def test_bounds_of_a_branch_are_named_as_given():
         vi.branch(motion, *name, bounds=("3 mm", "4 mm")) for name in ((), ("clearance",))
     )
     np.testing.assert_array_equal(default.clearance, named.clearance)
+
+
+def test_percentages_of_the_walls_and_the_mass():
+    """A restitution and a mass ratio may be given in %, alone or for each wall."""
+    plain = vi.Oscillator(xi=0.011, mu=0.04, restitution=(0.75, 0.6))
+    assert vi.Oscillator(xi="1.1 %", mu="4 %", restitution=("75 %", "60 %")) == plain
+    assert vi.Gap([1], 0.1, "75 %").restitution == 0.75
+    with pytest.raises(ParameterError, match="restitution = 7 mm: must be a number"):
+        vi.Oscillator(xi=0.011, mu=0.04, restitution="7 mm")
+    with pytest.raises(
+        ParameterError, match=r"restitution = 1\.75: must be .* 0 <= restitution <= 1"
+    ):
+        vi.Oscillator(xi=0.011, mu=0.04, restitution="175 %")
+
+
+def test_an_amplitude_of_either_sign():
+    """Free vibration starts on either side, with or without a unit."""
+    for amplitude in (-5, 5):
+        given = vi.decay(RIG, "4 mm", amplitude=f"{amplitude} mm", cycles=4)
+        plain = vi.decay(RIG, 4e-3 / LENGTH, amplitude=amplitude * 1e-3 / LENGTH, cycles=4)
+        np.testing.assert_allclose(given.x, plain.x, rtol=1e-11)
+        assert np.sign(given.x.ravel()[0]) == np.sign(amplitude)
+
+
+def test_the_load_of_a_point_with_friction_is_an_amplitude():
+    """A sweep of the load starts from F0, whatever the load of the point; a factor has no unit."""
+    of_3, of_9 = (RIG.at("19.5 Hz", "4 mm", friction="1 N", load=f"{load} N") for load in (3, 9))
+    options = {"settling": 60, "sweep": "up"}
+    given = vi.bifurcation_diagram(of_9, "load", ["3 N", "3.3 N"], **options)
+    assert "over load = 3 to 3.3 N" in repr(given)
+    factors = vi.bifurcation_diagram(of_3.structure, of_3.load, "load", [1.0, 1.1], **options)
+    assert "over load = 1 to 1.1:" in repr(factors)
+    np.testing.assert_allclose(given.column("q_0"), factors.column("q_0"), atol=1e-9)
+    harmonics = RIG.at("19.5 Hz", "4 mm", friction="1 N", load=vi.Load(ratio(19.5), sine=[1.5, 0]))
+    with pytest.raises(ParameterError, match="must be numbers, factors of the `Load`"):
+        vi.bifurcation_diagram(harmonics, "load", ["3 N", "3.3 N"])
+
+
+def test_an_argument_for_structures_is_named():
+    """An unknown argument of an oscillator is answered with those it has."""
+    with pytest.raises(
+        TypeError, match=r"basins\(\) got .* 'settling', which is for structures; .* cycles"
+    ):
+        vi.basins(RIG.at("19.5 Hz", "4 mm"), states=3, settling=20)
+    with pytest.raises(TypeError, match=r"basins\(\) got .* argument 'cycle'; of an oscillator"):
+        vi.basins(RIG.at("19.5 Hz", "4 mm"), states=3, cycle=20)
+
+
+def test_a_point_in_physical_units():
+    """Numbers of a point, and the representation of response quantities, have the units of the rig."""
+    point = RIG.at("19.5 Hz", "4 mm", friction="0.2 N")
+    shown = vi.physical(point, "mm N s")
+    assert (shown.clearance, shown.amplitude, shown.friction) == pytest.approx(
+        (4, 6, 0.2), rel=1e-12
+    )
+    assert shown.r == point.r
+    run = vi.simulate(RIG, "19.5 Hz", "4 mm", cycles=3)
+    assert "over 0.153846 s" in repr(run.physical().quantities())
+    assert " mm, of accelerations " in repr(run.physical("mm N s").quantities())
+    assert " m" not in repr(run.quantities())
 
 
 def test_a_tolerance_with_a_unit_is_a_deviation():

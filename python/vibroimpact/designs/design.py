@@ -23,7 +23,7 @@ from ..results.performance import LEAST, PARAMETERS
 from ..results.tables import Result, made
 from ..systems.distribution import Uncertain, uncertain
 from ..systems.oscillator import Oscillator, of_numbers
-from ..systems.units import range_text, units_to_show, value_text
+from ..systems.units import range_text, units_to_show, value_text, wanted_figure
 from ..systems.verbs import physical_arguments
 from .confirmation import CODE_OF, confirmed, firmer
 from .order import NAMES, Order, asked_by, numbers_of
@@ -651,6 +651,13 @@ def design(
         raise ParameterTypeError(
             f"limits = {limits!r}: must be a dict, not {type(limits).__name__}"
         )
+    for where, asked, figure in [
+        ("limit", limit, target), *((f"limits[{key!r}]", item, key) for key, item in bounds.items())
+    ]:  # fmt: skip
+        if isinstance(asked, str):
+            raise ParameterTypeError(
+                f"{where} = {asked!r}: must be {wanted_figure(figure)}, not str"
+            )
     uncertain_ones = {
         name: uncertain(value, f"tolerance[{name!r}]") for name, value in spread.items()
     }

@@ -128,6 +128,8 @@ class Quantities:
     friction_loss: float
     energy_change: float
     of_structure: bool
+    #: The units of length, force and time, for the representation; "" if they are not known.
+    _unit_names: str = ""
     #: The dimensionless unit of each for an oscillator.
     units: ClassVar[dict[str, str]] = {
         "duration": "1/omega", "q": "F0/K", "q_dot": "omega F0/K", "q_ddot": "omega^2 F0/K",
@@ -163,8 +165,15 @@ class Quantities:
     def __repr__(self) -> str:
         signals = (self.q, self.q_ddot) if self.of_structure else (self.x, self.x_ddot)
         peak, highest = (np.max(signal.peak) for signal in signals)
+        length, _, time = self._unit_names.split() if self._unit_names else [""] * 3
+        in_units = [
+            f"{value:.6g}{f' {unit}' * bool(time)}"
+            for value, unit in (
+                (self.duration, time), (peak, length), (highest, f"{length}/{time}^2")
+            )
+        ]  # fmt: skip
         return (
-            f"<Quantities over {self.duration:.6g}: largest peak {peak:.6g}, of accelerations {highest:.6g}; "
+            f"<Quantities over {in_units[0]}: largest peak {in_units[1]}, of accelerations {in_units[2]}; "
             f"{len(self.impacts)} impacts>"
         )
 
@@ -224,7 +233,10 @@ def structure_quantities(
     impacts["loss"] = 0.5 * impacts["impulse"] * (speed + closing)
     found = integrated(arguments, segments, window, harmonics, impacts, True)
     # the work of a moving wall contains its speed
-    return replace(found, work=math.fsum([found.work, *(-impacts["impulse"] * wall)]))
+    work = math.fsum([found.work, *(-impacts["impulse"] * wall)])
+    units = run.structure._units
+    in_units = units is not None and units.M == units.K == units.F0 == 1
+    return replace(found, work=work, _unit_names=units.names if in_units else "")
 
 
 def oscillator_quantities(

@@ -97,7 +97,7 @@ def _lines(design: Design) -> list[str]:
     osc = design.osc if design.case else None
     chosen = (
         f"{'$d$' if units and name == 'clearance' else _symbol(design, name)} = {value_text(osc, name, value)} "
-        f"(from {range_text(osc, name, low, high)})"
+        f"({'wall to wall, ' * bool(units and name == 'clearance')}from {range_text(osc, name, low, high)})"
         for (name, value), (low, high) in zip(
             design.values.items(), design.ranges.values(), strict=True
         )
@@ -148,18 +148,11 @@ def _wrapped(text: str) -> list[str]:
 
 
 def _dimensions(design: Design, units: Units | None) -> list[str]:
-    """The chosen values in physical units."""
-    if units is None:
+    """The free mass that a chosen mass ratio means."""
+    if units is None or "mu" not in design.values:
         return []
-    chosen = design.values
-    texts = []
-    if "clearance" in chosen:
-        d = chosen["clearance"] * units.length
-        texts.append(f"d = {d:.5g} {units.name('F0/K')} from wall to wall")
-    if "mu" in chosen:
-        si = units.to(SI)
-        texts.append(f"m = {chosen['mu'] * si.M:.5g} kg, with M = {si.M:.5g} kg")
-    return texts
+    mass = units.to(SI).M
+    return [f"m = {design.values['mu'] * mass:.5g} kg, with M = {mass:.5g} kg"]
 
 
 def _draw_panels(panels: Any, design: Design, scales: style.Scales) -> None:

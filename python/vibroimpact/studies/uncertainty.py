@@ -21,7 +21,7 @@ from ..results import door
 from ..results.performance import FIGURES, LEAST, Performance, perform
 from ..systems.distribution import Uncertain, interval, shares, systems, uncertain_parameters
 from ..systems.oscillator import Oscillator, Pattern, Point, of_numbers, pattern_of
-from ..systems.units import value_text
+from ..systems.units import value_text, wanted_figure
 from ..systems.verbs import physical_arguments
 from .boundary_band import BoundaryBand, bands_of, keeps_symmetry, quantile_pair
 from .chart import compute_chart
@@ -619,7 +619,8 @@ def limits_of(limit: Any, names: tuple[str, ...]) -> dict[str, float]:
         return {}
     if not isinstance(limit, Mapping):
         raise ParameterTypeError(
-            f"limit = {limit!r}: must be a dict of limits, not {type(limit).__name__}"
+            f"limit = {limit!r}: must be a dict of quantities with their limits, such as "
+            f"{{'displacement': 3.0}}, not {type(limit).__name__}"
         )
     found = {}
     for key, value in limit.items():
@@ -627,9 +628,10 @@ def limits_of(limit: Any, names: tuple[str, ...]) -> dict[str, float]:
             raise ParameterError(
                 f"limit: unknown quantity {key!r}: must be one of {', '.join(names)}"
             )
-        found[key] = checks.to_float(value, f"limit[{key!r}]", "a positive number")
+        wanted = wanted_figure(key)
+        found[key] = checks.to_float(value, f"limit[{key!r}]", wanted)
         if not 0 < found[key] < np.inf:
-            raise ParameterError(f"limit[{key!r}] = {value!r}: must be a positive number")
+            raise ParameterError(f"limit[{key!r}] = {value!r}: must be {wanted}")
     return found
 
 

@@ -149,9 +149,12 @@ class Oscillator:
             for name, value in given.items()
         }
         if has_unit(mu):
-            if values["M"] is None:
+            if str(mu).endswith("%"):
+                mass = plain_number(mu, "mu", (0, 0, 0), names)
+            elif values["M"] is None:
                 raise ParameterError(f"mu = {mu!s}: must be m/M if M is not given")
-            mass = plain_number(mu, "mu", POWERS["m"], names) / values["M"]
+            else:
+                mass = plain_number(mu, "mu", POWERS["m"], names) / values["M"]
         values |= {
             "xi": checks.number(plain_number(xi, "xi", (0, 0, 0), names), "xi"),
             "mu": checks.number(mass, "mu"),
@@ -649,7 +652,11 @@ def _compliant_walls(osc: Oscillator, stops: Any) -> tuple[Wall | None, Wall | N
             )
         ]
         with shown_as_given(zip(given, numbers, strict=True)):
-            stop = Stop([-1, 1], 1, *numbers)
+            try:
+                stop = Stop([-1, 1], 1, *numbers)
+            except (ParameterError, ParameterTypeError) as error:
+                error.args = (re.sub(r"^\w+", rf"\g<0> of the {name} wall", str(error)),)
+                raise
         return stop.stiffness, stop.damping
 
     try:
@@ -659,7 +666,8 @@ def _compliant_walls(osc: Oscillator, stops: Any) -> tuple[Wall | None, Wall | N
         if isinstance(error, (ParameterError, ParameterTypeError)):
             raise
         raise ParameterError(
-            f"stops = {stops!r}: must be (stiffness, damping) or None for the right wall, and for the left one"
+            f"stops = {stops!r}: must be (stiffness, damping) or None for the right wall, and for the left one, "
+            "such as ((100.0, 0.1), None)"
         ) from None
     return None if walls == (None, None) else walls
 

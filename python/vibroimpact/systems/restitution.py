@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core
 from ..base import checks
 from ..base.errors import ParameterError, ParameterTypeError
+from .units import SI, plain_number
 
 __all__ = ["PowerLaw", "TabulatedRestitution"]
 
@@ -209,7 +210,8 @@ def checked(restitution: Restitution, label: str | None = None) -> Restitution:
             f"{label or 'restitution'} = {restitution!r}: must be {wanted}, or a law: a vibroimpact.PowerLaw or "
             "TabulatedRestitution"
         )
-    return checks.number(restitution, "restitution", label)
+    number = plain_number(restitution, label or "restitution", (0, 0, 0), SI)
+    return checks.number(number, "restitution", label)
 
 
 def to_columns(restitution: Restitution) -> dict[str, Any]:

@@ -100,7 +100,7 @@ NAMED: dict[str, tuple[float, Powers, bool]] = {
 QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*((?:1/)?[^\d\s.].*?)\s*")
 NUMBER = re.compile(r"-?\b\d+(?:\.\d+)?(?:e[-+]?\d+)?\b")
 #: The value of the parameter in a message about a starting motion.
-STARTING = re.compile(r"(the motion has (\w+) = )(-?[\d.]+(?:e[-+]?\d+)?)$")
+STARTING = re.compile(r"(the motion has (\w+) = )(-?[\d.]+(?:e[-+]?\d+)?)(?: \(.*\))?$")
 FACTOR = re.compile(r"([A-Za-z%]+)(?:\^?(-?\d))?")
 #: The dimensionless units of arguments of functions, by name; a state has a mapping of its own.
 ARGUMENTS = {"r": "omega", "clearance": "F0/K", "load": "F0", "friction": "F0"}
@@ -127,6 +127,8 @@ OF_FIGURES = {
     "displacement": "F0/K", "rms": "F0/K", "acceleration": "omega^2 F0/K", "force": "F0",
     "speed": "omega F0/K", "least_speed": "omega F0/K", "least_gap": "F0/K",
 }  # fmt: skip
+#: Texts with these units, for messages.
+EXAMPLES = {"F0/K": "2 mm", "omega^2 F0/K": "9.81 m/s^2", "F0": "6 N", "omega F0/K": "0.1 m/s"}
 #: Arguments that contain values by name, and the units of these values.
 BY_NAME = {
     "uncertain": PARAMETERS, "free": PARAMETERS, "tolerance": PARAMETERS, "limit": OF_FIGURES,
@@ -774,6 +776,8 @@ def shown_as_given(values: Iterable[tuple[Any, Any]], osc: Any = None) -> Iterat
     except (ParameterError, ParameterTypeError) as error:
         name, equals, rest = str(error).partition(" = ")
         value, must, allowed = rest.partition(": must ")
+        if not must:  # of several arguments
+            value, must, allowed = rest.partition(": exactly one must ")
         known = {
             f"{number:.9g}": (text, number)
             for given, used in values for text, number in given_and_used(given, used)
@@ -793,7 +797,7 @@ def shown_as_given(values: Iterable[tuple[Any, Any]], osc: Any = None) -> Iterat
                 lambda start: start[1] + value_text(osc, start[2], float(start[3])), allowed
             )
             note = f"; without units {plain}" if re.search(r"\d", allowed) else ""
-            error.args = (f"{name} = {value}: must {allowed}{note}",)
+            error.args = (f"{name} = {value}{must}{allowed}{note}",)
         raise
 
 
@@ -871,6 +875,14 @@ def value_text(osc: Any, name: str, value: float, digits: int = 6) -> str:
     """A value as a text, such as "4 mm" or "28"."""
     scale, unit = shown_unit(osc, name)
     return f"{value * scale:.{digits}g}{unit}"
+
+
+def wanted_figure(name: str) -> str:
+    """What a limit of a quantity must be, for messages."""
+    unit = OF_FIGURES.get(name, "")
+    if not unit:
+        return f"a positive number ({name} is dimensionless)"
+    return f"a positive number in {unit}, or a text with a unit, such as {EXAMPLES[unit]!r}"
 
 
 def own_number(value: Any, name: str, names: str = SI, label: str = "") -> Any:

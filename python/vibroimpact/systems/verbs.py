@@ -136,6 +136,14 @@ def every_system(
                 or isinstance(kwargs.get("load"), Load)
             ):
                 return handed_over(named(name, parameters, args, kwargs))
+            for key in kwargs:
+                if key not in signature:
+                    others = inspect.signature(of_structure).parameters
+                    note = ", which is for structures" if key in others else ""
+                    raise TypeError(
+                        f"{name}() got an unexpected keyword argument {key!r}{note}; "
+                        f"of an oscillator the arguments are {', '.join(parameters)}"
+                    )
             return of_oscillator(*args, **kwargs)
 
         def called(args: tuple[Any, ...], kwargs: dict[str, Any]) -> Any:
@@ -342,6 +350,12 @@ def physical_arguments(function: Callable[Given, Found]) -> Callable[Given, Foun
         if not isinstance(osc, (Oscillator, OfStructure)):
             return function(*args, **kwargs)
         before = {name: given[name] for name in physical}
+        if given.get("parameter") == "load" and isinstance(getattr(first, "amplitude", 0), Load):
+            for name in physical:
+                if name in OF_PARAMETER:
+                    raise ParameterError(
+                        f"{name} = {given[name]!s}: must be numbers, factors of the `Load` of the point"
+                    )
         chosen = defaults | {name: given[name] for name in ("parameter", "target") if name in given}
         for name in physical:
             of = str(chosen.get("parameter", chosen.get("target")))
