@@ -651,12 +651,12 @@ def design(
         raise ParameterTypeError(
             f"limits = {limits!r}: must be a dict, not {type(limits).__name__}"
         )
-    for where, asked, figure in [
+    for where, bound, figure in [
         ("limit", limit, target), *((f"limits[{key!r}]", item, key) for key, item in bounds.items())
     ]:  # fmt: skip
-        if isinstance(asked, str):
+        if isinstance(bound, str):
             raise ParameterTypeError(
-                f"{where} = {asked!r}: must be {wanted_figure(figure)}, not str"
+                f"{where} = {bound!r}: must be {wanted_figure(figure)}, not str"
             )
     uncertain_ones = {
         name: uncertain(value, f"tolerance[{name!r}]") for name, value in spread.items()
