@@ -26,7 +26,7 @@ def installed(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def door(installed, tmp_path_factory):
-    """The program of door.c."""
+    """The program built from door.c."""
     target = tmp_path_factory.mktemp("door") / "door"
     strict = ["-std=c99", "-D_DEFAULT_SOURCE", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-O1"]
     return installed.compile(ROOT / "tests/c/door.c", target, *strict)

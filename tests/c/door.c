@@ -1,5 +1,5 @@
-/* What tests/c/test_c_door.py calls: one thing to do with the library, and a namelist file to do it with.
- * A law that does not hold is told on stderr, and the exit status is 9. */
+/* Called by tests/c/test_c_door.py with the name of an action and a namelist file.
+ * A law that does not hold is reported on stderr, with exit status 9. */
 #include <math.h>
 #include <pthread.h>
 #include <stdio.h>
@@ -57,7 +57,7 @@ static void print_text(vibroimpact_result result, int what)
     free(text);
 }
 
-/* The CSV on stdout, what is to be said on stderr, and the status as exit status, as the program does. */
+/* As the program: the CSV on stdout, messages on stderr, and the status as exit status. */
 static int show(const char *text)
 {
     vibroimpact_result result;
@@ -96,7 +96,7 @@ static int walk(const char *text)
     struct vibroimpact_column column, again;
     int n_tables = 0, filled = 0, i, j;
     int status = vibroimpact_run(text, 1, NULL, &result);
-    memset(&column, 0, sizeof column); /* what lies between the members, too */
+    memset(&column, 0, sizeof column); /* padding as well */
     memset(&again, 0, sizeof again);
     CHECK(status == VIBROIMPACT_DONE || status == VIBROIMPACT_FAILED);
     for (; vibroimpact_table(result, n_tables, &table) == 0; n_tables++) {
@@ -155,7 +155,7 @@ static int walk(const char *text)
                     CHECK(column.k[j] >= 0 && column.k[j] <= column.n_words);
             }
         }
-        for (j = 2; j <= column.n_words; j++) { /* a word stands once */
+        for (j = 2; j <= column.n_words; j++) { /* words are unique */
             char *word = copy_word(result, i, j), *other = copy_word(result, i, j - 1);
             CHECK(strcmp(word, other) != 0);
             free(word);
@@ -216,7 +216,7 @@ static void *stop_soon(void *unused)
     return NULL;
 }
 
-/* A second thread stops the case as soon as some of its work is done. */
+/* A second thread stops the case as soon as part of its work is done. */
 static int stop(const char *text)
 {
     vibroimpact_result result;
@@ -370,7 +370,7 @@ static int refill(const char *text)
     return 0;
 }
 
-/* What does not fit is refused with a message, and changes nothing. */
+/* Unsuitable values are refused with a message and change nothing. */
 static void fill_wrongly(const char *text)
 {
     vibroimpact_result r;
@@ -413,7 +413,7 @@ static void fill_wrongly(const char *text)
     vibroimpact_free(r);
 }
 
-/* Null pointers, no handle, freed handles, and texts that are none. */
+/* Null pointers, missing and freed handles, and null texts. */
 static int misuse(const char *text)
 {
     vibroimpact_result r, wrong;
@@ -442,14 +442,14 @@ static int misuse(const char *text)
     CHECK(vibroimpact_text(r, -1, out, 0) == 0);
     CHECK(vibroimpact_word(r, -1, 1, out, sizeof out) == 0);
     CHECK(vibroimpact_word(r, 2147483647, 1, out, sizeof out) == 0);
-    /* the room is kept to, and (size_t)-1 is room for anything */
+    /* the size of the buffer is respected; (size_t)-1 is unlimited */
     strcpy(out, "abcdefg");
     CHECK(vibroimpact_text(r, VIBROIMPACT_CASE, out, 4) > 3 && strlen(out) == 3 && out[4] == 'e');
     CHECK(vibroimpact_version(out, (size_t)-1) == strlen(out));
     CHECK(vibroimpact_version(NULL, 100) == strlen(out));
     fill_wrongly(text);
     vibroimpact_free(wrong);
-    for (i = 0; i < 2; i++) { /* the handle that is none, and one that was freed */
+    for (i = 0; i < 2; i++) { /* no handle, and a freed one */
         if (i == 1)
             vibroimpact_free(r);
         else

@@ -1,4 +1,4 @@
-"""Code compiled on other systems only: syntax and types, with the declarations of those systems."""
+"""Check the syntax and types of code for other systems, with declarations of those systems."""
 
 import shutil
 import subprocess

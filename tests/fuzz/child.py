@@ -1,4 +1,4 @@
-"""Work in a child process, which may be broken down, and is ended if one call takes too long."""
+"""Run work in a child process, which may crash and is killed if one call takes too long."""
 
 import os
 import pickle
@@ -10,10 +10,10 @@ import time
 import traceback
 import warnings
 
-#: Seconds of CPU time after which a call is interrupted, those that it then has to end, and seconds after which a
-#: child that does nothing counts as one that hangs.
+#: CPU seconds after which a call is interrupted, CPU seconds that it then has to end, and seconds after which an
+#: idle child counts as hanging.
 PATIENCE, GRACE, LIMIT = 0.5, 20, 600
-#: Bytes of memory that it may take.
+#: Bytes of memory that it may use.
 ROOM = 8 << 30
 
 
@@ -45,7 +45,7 @@ def in_child(report, what, name, work):
 
 
 def run(work, begun, to):
-    """The child: an empty folder, no input and no output, little room, and calls that can be interrupted."""
+    """Run the work in the child: in an empty folder, without input or output, with little memory."""
 
     def begin(text):
         with open(begun, "w", encoding="utf-8", errors="replace") as file:
@@ -75,7 +75,7 @@ def run(work, begun, to):
 
 
 def watch(child, begun, source):
-    """Waits until a child has an answer; ends it if one call takes longer than the limit."""
+    """Wait until a child has an answer; kill it if one call takes longer than the limit."""
     while not select.select([source], [], [], 5)[0]:
         if time.time() > os.stat(begun).st_mtime + LIMIT:
             os.kill(child, signal.SIGKILL)
@@ -96,7 +96,7 @@ def limited(call, seconds=PATIENCE):
             for clock in (signal.ITIMER_PROF, signal.ITIMER_REAL):
                 signal.setitimer(clock, 0)
     except (Exception, KeyboardInterrupt) as error:
-        # an interrupt may have come in front of those lines
+        # the interrupt may have arrived before these lines
         for clock in (signal.ITIMER_PROF, signal.ITIMER_REAL):
             signal.setitimer(clock, 0)
         return error

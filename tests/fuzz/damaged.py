@@ -1,4 +1,4 @@
-"""Damaged files of all formats: an error of the package, or a result that can be used."""
+"""Read damaged files of all formats: the outcome is an error of the package or a usable result."""
 
 import contextlib
 import copy
@@ -16,19 +16,19 @@ import numpy as np
 from child import in_child, limited, where
 from language import Language
 
-#: Damaged files of a whole run for each sound one.
+#: Number of damaged files made from each sound file in a full run.
 COUNT = 500
-#: Values in place of others in a record of JSON.
+#: Values that replace others in a JSON record.
 ODD = [
     None, True, -1, 0, 1, 2, 5, 1000, 2**31, 2**70, 1e300, 1e-300, -5, 0.5, float("nan"), "inf", "", " ", "x",
     "=1", "R", "a,b", 'a"b', "a\nb", "\ud800", "R*", [], {}, [[]], [1, [2]], [None], "constant", "power", "stick",
 ]  # fmt: skip
-#: Methods of results that draw, or take long.
+#: Methods of results that draw or take long.
 LEFT_OUT = {"animate", "confirm", "plot", "report", "require", "nearest_boundary", "index"}
 
 
 def fuzz(report, options):
-    """All of this file, one child process for each sound file."""
+    """Run all tests of this file, with one child process for each sound file."""
     count = max(2, round(COUNT * options.share))
     with tempfile.TemporaryDirectory() as name:
         for path, reader in sound_files(Path(name)):
@@ -150,7 +150,7 @@ def others(vi, osc, motion):
 
 
 def use_result(path):
-    """Reads a result, and uses it."""
+    """Read a result and use it."""
     import vibroimpact as vi
 
     found = vi.load(path)
@@ -159,14 +159,14 @@ def use_result(path):
 
 
 def use_record(path):
-    """Reads a record of signals."""
+    """Read a record of signals."""
     import vibroimpact as vi
 
     repr(vi.read_record(path))
 
 
 def use_sep005(path):
-    """Reads a record that another library would give; JSON itself is not what is tried."""
+    """Read a record as another library would return it; reading JSON itself is not tested."""
     import vibroimpact as vi
 
     try:
@@ -178,19 +178,19 @@ def use_sep005(path):
 
 
 def use_store(path):
-    """Reads the store of a campaign."""
+    """Read the store of a campaign."""
     import vibroimpact as vi
 
     vi.Campaign(path).to_xarray("points", "lowest").load()
 
 
 def ways_of(rng, path):
-    """How a file of a format is damaged."""
+    """Return the function that damages files of a format."""
     return repacked if path.suffix == ".mat" and rng.random() < 0.5 else damage
 
 
 def damage(rng, data):
-    """Bytes that are changed, cut, repeated or exchanged."""
+    """Change, cut, repeat or exchange bytes."""
     kind = rng.random()
     if kind < 0.5 or not data:
         return Language.damage(rng, data)
@@ -206,7 +206,7 @@ def damage(rng, data):
 
 
 def repacked(rng, data):
-    """A file of MATLAB with other bytes in one of its parts, and right checksums."""
+    """Change bytes in one part of a MATLAB file, and correct its checksums."""
     parts, at = [], 128
     while at + 8 <= len(data):
         kind, size = struct.unpack_from("<II", data, at)
@@ -214,7 +214,7 @@ def repacked(rng, data):
         parts.append(zlib.decompress(body) if kind == 15 else data[at : at + 8 + size])
         at += 8 + size
     i = rng.randrange(len(parts))
-    # most damage in the tags at the beginning
+    # most of the damage is in the tags at the beginning
     n = rng.choice([64, 400, len(parts[i])])
     parts[i] = damage(rng, parts[i][:n]) + parts[i][n:]
     packed = [zlib.compress(part) for part in parts]
@@ -222,7 +222,7 @@ def repacked(rng, data):
 
 
 def changed(rng, data):
-    """A record of JSON in which some values are others, or left out, or lists have another length."""
+    """Replace or remove some values of a JSON record, or change lengths of its lists."""
     data = json.loads(data)
     for _ in range(rng.choice((1, 1, 1, 2, 4))):
         inner, key = data, None
@@ -247,7 +247,7 @@ def changed(rng, data):
 
 
 def use_all(path):
-    """Reads a result, and uses all of it."""
+    """Read a result and use all of it."""
     import vibroimpact as vi
     from vibroimpact.base.errors import VibroimpactError
 
@@ -273,7 +273,7 @@ def use_all(path):
 
 
 def use(found, name):
-    """Reads an attribute, and calls a method with arguments of the kind that it takes."""
+    """Read an attribute; call a method with arguments of the kinds that it takes."""
     item = getattr(found, name)
     if not inspect.ismethod(item):
         return
@@ -297,7 +297,7 @@ def use(found, name):
 
 
 def damaged(path, reader, count, seed, begin, change=None):
-    """As `work` of `in_child`; `change` makes the damage."""
+    """The `work` of `in_child`; `change` damages the data."""
     from vibroimpact.base.errors import VibroimpactError
 
     rng = random.Random(f"{seed} {path.name} {getattr(change, '__name__', '')}")

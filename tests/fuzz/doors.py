@@ -1,4 +1,4 @@
-"""The interface for C with hostile arguments, and messages and links of the explorer."""
+"""Call the C interface with hostile arguments, and send random messages and links to the explorer."""
 
 import ctypes
 import functools
@@ -11,14 +11,14 @@ from urllib.parse import quote, urlencode
 from child import in_child, limited, where
 from language import Language
 
-#: Calls of the library, messages and links of a whole run.
+#: Numbers of library calls, messages and links in a full run.
 CALLS, MESSAGES, LINKS = 200_000, 5_000, 5_000
 SYSTEM = b"&system xi = 0.01, mu = 0.05, restitution = 0.75, r = 0.9 /\n"
 CASE = SYSTEM + b"&motion kind = 'equispaced', clearance = 37 /"
 
 
 def fuzz(report, options):
-    """All of this file."""
+    """Run all tests of this file."""
     import vibroimpact as vi
     from vibroimpact.explorer import session  # noqa: F401  (before a call that may be interrupted)
 
@@ -37,7 +37,7 @@ def fuzz(report, options):
 
 
 def call(options, count, begin):
-    """Random calls of all functions; any status is an answer."""
+    """Call all functions at random; any status is an acceptable answer."""
     library = ctypes.CDLL(str(next(options.checked.resolve().glob("src/c/libvibroimpact.so"))))
     for name in ("text", "describe", "version", "word"):
         getattr(library, f"vibroimpact_{name}").restype = ctypes.c_size_t
@@ -154,7 +154,7 @@ def call(options, count, begin):
 
 
 def odd(rng, depth=0):
-    """A value that JSON may hold."""
+    """A value that JSON can contain."""
     kind = rng.randrange(9 if depth < 3 else 7)
     if kind == 7:
         return [odd(rng, depth + 1) for _ in range(rng.randrange(4))]
@@ -192,7 +192,7 @@ def answered(session, sent, message, counts, faults):
 
 
 def listen(options, count, begin):
-    """Random messages to a page, in the forms that they should have or in others."""
+    """Send random messages to a page, in valid and invalid forms."""
     from vibroimpact.explorer.messages import PARTS
     from vibroimpact.explorer.session import Session
     from vibroimpact.explorer.state import State
@@ -230,7 +230,7 @@ def listen(options, count, begin):
 
 
 def follow(options, count, begin):
-    """Pages that are opened by random links."""
+    """Open pages by random links."""
     from vibroimpact.explorer.state import State
 
     rng = random.Random(f"{options.seed} links")

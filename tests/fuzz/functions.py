@@ -18,14 +18,14 @@ from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-#: Examples of a whole run for each function.
+#: Number of examples for each function in a full run.
 COUNT = 200
-#: Methods that need a display, a browser or a film, and those of sequences of Python.
+#: Methods that need a display or a browser or make a film, and methods of Python sequences.
 LEFT_OUT = {"animate", "plot", "count", "index"}
 
 
 def fuzz(report, options):
-    """All of this file, one child process for each function."""
+    """Run all tests of this file, with one child process for each function."""
     targets = find_targets()
     count = max(2, round(COUNT * options.share))
     for name, (function, base) in targets.items():
@@ -34,8 +34,8 @@ def fuzz(report, options):
 
 
 def find_targets():
-    """(function, arguments that it takes) by name."""
-    import scipy.optimize  # noqa: F401  (what is imported later could be interrupted in its import)
+    """Functions with the arguments that they take, by name."""
+    import scipy.optimize  # noqa: F401  (a later import could be interrupted)
     import vibroimpact as vi
     import xarray  # noqa: F401
 
@@ -64,7 +64,7 @@ def find_targets():
 
 
 def parameters_of(function):
-    """The names of its parameters."""
+    """The names of the parameters of a function."""
     return [
         name for name, parameter in inspect.signature(function).parameters.items()
         if parameter.kind not in (parameter.VAR_KEYWORD, parameter.VAR_POSITIONAL)
@@ -139,7 +139,7 @@ def samples(vi):
 
 
 def base_of(function, samples):
-    """Arguments of a function that should be valid: those it needs, and all that keep it small."""
+    """Valid arguments of a function: the required ones, and those that keep the computation small."""
     values, annotated = samples
     base = {}
     for name, parameter in inspect.signature(function).parameters.items():
@@ -243,7 +243,7 @@ def hostile():
 
 
 def calls(base, names):
-    """(arguments, names of those that are hostile)."""
+    """Arguments, and the names of the hostile ones."""
     changed = st.lists(st.sampled_from(names), min_size=1, max_size=2, unique=True)
     return changed.flatmap(
         lambda chosen: st.fixed_dictionaries({name: hostile() for name in chosen}).map(
@@ -256,7 +256,7 @@ def calls(base, names):
 
 
 def tried(name, function, base, count, number, begin):
-    """Numbers of calls that were refused and accepted, and (kind, text) of those that went wrong."""
+    """Count refused and accepted calls, and collect (kind, text) of those that went wrong."""
     from vibroimpact.base.errors import ParameterError, VibroimpactError
 
     parameters = parameters_of(function)
@@ -284,7 +284,7 @@ def tried(name, function, base, count, number, begin):
 
 
 def short(value):
-    """A value in words."""
+    """Describe a value in words."""
     try:
         return repr(value)[:300]
     except Exception as error:
@@ -292,7 +292,7 @@ def short(value):
 
 
 def fault_of(function, arguments, parameters, counts, errors):
-    """Calls a function once; what is wrong with its answer, or None."""
+    """Call a function once; return what is wrong with its answer, or None."""
     parameter_error, own_error = errors
     positional = inspect.signature(function).parameters
     first = [
@@ -332,7 +332,7 @@ def fault_of(function, arguments, parameters, counts, errors):
 
 
 def names_one(message, parameters):
-    """Whether a message names one of the parameters; that of a namelist begins with its path."""
+    """Whether a message names one of the parameters; a message about a namelist begins with its path."""
     if parameters == ["path"] and ": " in message:
         return True
     return any(re.search(rf"\b{re.escape(name)}\b", message) for name in parameters)

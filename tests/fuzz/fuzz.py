@@ -26,7 +26,7 @@ PARTS = {
 
 
 def main():
-    """Runs the parts that are asked for."""
+    """Run the requested parts."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--share", type=float, default=1.0, help="share of all inputs (default: 1)")
     parser.add_argument("--seed", type=int, default=1, help="other inputs (default: 1)")
@@ -39,13 +39,13 @@ def main():
     options.sanitized, options.checked = options.sanitized.resolve(), options.checked.resolve()
     report = Report()
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    # programs are interrupted: they must not inherit that this one, in the background, ignores it
+    # the programs are interrupted, so they must not inherit the ignored signal of a background process
     signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         for name, part in PARTS.items():
             if name in options.only:
                 part(report, options)
-    finally:  # also of a run that is stopped
+    finally:  # also if the run is stopped
         status = report.finish()
     return status
 

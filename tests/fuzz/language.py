@@ -1,4 +1,4 @@
-"""Mutated namelists: of the groups, keys and values of the language, and of its bytes."""
+"""Mutate namelists: their groups, keys, values and bytes."""
 
 import math
 import re
@@ -13,7 +13,7 @@ COSTS = {
     "record_short_steps": 10, "structure_basins": 4, "structure_record": 5, "structure_response": 5,
     "structure_settled": 20, "structure_simulate": 5,
 }  # fmt: skip
-#: Texts in place of a value.
+#: Texts that replace a value.
 VALUES = [
     "0", "-0", "-0.0", "1", "-1", "2", "3", "0.5", "1.5", "1e-300", "4.9e-324", "2.2250738585072014e-308",
     "1e308",
@@ -31,13 +31,13 @@ VALUES = [
     "'mass.mtx'", "'stiffness.npy'", "'record.csv'", "1e-12", "1e12", "1e6", "1e-6", "1e-13", "1.0000001e12",
     "0.9999999999999999", "1.0000000000000002",
 ]  # fmt: skip
-#: Keys that say how much is computed.
+#: Keys that determine how much is computed.
 AMOUNTS = {
     "batches", "clearance_points", "cycles", "discard", "duration", "guesses", "keep", "lines", "max_cycles",
     "max_events", "max_impacts", "max_points", "points", "probes", "r_points", "releases", "samples", "seeds",
     "settling", "states", "survey", "values",
 }  # fmt: skip
-#: Bytes that are put anywhere.
+#: Bytes that are inserted anywhere.
 PIECES = [
     b"&", b"/", b"'", b'"', b"!", b"=", b",", b";", b"(", b")", b"*", b"%", b":", b"\n", b"\r", b"\r\n", b"\t",
     b"\0",
@@ -64,7 +64,7 @@ SUBSCRIPTS = [
 
 
 def parse(text):
-    """Groups with their keys and values, of a namelist with one key on a line."""
+    """Groups with their keys and values, read from a namelist with one key per line."""
     groups = []
     for line in text.split("\n"):
         if line.startswith("&"):
@@ -76,7 +76,7 @@ def parse(text):
 
 
 def write(groups):
-    """The namelist of such groups."""
+    """The namelist with these groups."""
     lines = []
     for name, items in groups:
         lines += [f"&{name}", *(f"  {key} = {value}" for key, value in items), "/"]
@@ -84,7 +84,7 @@ def write(groups):
 
 
 class Language:
-    """The namelists of the seeds, and what the program tells of its groups and keys."""
+    """The seed namelists, and the program's description of its groups and keys."""
 
     def __init__(self, described):
         paths = sorted(SEEDS.glob("*.nml"))
@@ -95,16 +95,16 @@ class Language:
         self.names = [*self.groups]
 
     def choose(self, rng):
-        """The place of a seed."""
+        """Choose the index of a seed."""
         return rng.choices(range(len(self.seeds)), cum_weights=self.weights)[0]
 
     def keys(self, group, groups):
-        """The table of keys of a group of a case."""
+        """The table of keys of a group in a case."""
         model = "structure" if any(name == "structure" for name, _ in groups) else "oscillator"
         return [key for key in self.groups.get(group, []) if key["model"] in ("", model)]
 
     def value(self, rng, key):
-        """A value that a key could have: at a bound, near it, or one of its words."""
+        """A plausible value of a key: at a bound, near one, or one of its words."""
         choice = rng.random()
         if choice < 0.3:
             return rng.choice(VALUES)
@@ -115,10 +115,10 @@ class Language:
 
     @staticmethod
     def number(rng, key):
-        """A number at or near a bound of a key, or any."""
+        """A number at or near a bound of a key, or any number."""
         low, high = key.get("low"), key.get("high")
         if high is not None and 100 < high and key["name"] in AMOUNTS and rng.random() < 0.9:
-            high = None  # a case is small
+            high = None  # keep the case small
         bound = rng.choice([bound for bound in (low, high, 0.0, 1.0) if bound is not None])
         if key["kind"] == "whole":
             return str(int(bound) + rng.choice((-1, 0, 0, 1, 2)))
@@ -131,7 +131,7 @@ class Language:
         return rng.choice((repr, repr, "{:.17e}".format, "{:.3g}".format, "{:+.15G}".format))(x)
 
     def mutate(self, rng, groups):
-        """Changes groups, keys and values in place."""
+        """Change groups, keys and values in place."""
         for _ in range(rng.choice((1, 1, 1, 2, 2, 4))):
             if not groups:
                 return
@@ -177,7 +177,7 @@ class Language:
 
     @staticmethod
     def damage(rng, text):
-        """Changes bytes."""
+        """Change bytes."""
         text = bytearray(text)
         for _ in range(rng.choice((1, 1, 2, 4))):
             at = rng.randrange(len(text) + 1)
@@ -196,7 +196,7 @@ class Language:
 
     @staticmethod
     def restyle(rng, text):
-        """The same case in another form: blanks, comments, line ends, upper case of names."""
+        """The same case with other blanks, comments, line ends and upper-case names."""
         style = rng.randrange(6)
         if style == 0:
             return text.replace("\n", "\r\n")
@@ -222,7 +222,7 @@ class Language:
         return text if kind < 0.9 else self.damage(rng, text)
 
     def pair(self, rng):
-        """Two texts of one case, well-formed but for its values."""
+        """Two texts of one case, well-formed except for its values."""
         groups = [(name, list(items)) for name, items in self.parsed[self.choose(rng)]]
         name, items = rng.choice(groups)
         if items:
@@ -234,7 +234,7 @@ class Language:
         return text.encode(), self.restyle(rng, text).encode()
 
     def breaches(self, case):
-        """Numbers of a complete case that are outside the range of their key."""
+        """Numbers of a complete case outside the ranges of their keys."""
         groups = parse(case)
         for name, items in groups:
             table = {key["name"]: key for key in self.keys(name, groups)}

@@ -1,9 +1,9 @@
-/* Runs many namelists by the interface for C, each as vibroimpact_run does, and tells what became of each.
+/* Runs many namelists through the C interface, as vibroimpact_run does, and reports the outcome of each.
  *
  * usage: namelists FILE BUDGET BATCH
  *
- * FILE holds the namelists, each behind its length (4 bytes). A child process runs BATCH of them (at most 500) one
- * after the other; when one breaks the child down, the next child goes on behind it. BUDGET is the CPU time in
+ * FILE holds the namelists, each after its length (4 bytes). A child process runs BATCH of them (at most 500) one
+ * after the other; if one crashes the child, the next child continues after it. BUDGET is the CPU time in
  * milliseconds after which a case is asked to stop; one that goes on for 20 seconds ends its child.
  *
  * For each namelist stdout gets its outcome, its CPU time in microseconds and the length of a text (4 bytes each),
@@ -33,7 +33,7 @@ enum { BROKEN_LAW = 100, BREAKDOWN = 101, HANG = 102, LEAK = 103, LEAK_IN_BATCH 
 /* Largest number of namelists that one child runs. */
 enum { MOST = 500 };
 
-/* Of the address sanitizer; null without it. */
+/* Defined by the address sanitizer; null without it. */
 extern int __lsan_do_recoverable_leak_check(void) __attribute__((weak));
 
 static int32_t counters[3];
@@ -104,7 +104,7 @@ static uint64_t hash(uint64_t sum, const void *bytes, size_t n)
     return sum;
 }
 
-/* A number for all values of a result. */
+/* A checksum of all values of a result. */
 static uint64_t sum_of(vibroimpact_result result)
 {
     struct vibroimpact_column column;
@@ -170,7 +170,7 @@ static int run(const char *text, char **answer, uint64_t *sum, int *cut)
     return status;
 }
 
-/* One namelist, and the laws that tie its answers together. */
+/* One namelist, and the laws that relate its answers. */
 static int32_t try(const char *text, char **answer)
 {
     uint64_t sum, again;
@@ -228,14 +228,14 @@ static void put(int fd, int32_t outcome, double time, const char *text, size_t n
     free(all);
 }
 
-/* Bytes that are allocated; 0 where a sanitizer allocates. */
+/* Number of allocated bytes; 0 if a sanitizer allocates. */
 static size_t allocated(void)
 {
     struct mallinfo2 all = mallinfo2();
     return all.uordblks + all.hblkhd;
 }
 
-/* The child: runs the namelists, and writes what became of each. */
+/* The child: runs the namelists and writes the outcome of each. */
 static void work(char **texts, int n, int fd)
 {
     signal(SIGPROF, tick);
@@ -248,7 +248,7 @@ static void work(char **texts, int n, int fd)
         law = NULL;
         if (ftruncate(2, 0) == 0) /* what the case says */
             lseek(2, 0, SEEK_SET);
-        for (int turn = 0; turn < 4 && law == NULL; turn++) { /* what is kept once, libraries keep for themselves */
+        for (int turn = 0; turn < 4 && law == NULL; turn++) { /* memory kept only once is a cache of a library */
             free(answer);
             before = allocated();
             outcome = try(texts[i], &answer);
@@ -271,7 +271,7 @@ static void work(char **texts, int n, int fd)
     _exit(__lsan_do_recoverable_leak_check != NULL && __lsan_do_recoverable_leak_check() ? LEAK : 0);
 }
 
-/* What a file holds, up to a number of bytes. */
+/* The contents of a file, up to a number of bytes. */
 static char *read_all(int fd, size_t most)
 {
     char *text = calloc(1, most + 1);
@@ -282,7 +282,7 @@ static char *read_all(int fd, size_t most)
     return text;
 }
 
-/* Runs namelists in a child, and passes on what it wrote; how many it finished. */
+/* Runs namelists in a child, passes on its output, and returns how many it finished. */
 static int spawn(char **texts, int n, int *status, char **said)
 {
     int ends[2], done = 0, log = memfd_create("stderr", 0);
@@ -342,7 +342,7 @@ int main(int count, char **arguments)
     batch = atoi(arguments[3]);
     batch = batch < 1 || batch > MOST ? MOST : batch;
     out = stdout;
-    /* a case that takes too much memory is refused, not left to the machine */
+    /* a case that needs too much memory is refused, not killed by the system */
     if (__lsan_do_recoverable_leak_check == NULL) {
         struct rlimit room = {(rlim_t)2 << 30, (rlim_t)2 << 30};
         setrlimit(RLIMIT_AS, &room);

@@ -1,4 +1,4 @@
-"""Mutated namelists through the reader and the runner of two builds, and some through the program itself."""
+"""Run mutated namelists through the reader and runner of two builds, and some through the program itself."""
 
 import json
 import os
@@ -15,9 +15,9 @@ from pathlib import Path
 import numpy as np
 from language import Language
 
-#: Namelists of a whole run, by turns for each of two builds; and those that go through the program.
+#: Number of namelists in a full run, for two builds in turn, and number given to the program.
 COUNT, PROGRAMS = 1_000_000, 2_000
-#: CPU time in milliseconds after which a case is asked to stop.
+#: CPU milliseconds after which a case is asked to stop.
 BUDGET = 2
 CHUNK = 2500
 HEAD = struct.Struct("<3i")
@@ -30,13 +30,13 @@ ENVIRONMENT = dict(
     # a small quarantine of freed memory touches fewer pages
     ASAN_OPTIONS="allocator_may_return_null=1:max_allocation_size_mb=1000:hard_rss_limit_mb=3000:quarantine_size_mb=8",
     UBSAN_OPTIONS="halt_on_error=1:print_stacktrace=1",
-    # what is freed is free at once, so that a leak is seen case by case
+    # memory is freed at once, so that a leak is attributed to its case
     GLIBC_TUNABLES="glibc.malloc.tcache_count=0",
 )
 
 
 def fuzz(report, options):
-    """All of this file."""
+    """Run all tests of this file."""
     builds = {"sanitized": options.sanitized, "checked": options.checked}
     described = subprocess.run(
         [options.checked / "src" / "vibroimpact-batch", "--describe"],
@@ -60,7 +60,7 @@ def fuzz(report, options):
 
 
 def make(language, rng, n):
-    """Texts, among them pairs of one case: (text, place of its twin or None)."""
+    """Texts as (text, index of its twin or None); twins are two texts of one case."""
     texts = []
     while len(texts) < n:
         if rng.random() < 0.05:
@@ -72,7 +72,7 @@ def make(language, rng, n):
 
 
 def put_files(rng, folder):
-    """The files to which namelists refer: sound, or damaged."""
+    """Write the files to which namelists refer, sound or damaged."""
     sound = {
         "mass.mtx": b"%%MatrixMarket matrix array real symmetric\n2 2\n1\n0\n0.5\n",
         "record.csv": b"time, force\n0, 0\n0.5, 1\n1, -1\n",
@@ -93,7 +93,7 @@ def npy(array):
 
 
 def outcomes(place, folder, texts, batch=500):
-    """(outcome, text) of each namelist, and the last places of batches that leak."""
+    """Return (outcome, text) of each namelist, and the last indices of batches that leak."""
     path = folder / "texts.bin"
     path.write_bytes(b"".join(struct.pack("<I", len(text)) + text for text in texts))
     program = (place / "tests" / "fuzz" / "fuzz_namelists").resolve()
@@ -119,7 +119,7 @@ def outcomes(place, folder, texts, batch=500):
 
 
 def run_texts(report, language, what, place, folder, texts):
-    """Runs texts, and looks for what no answer may be."""
+    """Run texts and look for unacceptable answers."""
     only = [text for text, _ in texts]
     found, leaks = outcomes(place, folder, only)
     for end, said in leaks:
@@ -142,7 +142,7 @@ def run_texts(report, language, what, place, folder, texts):
 
 
 def wrong(language, found, twin, outcome, answer):
-    """What is wrong with an answer, in one line, or None."""
+    """Return what is wrong with an answer, in one line, or None."""
     if outcome == BROKEN_LAW:
         return answer.split("\n")[0]
     if outcome in KINDS:
@@ -164,7 +164,7 @@ def wrong(language, found, twin, outcome, answer):
 
 
 def signature(said):
-    """The line of a report of a sanitizer or of the compiler's checks that tells most."""
+    """The most informative line of a report of a sanitizer or of the compiler's checks."""
     lines = said.split("\n")
     for line in lines:
         if "At line" in line and "Fortran runtime warning" not in "".join(
@@ -179,11 +179,11 @@ def signature(said):
 
 
 def run_program(report, what, place, folder, text):
-    """The program itself: its exit status, its messages, and where it writes."""
+    """Check the program itself: its exit status, its messages, and where it writes."""
     (folder / "texts.bin").unlink(missing_ok=True)
     case, results = folder / "case.nml", folder / "results"
     case.write_bytes(text)
-    shutil.rmtree(results, ignore_errors=True)  # of a program that was killed
+    shutil.rmtree(results, ignore_errors=True)  # left by a program that was killed
     before = sorted(path.name for path in folder.iterdir())
     program = (place / "src" / "vibroimpact-batch").resolve()
     running = subprocess.Popen(

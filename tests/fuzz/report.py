@@ -1,4 +1,4 @@
-"""What was tried and what was found: progress, findings on disk, and the table at the end."""
+"""Report progress, keep findings on disk, and print a table at the end."""
 
 import hashlib
 import resource
@@ -10,11 +10,11 @@ FINDINGS = Path(__file__).with_name("findings")
 
 
 class Report:
-    """Counts of inputs by what was tried."""
+    """Counts of inputs by what was tested."""
 
-    #: Examples that are kept of findings of one kind.
+    #: Number of examples kept for each kind of finding.
     most = 3
-    #: Bytes of each that are printed.
+    #: Number of bytes of each example that are printed.
     shown = 2000
 
     def __init__(self):
@@ -23,7 +23,7 @@ class Report:
         self.told = time.monotonic()
 
     def count(self, what, refused=0, accepted=0):
-        """Adds inputs that were answered as they should be."""
+        """Count inputs that were answered correctly."""
         row = self.rows.setdefault(what, [0, 0, 0])
         row[0] += refused
         row[1] += accepted
@@ -32,7 +32,7 @@ class Report:
             print(f"{what}: {sum(row):,}", file=sys.stderr, flush=True)
 
     def find(self, what, kind, data, suffix):
-        """Keeps an input that was not: `kind` says in one line what happened."""
+        """Keep an input that was not answered correctly; `kind` describes in one line what happened."""
         self.rows.setdefault(what, [0, 0, 0])[2] += 1
         seen = self.kinds.setdefault((what, kind), [])
         if len(seen) < self.most:
@@ -43,7 +43,7 @@ class Report:
             print(f"{what}: {kind}: {path}", file=sys.stderr, flush=True)
 
     def finish(self):
-        """Prints the findings with the beginning of their inputs, and the table; the exit status."""
+        """Print the findings with the beginnings of their inputs, and the table; return the exit status."""
         for (what, kind), paths in self.kinds.items():
             print(f"\n{what}: {kind}")
             for path in paths:
@@ -58,5 +58,5 @@ class Report:
 
 
 def visible(character):
-    """A character as a log can show it."""
+    """A character in a form that a log can show."""
     return character if character.isprintable() or character == "\n" else ascii(character)[1:-1]

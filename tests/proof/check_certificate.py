@@ -31,7 +31,7 @@ from series import (
 )  # fmt: skip
 from structure_box import Varied
 
-#: Bits of the numbers in boxes and at points, and how often a box, or one of a zone, is halved.
+#: Precision in bits in boxes and at points, and number of times a box, or one of a zone, may be halved.
 BITS, MOST_BITS, MOST_HALVINGS, HALVINGS = 128, 960, 10, 14
 
 
@@ -72,7 +72,7 @@ class Pair:
         )
         need(len(set(zip(sides, map(exact, texts), strict=True))) == 2, "one R of each wall")
         if symmetric:
-            # half a period leads to the mirror image
+            # after half a period the state is the mirror image
             need(sides[:half].translate({82: "L", 76: "R"}) == sides[half:], "a symmetric word")
             need(texts[:half] == texts[half:] and cycles % 2 == 1, "symmetric walls, odd cycles")
             need(not {"R1", "R2"}.intersection(spans), "walls that are alike")
@@ -111,7 +111,7 @@ class Pair:
         return p, (start[2] - v + p * self.xi) / self.nu
 
     def damped(self, p, q, tau):
-        """That part and its velocity."""
+        """The free part of the motion and its velocity."""
         decay, sine, cosine = (
             (tau * self.xi * -1).exp(),
             (tau * self.nu).sin(),
@@ -127,7 +127,7 @@ class Pair:
         return tau, x + x1, v + v1
 
     def laws(self, i, start, end):
-        """What must vanish from impact i to the next one, whose phase is not reduced."""
+        """The residuals from impact i to the next one, whose phase is not reduced."""
         tau, x, v = self.landing(start, end)
         w, step = start[3], (self.sides[i] - self.side(i)) // 2
         return [
@@ -142,12 +142,12 @@ class Pair:
         return self.sides[i + 1] if i + 1 < len(self.sides) else self.sides[0] * self.turn
 
     def flights(self, states):
-        """The number of each flight with the states at its ends; the last is the first or its mirror image."""
+        """The number of each flight and the states at its ends; the last one is the first or its mirror image."""
         last = [states[0][0] + self.length, *(one * self.turn for one in states[0][1:])]
         return list(zip(range(len(states)), states, [*states[1:], last], strict=True))
 
     def blocks(self, states):
-        """Derivatives of the laws of each flight by the states at its beginning and at its end."""
+        """Derivatives of the laws of each flight with respect to the states at its beginning and at its end."""
         found, zero = [], self.powers[0]
         for i, start, end in self.flights(states):
             unknowns = []
@@ -182,7 +182,7 @@ class Pair:
         return matrix.solve(left).entries()
 
     def enclosure(self, box):
-        """The states of the one motion in a box of a certificate."""
+        """The states of the only motion in a box of a certificate."""
         texts, radii = flat(box["centre"]), list(map(number, flat(box["radius"])))
         names, n = len(box["parameters"]), len(self.sides)
         need(len(texts) == len(radii) == 4 * n, "four numbers for each impact")
@@ -209,7 +209,7 @@ class Pair:
         return states
 
     def explicit(self):
-        """The states of a motion of a zone, and its clearance, from equations that are linear in them."""
+        """The states of a motion of a zone, and its clearance, from linear equations."""
         need(len(self.sides) == 1, "one flight in half a period")
         unknowns = [Series({(self.powers[0], k): arb(1)}) for k in range(1, 5)]
         self.d, start = unknowns[0], [arb(0), *unknowns[1:]]
@@ -224,7 +224,7 @@ class Pair:
         return [[Series({(self.powers[0], 0): arb(0)}), *found[1:]]]
 
     def approach(self, states):
-        """The approach speed at the end of each flight, on the side that it is met from."""
+        """The approach speed at the end of each flight, just before the impact."""
         return [
             ball(self.side(i) * (start[3] - self.landing(start, end)[2]))
             for i, start, end in self.flights(states)
@@ -284,10 +284,10 @@ def check_stability(pair, states, box):
 
 
 def check(data):
-    """RejectedError unless all statements of a certificate are proven here too."""
+    """Raise RejectedError unless all statements of a certificate are proven here, too."""
     try:
         check_form(data)
-        # motions of many impacts lose many bits
+        # motions with many impacts lose many bits
         with ctx.workprec(MOST_BITS if data["kind"] in ("motion", "all") else BITS):
             check_statements(data)
     except (LookupError, TypeError, AttributeError, ValueError, ArithmeticError) as error:
@@ -295,7 +295,7 @@ def check(data):
 
 
 def check_statements(data):
-    """The same with the digits that are set."""
+    """The same with the given precision."""
     kind, sheets = data["kind"], data["sheets"]
     if kind == "zone":
         # cos(theta) of both signs, and all tangents up to the largest

@@ -8,7 +8,7 @@ from flight import closes
 from flint import arb, arb_mat, arb_poly, ctx
 from series import flat, need, number
 
-#: Bits of the numbers, and halvings of a piece of time.
+#: Precision in bits, and number of times an interval of time may be halved.
 BITS, MOST_HALVINGS = 320, 60
 
 
@@ -80,7 +80,7 @@ class System:
         return v - push * ((G * v)[0, 0] * (1 + R) / (G * push)[0, 0])
 
     def flights(self, states):
-        """Each flight: its state at the beginning, and at the end, its duration and the number of the next."""
+        """For each flight: the states at its ends, its duration and the number of the next flight."""
         for i, state in enumerate(states):
             j = (i + 1) % len(states)
             tau = states[j][0] + (self.period if j == 0 else arb(0)) - state[0]
@@ -89,7 +89,7 @@ class System:
             yield i, j, z, flow, flow * z, tau
 
     def laws(self, states):
-        """What must vanish."""
+        """The residuals of the equations."""
         left, n = [], self.n
         for _, j, _, _, end, _ in self.flights(states):
             q, v = column(end.entries()[:n]), column(end.entries()[n : 2 * n])
@@ -100,13 +100,13 @@ class System:
         return left
 
     def blocks(self, states):
-        """Derivatives of the laws of each flight by the unknowns at its beginning and at its end."""
+        """Derivatives of the laws of each flight with respect to the unknowns at its beginning and at its end."""
         n, found = self.n, []
         for _, j, z, flow, end, _ in self.flights(states):
             gap = self.impacts[j]
             moved = (self.A * z).entries()[: 2 * n]
             rest = [arb(0)] * (self.A.nrows() - 2 * n)
-            # a later beginning at the same state; the load goes on by itself
+            # a later start at the same state; the load advances independently
             columns = [(flow * column([-one for one in moved] + rest)).entries()]
             columns += [[flow[k, m] for k in range(2 * n)] for m in range(2 * n)]
             columns.append((self.A * end).entries())
@@ -134,7 +134,7 @@ class System:
         return (inverse * matrix).solve(inverse * column(self.laws(centre))).entries()
 
     def enclosure(self, box):
-        """The states of the one motion in a box."""
+        """The states of the only motion in a box."""
         texts, radii = flat(box["centre"]), [number(one) for one in flat(box["radius"])]
         count, size = len(self.impacts), self.size
         need(len(box["centre"]) == len(box["radius"]) == count, "all impacts")
@@ -245,13 +245,13 @@ def check_multipliers(system, states, box):
 
 
 def check_structure(data):
-    """RejectedError unless all statements of the certificate of a motion of a structure are proven here too."""
+    """Raise RejectedError unless all statements of a certificate of a structure are proven here, too."""
     with ctx.workprec(BITS):
         check_statements(data)
 
 
 def check_statements(data):
-    """The same with the digits that are set."""
+    """The same with the given precision."""
     system = System(data)
     need(len(data["boxes"]) == 1, "one box")
     for box in data["boxes"]:

@@ -1,10 +1,10 @@
-"""A flight between two impacts, for the program that checks certificates: the gaps at all times."""
+"""Check that the gaps stay open during a flight between two impacts; used to check certificates."""
 
 from series import UNIT, ball, need
 
-#: Halvings of a piece of time.
+#: Number of times an interval of time may be halved.
 MOST_HALVINGS = 22
-#: Parts of a flight whose ends are looked at for a closed gap, and halvings that narrow an extremum.
+#: Number of parts of a flight at whose ends a closed gap is sought, and of bisections that narrow an extremum.
 PARTS, NARROWED = 512, 40
 
 
@@ -28,7 +28,7 @@ def closes(at, tau):
 
 
 class Flight:
-    """Y and x in a flight, at thin or wide times."""
+    """Y and x in a flight, at times that are points or intervals."""
 
     def __init__(self, pair, i, start, end):
         self.pair, self.start, self.tau = pair, start, ball((end[0] - start[0]) / pair.r)
@@ -50,7 +50,7 @@ class Flight:
         return walls[0].min(walls[1]), *speeds
 
     def ranges(self, low, high):
-        """Distance, Y' and x from `low` to `high`, by the theorem of the mean."""
+        """Distance, Y' and x from `low` to `high`, by the mean value theorem."""
         middle, spread = (low + high) / 2, UNIT * ((high - low) / 2)
         _, _, bend, _, _, x_bend = self.at(middle + spread)
         near, rate, _, x, x_rate, _ = self.at(middle)
@@ -61,7 +61,7 @@ class Flight:
         """Check that both gaps stay open, and |x| <= bound."""
         ends = [self.tau.upper() * k / 32 for k in range(33)]
         pieces = [(ends[k], ends[k + 1], 0) for k in range(32)][::-1]
-        # the sign of Y' on the piece before; None where the gaps are open on all of it
+        # the sign of Y' on the previous piece; None if the gaps are open on all of it
         before = None
         while pieces:
             low, high, depth = pieces.pop()

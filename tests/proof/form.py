@@ -5,7 +5,7 @@ from math import isfinite
 
 from series import exact, flat, need
 
-#: The items of a certificate and of its parts, with what they may be.
+#: The items of a certificate and of its parts, with their allowed values.
 ITEMS = {
     "type": str, "format": int, "kind": str, "sides": str, "cycles": int, "symmetric": bool,
     "system": dict, "sheets": list, "boxes": list, "undecided": list, "seconds": (int, float),
@@ -21,7 +21,7 @@ BOUNDS = ("multipliers_below", "multipliers_above", "attenuation_below")
 
 
 def check_form(data):
-    """RejectedError unless a certificate has this form."""
+    """Raise RejectedError unless a certificate has this form."""
     need(isinstance(data, dict), "a certificate is an object")
     need(data.get("type") == "Certificate" and data.get("format") == 1, "a certificate, format 1")
     need(set(data) == set(ITEMS), f"the items {', '.join(ITEMS)}")
@@ -62,11 +62,11 @@ def check_form(data):
 
 
 def check_box_form(box, kind, sheets):
-    """The same of a box."""
+    """As `check_form`, for a box."""
     need(isinstance(box, dict), "a box is an object")
     solved = box.get("exists") is True and kind != "zone"
     items = {"sheet", "parameters", *VERDICTS, *(("centre", "radius") if solved else ())}
-    # lengths of zones are in other units
+    # lengths in zones have other units
     need(items <= set(box) <= items | set(BOUNDS if kind != "zone" else ()), "the items of a box")
     need(type(box["sheet"]) is int and 0 <= box["sheet"] < sheets, "the number of a sheet")
     if solved:
@@ -87,7 +87,7 @@ def check_box_form(box, kind, sheets):
 
 
 def check_start(system, sheets, sides):
-    """The value of what varies is one of those that a certificate is about."""
+    """Whether the value of the varying parameter is one of those that a certificate covers."""
     for name in {name for sheet in sheets for name in sheet}:
         key, _, number = name.partition("_")
         if name in ("R1", "R2", "restitution") and "mass" not in system:
@@ -111,7 +111,7 @@ def is_open(box, kind):
 
 
 def check_undecided(data):
-    """What is not decided follows from the boxes, in their order; its reasons are words."""
+    """Check that what is not decided follows from the boxes, in their order, and that reasons are words."""
     items, kind, sheets = data["undecided"], data["kind"], data["sheets"]
     need(
         all(isinstance(one, dict) and isinstance(one.get("reason"), str) for one in items),
@@ -145,7 +145,7 @@ def check_undecided(data):
         wanted = ends(one.get("parameters", {}))
         need(waiting, "more is not decided than the boxes leave open")
         found = waiting.pop()
-        # neighbours along one parameter may be told of as one
+        # neighbours along one parameter may be reported as one
         while found != wanted:
             need(
                 len(found) == 1 and waiting and set(waiting[-1]) == set(found),

@@ -13,14 +13,14 @@ from itertools import pairwise
 from flint import arb, arb_mat, ctx
 from series import UNIT, ball, exact, need, number
 
-#: Bits, the most boxes of a word, and the width of a box that is given up.
+#: Precision in bits, largest number of boxes of a word, and width below which a box is given up.
 BITS, MOST, NARROWEST = 96, 400_000, 2.0**-36
 #: Parts of the period and times below which derivatives are used in place of quotients, or theta is halved.
 SHORT, NEARLY = 0.25, 2.0**-8
 
 
 class Word:
-    """The laws of a word at a point, for boxes of times."""
+    """The equations of a word at a point, for boxes of times."""
 
     def __init__(self, pair, exempt):
         self.exempt = exempt
@@ -28,7 +28,7 @@ class Word:
         self.xi, self.mu, self.r, self.nu = pair.xi, pair.mu, pair.r, pair.nu
         self.T = pair.length / pair.r
         self.d = pair.d / pair.A
-        # each impact takes mu (1 - R^2) e^2/(2 (1 + mu)) from what the load gives, at most f^2 T/(16 xi)
+        # each impact dissipates mu (1 - R^2) e^2/(2 (1 + mu)); the load supplies at most f^2 T/(16 xi)
         need(self.xi > 0 and all(R > 0 and R < 1 for R in self.R), "xi > 0 and 0 < R < 1")
         largest = max(self.R, key=lambda one: float(one.upper())).upper()
         e = (
@@ -40,7 +40,7 @@ class Word:
         speed = pair.A * pair.r + self.n * once + self.n * jump / 2
         self.shortest = (pair.d / speed / self.T).lower()
         self.speeds = arb(0).union(e.upper() / pair.A)
-        # the periodic response to pushes of 1: its state after one is that a period later, and the push
+        # the periodic response to unit impulses: the state after one is that a period later plus the impulse
         u, w, y = self.free(self.T)
         below = (1 - u) * (1 - y) + w * w
         self.first = w / below, (1 - u) / below
@@ -56,23 +56,23 @@ class Word:
         return c + self.xi * w, w, c - self.xi * w
 
     def pushed(self, t):
-        """x a time after a push of 1 in each period, with two derivatives."""
+        """x at a time after a unit impulse in each period, with two derivatives."""
         (u, w, y), (x, v) = self.free(t), self.first
         moved, speed = u * x + w * v, y * v - w * x
         return moved, speed, -2 * self.xi * speed - moved
 
     def by_p(self, t):
-        """What p adds to the steady motion a time after the first impact, with two derivatives."""
+        """The factor of p in the steady motion at a time after the first impact, with two derivatives."""
         s, c, r = (self.r * t).sin(), (self.r * t).cos(), self.r
         return c, -r * s, -r * r * c
 
     def by_q(self, t):
-        """The same of q."""
+        """The factor of q."""
         s, c, r = (self.r * t).sin(), (self.r * t).cos(), self.r
         return s, r * c, -r * r * s
 
     def since(self, j, flights, u):
-        """The time from impact j on that some flights take, and its derivatives by u."""
+        """The total time of some flights from impact j on, and its derivatives with respect to u."""
         m, passed = self.n - 1, [(j + k) % self.n for k in range(flights)]
         rest = [k for k in range(m) if k not in passed]
         if m in passed:
@@ -85,7 +85,7 @@ class Word:
         return self.T * part, [self.T * sign for sign in signs]
 
     def laws(self, u):
-        """The matrix of the laws, the right side, and the derivatives of the matrix by each part u."""
+        """The matrix of the equations, the right side, and the derivatives of the matrix by each u."""
         n, size, thin = self.n, self.n + 3, all(one.rad() == 0 for one in u)
         rows = [[[arb(0)] * size for _ in range(2 * n + 1)] for _ in range(n)]
         right = [[arb(0)] for _ in range(2 * n + 1)]
@@ -143,7 +143,7 @@ class Word:
         return found
 
     def impossible(self, times):
-        """Whether a flight would be shorter than it can be."""
+        """Whether a flight would be shorter than possible."""
         parts = [*times, 1 - sum(times, arb(0))]
         ends = zip(self.sides, [*self.sides[1:], self.sides[0]], strict=True)
         return any(
@@ -152,7 +152,7 @@ class Word:
         )
 
     def enclosed(self, box):
-        """The unknowns of the linear laws in a box; None if there are none. ZeroDivisionError if singular."""
+        """The unknowns of the linear equations in a box; None if there are none. ZeroDivisionError if singular."""
         n, times = self.n, box[: self.n - 1]
         middle = [one.mid() for one in times]
         matrix, right, _ = self.laws(middle)
@@ -254,7 +254,7 @@ class Word:
                 old, centre, matrix, right = self.step(box, values)
             except ZeroDivisionError:
                 return box, False
-            # each equation gives the unknown in its row
+            # each equation bounds the unknown of its row
             new, inner, rows, right = [*old], True, matrix.tolist(), right.entries()
             for i, row in enumerate(rows):
                 if row[i].contains(0):
@@ -268,7 +268,7 @@ class Word:
                     return None, False
                 inner = inner and old[i].contains_interior(image)
                 new[i] = new[i].intersection(image)
-            # at most one solution is in it
+            # it contains at most one solution
             wide = [one + UNIT * one.rad() / 4 for one in box]
             if any(lies(one, wide, self.n) for one in known) and self.single(wide):
                 return None, False
@@ -369,7 +369,7 @@ def check_all(data, pair_of, check_box):
         states = [check_box(word, box) for box in own]
         need(None not in states, "motions that exist")
         pair = pair_of(word, {"parameters": {}})
-        # the search excludes what does not approach, so such a motion stands for no box of times
+        # the search excludes motions without approach, so such a motion accounts for no box of times
         states = [one for one in states if all(speed > 0 for speed in pair.approach(one))]
         gaps = [item["times"] for item in data["undecided"] if item.get("sheet") == number_]
         with ctx.workprec(BITS):

@@ -11,24 +11,24 @@ from flint import arb, fmpq
 
 #: The degree of polynomials by the number of parameters.
 DEGREES = (0, 5, 5, 3, 2, 2, 1, 1, 1)
-#: Exact texts; of higher powers the numbers would take all memory.
+#: Exact numbers as texts; numbers of higher powers would exhaust the memory.
 HEXADECIMAL = re.compile(r"(-?0x[0-9a-f]+)p(-?[0-9]{1,5})")
 DECIMAL = re.compile(r"-?[0-9]+(\.[0-9]+)?(e[-+]?[0-9]{1,4})?|-?[0-9]+/[0-9]+")
 UNIT = arb(0, 1)
 
 
 class RejectedError(Exception):
-    """A statement of a certificate is not proven here."""
+    """Raised if a statement of a certificate is not proven here."""
 
 
 def need(holds, what):
-    """RejectedError if something does not hold, or is not certain."""
+    """Raise RejectedError if a statement does not hold or is not certain."""
     if not holds:
         raise RejectedError(what)
 
 
 def exact(text):
-    """The number that a text stands for."""
+    """The exact number in a text."""
     need(isinstance(text, str), f"{text!r} is no text of a number")
     found = HEXADECIMAL.fullmatch(text)
     need(found or DECIMAL.fullmatch(text), f"{text!r} is no exact number")
@@ -36,13 +36,13 @@ def exact(text):
 
 
 def number(text):
-    """The ball of that number."""
+    """That number as a ball."""
     value = text if isinstance(text, Fraction) else exact(text)
     return arb(fmpq(value.numerator, value.denominator))
 
 
 def monomials(names, degree):
-    """Exponents of all monomials up to a degree, by degrees."""
+    """Exponents of all monomials up to a degree, in order of their degrees."""
     places = range(names)
     chosen = (one for k in range(degree + 1) for one in combinations_with_replacement(places, k))
     return [tuple(one.count(place) for place in places) for one in chosen]
@@ -118,7 +118,7 @@ class Series:
                         if k + m <= degree:
                             key = (SUMS[power, more], u or v)
                             found[key] = found[key] + one * two if key in found else one * two
-                # what is of a higher degree
+                # the terms of higher degree
                 left = (sizes[k] * rest[degree + 1 - k] for k in range(1, degree + 1))
                 key = (self.zero[0], u or v)
                 found[key] = found.get(key, arb(0)) + UNIT * sum(left, arb(0))
@@ -137,7 +137,7 @@ class Series:
 
     def __rtruediv__(self, other):
         need(abs(self.range()) > 0, "a denominator may be zero")
-        # a high power of a wide ball may hold zero, one of its inverse is no denominator
+        # a high power of a wide ball may contain zero; a power of its inverse does not divide by it
         orders = range(self.degree + 2)
         found = lambda x: [(-1) ** k * factorial(k) * (1 / x) ** (k + 1) for k in orders]  # noqa: E731
         return self.function(found) * other
@@ -190,7 +190,7 @@ def solve(matrix, right):
     rows = [[*a, *b] for a, b in zip(matrix, right, strict=True)]
     n = len(rows)
     for k in range(n):
-        # the largest one, of those that vary little
+        # the largest of those that vary little
         sizes = [abs(ball(row[k])) for row in rows]
         keys = [(bool(one.lower() * 1.5 > one.upper()), float(one.lower())) for one in sizes]
         best = max(range(k, n), key=keys.__getitem__)
@@ -206,7 +206,7 @@ def solve(matrix, right):
 
 
 def product(first, second):
-    """The product of matrices."""
+    """The product of two matrices."""
     columns = list(zip(*second, strict=True))
     return [
         [sum((a * b for a, b in zip(row, column, strict=True)), arb(0)) for column in columns]

@@ -21,7 +21,7 @@ from series import (
     solve,
 )
 
-#: Halvings of a piece of time.
+#: Number of times an interval of time may be halved.
 MOST_HALVINGS = 40
 #: Degree of the polynomials whose determinants are expanded.
 MOST_FOR_MINORS = 6
@@ -148,7 +148,7 @@ class Varied:
         return sum((one * two for one, two in zip(values, G, strict=True)), arb(0))
 
     def laws(self, start, end, gap):
-        """What must vanish."""
+        """The residuals of the equations."""
         z, n = self.landing(start, end), self.n
         push = self.pushes[gap].entries()
         kick = (1 + self.R[gap]) * self.along(gap, z[n:]) / self.along(gap, push)
@@ -157,7 +157,7 @@ class Varied:
         return [*left, self.along(gap, z[:n]) - self.e[gap]]
 
     def blocks(self, states):
-        """Derivatives of the laws of each flight by the unknowns at its beginning and at its end."""
+        """Derivatives of the laws of each flight with respect to the unknowns at its beginning and at its end."""
         zero, found, size = self.zero, [], self.size
         for start, end, gap, sign in self.flights(states):
             unknowns = []
@@ -196,7 +196,7 @@ class Varied:
         return matrix.solve(left).entries()
 
     def enclosure(self, box):
-        """The states of the one motion in a box."""
+        """The states of the only motion in a box."""
         texts, radii = flat(box["centre"]), [number(one) for one in flat(box["radius"])]
         names, count, size = len(box["parameters"]), len(self.impacts), self.size
         need(len(box["centre"]) == len(box["radius"]) == count, "all impacts")
@@ -263,7 +263,7 @@ class Varied:
         need(verdict or closed, "no gap is proven to close")
 
     def at(self, begin, part, t, width):
-        """q a time after an impact, and q' within a distance of that time."""
+        """q at a time after an impact, and q' within a distance of that time."""
         n = self.n
         moved = flat(product((self.A * t).exp().tolist(), [[one] for one in part]))
         q = [one + two for one, two in zip(moved[:n], self.steady(begin + t)[0], strict=True)]
@@ -332,7 +332,7 @@ def routh(polynomial):
         if found[-1] < 0:
             return found
         if not found[-1] > 0:
-            # a number may change its sign where a zero is outside before and after
+            # a number may change sign while a zero stays outside
             return minors(turned) if m <= MOST_FOR_MINORS else [arb(0)]
         ratio = first[0] / second[0]
         rest = [*second[1:], arb(0)][: len(first) - 1]

@@ -1,4 +1,4 @@
-"""Tries mutants in a build that checks what it does: bounds, pointers, and numbers that were never set."""
+"""Try mutants in a build with run-time checks of bounds, pointers and uninitialised numbers."""
 
 import subprocess
 import tempfile

@@ -23,7 +23,7 @@ ROOT = Path(__file__).resolve().parents[2]
 HERE = ROOT / "build/coverage"
 BUILD, ENVIRONMENT, CONFIG = HERE / "build", HERE / "env", HERE / "coverage.ini"
 FORTRAN, PYTHON = HERE / "fortran.json", HERE / "python.json"
-#: Tools of this environment come first, activated or not.
+#: Tools of this environment come first, whether it is activated or not.
 SEARCH = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
 #: Tests that measure memory, which counters need, too; and those in which nothing can be counted, or counts are
 #: spoiled: nothing can be written, or a process is killed.
@@ -106,7 +106,7 @@ def main() -> int:
 
 
 def run(*command: object, **environment: str) -> bool:
-    """Run a command in the project's folder, tell how long it took, and return whether it went well."""
+    """Run a command in the project's folder, print how long it took, and return whether it succeeded."""
     words = [str(word) for word in command]
     print("::", " ".join(words), flush=True)
     begin = time.monotonic()
@@ -118,12 +118,12 @@ def run(*command: object, **environment: str) -> bool:
 
 
 def build(add: bool) -> None:
-    """Install the build that counts, and forget what was counted, unless more is to be added."""
+    """Install the counting build, and discard earlier counts unless new ones are to be added."""
     (HERE / "counts").mkdir(parents=True, exist_ok=True)
     CONFIG.write_text(SETTINGS, encoding="utf-8")
     venv.create(ENVIRONMENT, symlinks=True)
     (site,) = ENVIRONMENT.glob("lib/*/site-packages")
-    # the tools of this environment, without its editable package; and every process is measured
+    # the tools of this environment without its editable package; every process is measured
     tools = [folder for folder in sys.path if folder.endswith("site-packages")]
     start = "import coverage; coverage.process_startup()"
     (site / "tools.pth").write_text("\n".join([*tools, start, ""]), encoding="utf-8")
@@ -137,7 +137,7 @@ def build(add: bool) -> None:
         "--force-reinstall",
     ]
     options = [f"-Csetup-args={option}" for option in OPTIONS]
-    # the library for C is built afterwards: it is no part of a wheel
+    # the library for C is not part of a wheel and is built afterwards
     if not (
         run(*pip, *install, f"-Cbuild-dir={BUILD}", *options)
         and run("meson", "configure", BUILD, "-Dlibrary_for_c=enabled")
@@ -156,19 +156,19 @@ def test_fortran(folder: Path) -> bool:
 def test_package(for_pytest: list[str]) -> bool:
     """Run the tests by pytest; return whether all passed."""
     python = ENVIRONMENT / "bin/python"
-    # -p no:cacheprovider: what failed last in the ordinary build is not forgotten
+    # -p no:cacheprovider: keep the list of tests that failed last in the ordinary build
     return run(
         python, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-k", LEFT_OUT, *for_pytest,
         COVERAGE_PROCESS_START=str(CONFIG),
         VIBROIMPACT_FORTRAN_BUILD=str(BUILD),
         PATH=f"{python.parent}{os.pathsep}{SEARCH}",
-        # a process that cannot write its counts says so elsewhere than in its messages
+        # a process that cannot write its counts does not report it among its messages
         GCOV_ERROR_FILE=str(HERE / "gcov.log"),
     )  # fmt: skip
 
 
 def report_fortran(folder: Path, least: float) -> bool:
-    """Report the lines of a build; return whether enough are run."""
+    """Report the covered lines of a build; return whether there are enough."""
     (HERE / "fortran").mkdir(parents=True, exist_ok=True)
     pages = ["--html-nested", HERE / "fortran/index.html", "--txt", HERE / "fortran.txt"]
     if not run(
@@ -184,14 +184,14 @@ def report_fortran(folder: Path, least: float) -> bool:
 
 
 def report_python(least: float) -> bool:
-    """Report the lines of the package; return whether enough are run."""
+    """Report the covered lines of the package; return whether there are enough."""
     coverage, config = [sys.executable, "-m", "coverage"], f"--rcfile={CONFIG}"
     good = True
     if parts := [*HERE.glob("counts/python.*")]:
         good = run(*coverage, "combine", "--append", "--quiet", config)
-        for part in parts:  # of processes that were killed
+        for part in parts:  # left by processes that were killed
             part.unlink(missing_ok=True)
-    # tests start copies of files that are gone
+    # tests ran copies of files that no longer exist
     options = ["--quiet", "--ignore-errors", config]
     if not (
         good
@@ -211,7 +211,7 @@ def report_python(least: float) -> bool:
 
 
 def table(language: str, files: list[tuple[str, int, int]], least: float) -> bool:
-    """Print the lines by folder, and the files that lack most; return whether enough are run."""
+    """Print the coverage of folders, and the files with the most uncovered lines; return whether it suffices."""
     covered, total = Counter(), Counter()
     for name, run_lines, lines in files:
         for folder in (str(Path(name).parent), "all"):

@@ -1,4 +1,4 @@
-"""The library for C, as the tools of this folder call it."""
+"""The C library as called by the tools in this folder."""
 
 import ctypes
 import json
@@ -8,12 +8,12 @@ import time
 import numpy as np
 from shared_answers import STOPPED, read
 
-#: As many as reached.c counts.
+#: The number of blocks that reached.c can count.
 BLOCKS = 1 << 24
 
 
 class Library:
-    """A library for C."""
+    """A C library."""
 
     def __init__(self, path):
         self.c = ctypes.CDLL(str(path))
@@ -21,14 +21,14 @@ class Library:
         self.progress = [0, 0]
 
     def text(self, handle, what):
-        """A text of a result."""
+        """Return a text of a result."""
         n = self.c.vibroimpact_text(handle, what, None, ctypes.c_size_t(0))
         out = ctypes.create_string_buffer(n + 1)
         self.c.vibroimpact_text(handle, what, out, ctypes.c_size_t(n + 1))
         return out.value.decode(errors="surrogateescape")
 
     def cases(self, text):
-        """The cases of a text, each as a text of its own; none if it is refused."""
+        """Return the cases of a text, each as a separate text; none if it is refused."""
         handle = ctypes.c_int64()
         self.c.vibroimpact_cases(text.encode(), ctypes.byref(handle))
         about = json.loads(self.text(handle, 7))
@@ -38,7 +38,7 @@ class Library:
         )
 
     def message(self, text):
-        """Why a text is refused."""
+        """Return why a text is refused."""
         handle = ctypes.c_int64()
         self.c.vibroimpact_cases(text.encode(), ctypes.byref(handle))
         return self.text(handle, 0)
@@ -65,12 +65,12 @@ class Library:
         return None if found is None else json.loads(json.dumps(found)), took
 
     def choose(self, mutant):
-        """Let a library of switched.py compute what a mutant does; 0: what the core does."""
+        """Select the mutant that a library of switched.py runs; 0 selects the original code."""
         ctypes.c_int.in_dll(self.c, "vibroimpact_mutant").value = mutant
 
 
 class Counted(Library):
-    """A library that counts the blocks it reaches (reached.c)."""
+    """A library that counts the blocks that it reaches (reached.c)."""
 
     def __init__(self, path):
         super().__init__(path)

@@ -52,17 +52,17 @@ from vibroimpact.results.tables import language  # noqa: E402
 
 from door import BLOCKS, Counted, Library  # noqa: E402
 
-# OpenBLAS has a kernel for each kind of processor, whose last digits decide at an edge: one for all machines
+# use one OpenBLAS kernel on all machines: its last digits can decide a case at an edge
 os.environ["OPENBLAS_CORETYPE"] = "Haswell"
 
-#: CPU seconds that a kept case may take in the counting library.
+#: Largest CPU time in seconds of a kept case in the counting library.
 LONGEST = 2.0
-#: Bytes of a kept answer.
+#: Largest number of bytes of a kept answer.
 LARGEST = 6000
 
 
 class Searched(Counted):
-    """The library that counts, in a search."""
+    """The counting library in a search."""
 
     def search(self, text):
         """(answer, CPU seconds, what was reached: blocks, and powers of eight of how often)."""
@@ -77,7 +77,7 @@ class Searched(Counted):
 
 
 def sources(library, kept):
-    """Complete namelists of one case each."""
+    """Complete namelists with one case each."""
     for path in (
         path
         for folder in ("inputs", "tests/fuzz/seeds")
@@ -89,7 +89,7 @@ def sources(library, kept):
 
 
 def with_small_cases(kept, library):
-    """The kept texts, and those that are written by hand: small cases, and those at the edge."""
+    """The kept texts and those written by hand: small cases and edge cases."""
     text = (ROOT / "tests/quality/small_cases.nml").read_text(encoding="utf-8")
     cases = library.cases(text)
     if not cases:
@@ -104,7 +104,7 @@ def with_small_cases(kept, library):
 
 
 def change(tongue, rng, groups):
-    """A text made from groups: changed in its values mostly, sometimes in its form."""
+    """Make a text from groups, mostly with changed values, sometimes with a changed form."""
     groups = [(name, list(items)) for name, items in groups]
     kind = rng.random()
     if kind < 0.25:
@@ -134,7 +134,7 @@ def change(tongue, rng, groups):
 
 
 def nearby(rng, value, about):
-    """Numbers of the same size as before."""
+    """Return numbers of the same magnitude as before."""
     new = []
     for word in value.split(","):
         try:
@@ -146,7 +146,7 @@ def nearby(rng, value, about):
 
 
 def vary(tongue, rng, groups):
-    """A text made from groups, most of whose values stay, and of which most are accepted."""
+    """Make a text from groups that keeps most values and is mostly accepted."""
     groups = [(name, list(items)) for name, items in groups]
     for _ in range(rng.choice((1, 1, 2, 3, 5))):
         name, items = rng.choice(groups)
@@ -163,7 +163,7 @@ def vary(tongue, rng, groups):
 
 
 def other_value(rng, about, value):
-    """A value of a key in the place of another one, in most cases near it."""
+    """Replace a value of a key, in most cases by one near it."""
     parts = [part.strip() for part in value.split(",")]
     place = rng.randrange(len(parts))
     if about["kind"] == "word":
@@ -196,7 +196,7 @@ def other_value(rng, about, value):
 
 
 def main():
-    """Do what is asked for."""
+    """Run the requested action."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
@@ -239,15 +239,15 @@ def main():
         if asked.renew:
             return keep([*with_small_cases(kept, others[0]), *more], others, kept)
         found = search(counted, kept, asked.texts, asked.seed)
-        # what is written by hand stays
+        # texts written by hand stay
         few = list(dict.fromkeys([*with_small_cases([], counted), *fewest(found, asked.times)]))
         keep(few, [], kept)
-        # another library may break down
+        # another library may crash
         return keep(few, others, load())
 
 
 def compare(kept, others):
-    """Print what differs in other libraries; return the exit status."""
+    """Print the differences of other libraries; return the exit status."""
     different = 0
     for item in kept:
         for other in others:
@@ -260,7 +260,7 @@ def compare(kept, others):
 
 
 def search(counted, kept, count, seed):
-    """Texts that reach something new: (text, CPU seconds, what it reaches)."""
+    """Find texts that reach something new: (text, CPU seconds, what it reaches)."""
     rng, tongue, seen, found = random.Random(seed), Language(language()), set(), []
     first = [*sources(counted, kept)]
     pool = [groups for groups in map(parse, first) if groups]
@@ -275,7 +275,7 @@ def search(counted, kept, count, seed):
             )
         if answered is None or len(json.dumps(answered)) > LARGEST or len(text) > 3000:
             continue
-        # some that reach nothing new are kept, too: more than one case is to reach a block
+        # keep some that reach nothing new: several cases should reach each block
         if not reached <= seen or (answered["status"] != 2 and rng.random() < 0.1):
             seen |= reached
             found.append((text, took, reached))
@@ -284,14 +284,14 @@ def search(counted, kept, count, seed):
 
 
 def noticing(asked, folder):
-    """Texts that tell mutants from the core which the kept answers let pass."""
+    """Find texts that detect mutants which the kept answers miss."""
     trial = kept_trial(folder)
     files = [file for file in core_files() if fnmatch(file, asked.file)]
     numbers = trial.statements.numbers
     keys = [(m.file, m.line, m.after) for m in sample(files, asked.sample, asked.seed)]
     drawn = [numbers[key] for key in keys if key in numbers]
     shares = [drawn[first :: asked.jobs] for first in range(asked.jobs)]
-    # each process has libraries of its own
+    # each process loads its own libraries
     inherited.append(trial)
     with multiprocessing.get_context("fork").Pool(asked.jobs) as pool:
         parts = pool.map(functools.partial(notice, asked), shares, chunksize=1)
@@ -304,12 +304,12 @@ def noticing(asked, folder):
     return smallest(trial, {number for number, text in found if text}, texts)
 
 
-#: What processes have from their parent.
+#: Objects that processes inherit from their parent.
 inherited = []
 
 
 def notice(asked, numbers):
-    """Of numbers of mutants, those that the kept answers let pass, each with a text that notices it, or None."""
+    """Return the mutants that the kept answers miss, each with a text that detects it, or None."""
     trial = inherited[0]
     rng, tongue, found = random.Random(f"{asked.seed} {numbers[:1]}"), Language(language()), []
     for place, number in enumerate(numbers):
@@ -326,10 +326,10 @@ def notice(asked, numbers):
         reaching = [
             trial.cases[i] for i in trial.reaching.get(trial.statements.of_number[number], [])
         ]
-        # what is refused is short, and tells little
+        # refused texts are short and detect little
         reaching = [case for case in reaching if case[1]["status"] != 2] or reaching
         bases = [groups for case in reaching[:30] if (groups := parse(case[0]))]
-        # what another mutant needed may be what this one needs
+        # a text that detected another mutant may detect this one
         texts = {text for _, text in found if text}
         texts |= {
             rng.choice((change, vary, vary, vary))(tongue, rng, rng.choice(bases))
@@ -340,7 +340,7 @@ def notice(asked, numbers):
 
 
 def smallest(trial, numbers, texts):
-    """The fewest of texts that notice all mutants that they notice, as far as a greedy choice goes."""
+    """Choose, greedily, few of the texts that together detect the same mutants."""
     noticed = {
         text: {n for n in numbers if trial.first_that_notices(n, [text])} for text in sorted(texts)
     }
@@ -353,7 +353,7 @@ def smallest(trial, numbers, texts):
 
 
 def fewest(found, times):
-    """Few texts that reach all, each block by so many of them: the one that adds most for its time is next."""
+    """Choose few texts that reach each block so many times; the next is the one that adds most for its time."""
     left = Counter()
     for _, _, reached in found:
         left.update(reached)
@@ -361,7 +361,7 @@ def fewest(found, times):
     chosen, rest = [], [(text, 0.005 + took, reached) for text, took, reached in found]
     gain = [len(reached) / took for _, took, reached in rest]
     while rest:
-        # a gain only falls: what still leads with its new gain is the best
+        # gains only decrease: a text that still leads with its new gain is the best
         best = max(range(len(rest)), key=gain.__getitem__)
         text, took, reached = rest[best]
         new = sum(place in left for place in reached) / took
@@ -380,17 +380,17 @@ def fewest(found, times):
 
 
 def keep(texts, others, before):
-    """Write the texts with the answers that all builds have in common, and tell what changed; return 0."""
+    """Write the texts with the answers on which all builds agree, and print what changed; return 0."""
     old = {item["text"]: item["answer"] for item in before}
     lines, changed = [], 0
     texts = [*dict.fromkeys(text.removeprefix(STOPPED) for text in texts)]
     for text in (*texts, *(STOPPED + text for text in texts)):
         common = answer(text)
         if text.startswith(STOPPED) and not [*differences(answer(text[len(STOPPED) :]), common)]:
-            # done before it was asked to stop
+            # it finished before it was asked to stop
             continue
         for other in others:
-            # a build with checks is slow, and so is a machine that does something else
+            # a build with checks is slow, as is a busy machine
             seen, _ = other.run(text, 200.0)
             common = merged(common, seen) if common and seen else None
         if common is None:

@@ -27,7 +27,7 @@ from shared_answers import common  # noqa: E402
 
 #: Bytes of the arguments of a kept call; calls of a procedure, and how many of them need not be of a new kind.
 LARGEST, MOST, ALIKE = 3000, 100, 30
-#: The plugin of pytest that records.
+#: The pytest plugin that records calls.
 RECORDER = """
 import json, os
 import numpy as np
@@ -51,7 +51,7 @@ for name in calls.procedures():
 
 
 def main():
-    """Do what is asked for."""
+    """Run the requested action."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
@@ -71,7 +71,7 @@ def main():
 
 
 def record(tests):
-    """The calls that tests make, each once: (procedure, arguments)."""
+    """Return each call that tests make once: (procedure, arguments)."""
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "recorder.py").write_text(RECORDER, encoding="utf-8")
         paths = os.pathsep.join([folder, str(ROOT / "tests/python")])
@@ -87,12 +87,12 @@ def record(tests):
 
 
 def chosen(recorded, kept):
-    """Some of the recorded calls, most of which differ in the whole numbers of their answers, such as verdicts."""
+    """Choose recorded calls, most of which differ in the whole numbers of their answers, such as verdicts."""
     seen, count = set(), Counter(call["procedure"] for call in kept)
     random.Random(1).shuffle(recorded)
     for procedure, arguments in recorded:
         answer = calls.answer(procedure, arguments)
-        # of whole numbers a checksum, of reals how many there are and how many are not finite
+        # a checksum of whole numbers; of reals, their number and how many are not finite
         kind = procedure, json.dumps([part[:2] for part in answer])
         if count[procedure] < (ALIKE if kind in seen else MOST):
             seen.add(kind)
@@ -101,7 +101,7 @@ def chosen(recorded, kept):
 
 
 def keep(kept, folders):
-    """Write calls with the answers that all builds have in common, and tell what changed."""
+    """Write calls with the answers on which all builds agree, and print what changed."""
     old = [call["answer"] for call in kept]
     write(kept)
     answers = [answers_of(os.environ), answers_of(os.environ | PLAIN_SINES)]
@@ -129,7 +129,7 @@ def keep(kept, folders):
 
 
 def answers_of(environment):
-    """The answers to the kept calls in another process."""
+    """Compute the answers to the kept calls in another process."""
     command = [sys.executable, __file__, "--answers"]
     return json.loads(
         subprocess.run(command, env=environment, stdout=subprocess.PIPE, check=True).stdout
@@ -137,7 +137,7 @@ def answers_of(environment):
 
 
 def merged(one, other):
-    """What two answers have in common; None if they differ in more than rounding."""
+    """Return the common part of two answers; None if they differ by more than rounding."""
     if one is None or len(one) != len(other):
         return None
     both = [common(mine, yours) for mine, yours in zip(one, other, strict=True)]
@@ -145,7 +145,7 @@ def merged(one, other):
 
 
 def write(kept):
-    """Write calls, one a line."""
+    """Write calls, one per line."""
     new = calls.KEPT.with_suffix(".new")
     new.write_text("".join(json.dumps(call) + "\n" for call in kept), encoding="utf-8")
     new.replace(calls.KEPT)

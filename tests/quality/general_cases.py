@@ -38,7 +38,7 @@ class Draw(random.Random):
     """Random numbers, as namelists write them."""
 
     def numbers(self, n, low, high):
-        """So many numbers."""
+        """A list of n random numbers."""
         return [self.uniform(low, high) for _ in range(n)]
 
     def matrix(self, n, low, high, off):
@@ -51,12 +51,12 @@ class Draw(random.Random):
         return rows
 
     def restitution(self):
-        """A number from 0 to 1, sometimes one of both."""
+        """A number from 0 to 1, sometimes 0 or 1 itself."""
         return self.choice([0, 1, 0.2, 0.75]) if self.random() < 0.2 else self.uniform(0.1, 0.95)
 
 
 def text_of(values):
-    """Numbers with four digits."""
+    """Numbers as a list with four digits each."""
     return ", ".join(f"{value:.4g}" for value in values)
 
 

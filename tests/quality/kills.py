@@ -27,7 +27,7 @@ LIBRARY = "src/c/libvibroimpact.so"
 #: How a process ends that has tried a mutant; LAPACK ends one with 0 where an argument is not a number, and the
 #: Fortran runtime with 2 where it meets an error.
 NOTICED, IN_VAIN = 1, 77
-#: What became of a mutant: the kept answers notice it, let it pass, or do not reach its statement.
+#: Outcome of a mutant: the kept answers detect it, miss it, or do not reach its statement.
 KILLED, PASSED, UNREACHED = "killed", "passed", "unreached"
 
 #: A case: text, answer, CPU seconds.
@@ -35,20 +35,20 @@ Case = tuple[str, dict, float]
 
 
 class Trial:
-    """What tries mutants on cases."""
+    """Tries mutants on cases."""
 
     def __init__(self, folder: Path):
         self.statements = Statements(folder)
         self.folder = folder
         self.library = Library(folder / "plain" / LIBRARY)
         self.cases: list[Case] = []
-        #: What the core answers to other texts; None where that takes too long.
+        #: Answers of the core to other texts; None if they take too long.
         self.answers: dict[str, Case | None] = {}
         #: By the first number of a statement: the cases that reach it, the shortest first.
         self.reaching: dict[int, list[int]] = defaultdict(list)
 
     def add(self, cases, reached) -> None:
-        """Take cases, and the statements that each of them reaches."""
+        """Store cases and the statements that each of them reaches."""
         for case, statements in zip(cases, reached, strict=True):
             for statement in statements:
                 self.reaching[statement].append(len(self.cases))
@@ -73,7 +73,7 @@ class Trial:
         return (PASSED, -1) if noticed < 0 else (KILLED, places[noticed])
 
     def noticed(self, number: int, cases, alone: str = "") -> int:
-        """Return the place of the first case that tells a mutant from the core; -1 if none does."""
+        """Return the index of the first case that detects a mutant; -1 if none does."""
         into, out = os.pipe()
         child = os.fork()
         if child == 0:
@@ -91,7 +91,7 @@ class Trial:
         return -1 if status == IN_VAIN << 8 else last
 
     def first_that_notices(self, number: int, texts: list[str], longest: float = 0.3) -> str | None:
-        """Return the first of texts that tells a mutant from the core, none of which takes longer."""
+        """Return the first text that detects a mutant, without one that takes longer."""
         cases = []
         for text in texts:
             if text not in self.answers:
@@ -104,7 +104,7 @@ class Trial:
         return None if place < 0 else sorted(cases, key=lambda case: case[2])[place][0]
 
     def notices(self, number: int, cases, out: int, alone: str = "") -> bool:
-        """Return whether a case tells a mutant from the core; the place of each is written before it runs."""
+        """Return whether a case detects a mutant; the index of each case is written before it runs."""
         quiet = os.open(os.devnull, os.O_WRONLY)
         os.dup2(quiet, 1)
         os.dup2(quiet, 2)
@@ -123,10 +123,10 @@ class Trial:
 
 
 def kept_trial(folder: Path) -> Trial:
-    """Return what tries the kept answers."""
+    """Return the object that tries the kept answers."""
     kept = load()
     with (folder / "reached.lock").open("w") as lock:
-        # of processes that start together, one runs the cases and the others read its note
+        # if processes start together, one runs the cases and the others read what it noted
         fcntl.flock(lock, fcntl.LOCK_EX)
         done = what_they_do(folder, kept)
     trial = Trial(folder)
@@ -146,7 +146,7 @@ def what_they_do(folder: Path, kept: list[dict]) -> list[tuple]:
     """
     note, numbers = folder / "reached.json", (folder / "mutants.json").read_bytes()
     noted = json.loads(note.read_text(encoding="utf-8")) if note.exists() else {}
-    # the numbers of statements are those of one build
+    # the numbers of statements belong to one build
     known = noted.get(mark := hashlib.sha256(numbers).hexdigest(), {})
     names = [hashlib.sha256(json.dumps(item).encode()).hexdigest() for item in kept]
     new = {name: item for name, item in zip(names, kept, strict=True) if name not in known}
@@ -160,7 +160,7 @@ def what_they_do(folder: Path, kept: list[dict]) -> list[tuple]:
 
 
 def run_all(folder: Path, kept) -> list[tuple[float, list[int], bool]]:
-    """Return what kept cases do in these libraries."""
+    """Run the kept cases in these libraries and return what they do."""
     path = folder / "counted" / LIBRARY
     counted, plain, statements = (
         Counted(path),
@@ -175,7 +175,7 @@ def run_all(folder: Path, kept) -> list[tuple[float, list[int], bool]]:
         if new:
             known |= statements.of_places(path, new)
         answer, took = plain.run(item["text"])
-        # a case whose answer these libraries do not give would notice whatever it reaches
+        # a case whose answer these libraries do not reproduce would detect any mutant that it reaches
         good = not [*differences(item["answer"], answer)]
         reached = sorted({known[place] for place in places} - {0})
         found.append((took, reached, good))
@@ -183,7 +183,7 @@ def run_all(folder: Path, kept) -> list[tuple[float, list[int], bool]]:
 
 
 def main() -> None:
-    """Tell of each number on the standard input what became of it."""
+    """Print the outcome of each mutant whose number is read from standard input."""
     folder = Path(sys.argv[1]).resolve()
     with tempfile.TemporaryDirectory() as home:
         put_files(Path(home))

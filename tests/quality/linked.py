@@ -24,11 +24,11 @@ ROOMS = {
     "cases": ("cases", "studies"),
     "studies": ("studies",),
 }
-#: The last line of tests that pass.
+#: The last line of output of tests that pass.
 FORTRAN_END, PYTHON_END = rb" passed, 0 failed", rb"\d+ passed.* in [\d.]+s( \(.*\))?"
-#: Cases from all studies, whose answers are kept.
+#: Cases of all studies with kept answers.
 ANSWERS = "tests/python/test_answers.py"
-#: A value that is never set is not 0 by chance, and not false.
+#: Fill uninitialised values, so that they are not 0 or false by chance.
 OPTIONS = ("-finit-real=nan", "-finit-logical=true")
 
 
@@ -97,12 +97,12 @@ class Build:
 
 
 def declared(module: Path) -> bytes:
-    """Return what a module file tells others, without the name of its source."""
+    """Return the contents of a module file without the name of its source."""
     return gzip.decompress(module.read_bytes()).split(b"\n", 1)[1]
 
 
 def passes(command: list, folder: Path, cpu: int, end: bytes, more: dict | None = None) -> bool:
-    """Return whether a command ends well within so many CPU seconds and 8 GiB; `more`: of its environment."""
+    """Return whether a command succeeds within these CPU seconds and 8 GiB; `more` adds to its environment."""
     return ended(command, folder, cpu, end, more)[0]
 
 

@@ -8,7 +8,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-#: Statements that are left alone: they declare, or only give structure.
+#: Statements that are not changed: declarations, and those that only give structure.
 STRUCTURE = re.compile(
     r"(use|implicit|public|private|import|module|submodule|interface|procedure|deallocate|stop|error stop"
     r"|select case|select type|class is|type is)\b"
@@ -47,7 +47,7 @@ GUARDED = re.compile(r"(else )?if \((?=.*\))")
 
 @dataclass(frozen=True)
 class Mutant:
-    """One line of a file, and what takes its place."""
+    """One line of a file and its replacement."""
 
     file: str
     #: Counted from 1.
@@ -168,7 +168,7 @@ def places(code: str, whole: set[str], first: int, alone: bool):
         if match.start() < first:
             continue
         yield "relation", match.start(), match.end(), OPPOSITE[match[0]]
-        # between reals the edge is hit by no test, and means nothing
+        # between reals equality is hit by no test and has no meaning
         sides = (
             re.search(r"([\w%]+)(\([^()]*\))?\s*$", code[: match.start()]),
             re.match(r"\s*([\w%]+)", code[match.end() :]),

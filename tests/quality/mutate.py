@@ -45,7 +45,7 @@ class Compiled:
         self.package = Build(package) if package else None
 
     def python_tests(self, file: str) -> list[str]:
-        """Return the Python tests that see a change of a file."""
+        """Return the Python tests that are affected by a change of a file."""
         return []
 
     def __call__(self, mutant: Mutant) -> str:
@@ -133,7 +133,7 @@ class Switched(Compiled):
     def switched(self, number: int) -> str:
         """Return what became of a mutant that the build holds."""
         statement = self.statements.nearest(self.of_number[number], self.reached)
-        # a case costs less than any test
+        # a case takes less time than any test
         if not self.kept_answers(number):
             return "killed by the kept answers"
         for room in (room for room in ROOMS if statement in self.programs[room]):
@@ -143,7 +143,7 @@ class Switched(Compiled):
         return f"killed by {failing}" if failing else "survived"
 
     def failing(self, number: int, long: bool = False) -> str:
-        """Return which Python test notices a mutant, "" if none does."""
+        """Return the Python test that detects a mutant, "" if none does."""
         statement = self.statements.nearest(self.of_number[number], self.reached)
         chosen = self.affordable(sorted(self.tests.get(statement, ())), long)
         while chosen and (failed := self.failed(chosen, number)) is not None:
@@ -167,7 +167,7 @@ class Switched(Compiled):
             self.asked.process = subprocess.Popen(
                 [sys.executable, HERE / "kills.py", self.folder], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                 text=True, bufsize=1,
-                # what is allocated holds no zeros by chance, but numbers of -1e303 and -16843010
+                # fill allocated memory so that it holds -1e303 and -16843010, not zeros by chance
                 env=os.environ | {"MALLOC_PERTURB_": "1"},
             )  # fmt: skip
             if self.asked.process.stdout.readline() != "ready\n":
@@ -176,7 +176,7 @@ class Switched(Compiled):
         return not self.asked.process.stdout.readline().startswith("killed")
 
     def is_sound(self, test: str) -> bool:
-        """Return whether a test passes without a mutant: one that does not would kill them all."""
+        """Return whether a test passes without a mutant; otherwise it would kill all of them."""
         if test not in self.sound:
             self.sound[test] = self.passes(test if test in ROOMS else [test], 0)
             if not self.sound[test]:
@@ -187,7 +187,7 @@ class Switched(Compiled):
         """Return the first of some Python tests that fails, "" if it is not known which, None if all pass."""
         plain = self.folder / "plain"
         command, folder, _, end = pytest(plain / "site", plain / "src/vibroimpact-batch", *tests)
-        # in the build that counts they took longer
+        # they took longer in the counting build
         seconds = int(30 + 3 * sum(self.seconds[name] for name in tests))
         well, said = ended(command, folder, seconds, end, {"VIBROIMPACT_MUTANT": str(number)})
         if well:
@@ -254,7 +254,7 @@ def percentage(text: str) -> float:
 
 
 def arguments() -> argparse.Namespace:
-    """Return what the command line asks for."""
+    """Return the options of the command line."""
     parser = argparse.ArgumentParser(
         prog="./run mutate",
         description=__doc__,
@@ -301,7 +301,7 @@ def arguments() -> argparse.Namespace:
 
 
 def main() -> int:
-    """Try mutants, and tell what became of them."""
+    """Try mutants and report their outcomes."""
     asked = arguments()
     files = [
         file

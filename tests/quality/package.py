@@ -1,11 +1,11 @@
-"""A copy of the Python package around another build of the core, which no editable install hides."""
+"""Make a copy of the Python package with another build of the core, not hidden by an editable install."""
 
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-#: Python reads this file before anything else: the editable package, which would be found first, is hidden.
+#: Python reads this file first; it hides the editable package, which would otherwise be found first.
 HIDE = "import sys; sys.meta_path[:] = [f for f in sys.meta_path if type(f).__name__ != 'MesonpyMetaFinder']\n"
-#: Where glibc has several versions of a sine, the ones for processors without fused products.
+#: Makes glibc use its sines for processors without fused multiply-add.
 PLAIN_SINES = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX2_Usable,-FMA_Usable"}
 
 

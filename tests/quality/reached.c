@@ -1,5 +1,5 @@
-/* Counts how often each block of a program is reached that was compiled with -fsanitize-coverage=trace-pc, as the
- * build build/switched/counted is (switched.py). */
+/* Counts how often each block is reached of a program compiled with -fsanitize-coverage=trace-pc, such as the
+ * build build/switched/counted (switched.py). */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <stddef.h>
@@ -14,14 +14,14 @@
 uint32_t reached[BLOCKS];
 uintptr_t first_address;
 
-/* Where addresses are counted from. */
+/* The origin of addresses. */
 void count_from(uintptr_t address)
 {
     first_address = address;
     memset(reached, 0, sizeof reached);
 }
 
-/* What the compiler calls at the begin of each block. */
+/* Called by the compiled code at the beginning of each block. */
 void __sanitizer_cov_trace_pc(void)
 {
     uintptr_t place = (uintptr_t)__builtin_return_address(0) - first_address;

@@ -24,7 +24,7 @@ FOLDER = Path(os.environ["VIBROIMPACT_SWITCHED"])
 
 
 class Counters:
-    """What this process and those that it started have reached."""
+    """The statements that this process and its children have reached."""
 
     def __init__(self):
         self.c = ctypes.CDLL(str(FOLDER / "libreached.so"))
@@ -36,7 +36,7 @@ class Counters:
         os.environ["VIBROIMPACT_REACHED"] = self.children
 
     def take(self) -> set[int]:
-        """Return what was reached since this was called last."""
+        """Return what was reached since the last call."""
         found = {Path(_core.__file__).resolve(): np.flatnonzero(self.counts.copy()).tolist()}
         self.counts[:] = 0
         for path in Path(self.children).iterdir():
@@ -63,7 +63,7 @@ here: set[int] = set()
 
 @pytest.hookimpl(hookwrapper=True)
 def pytest_fixture_setup(fixturedef):
-    """Keep what a fixture of many tests reaches."""
+    """Store what a shared fixture reaches."""
     if fixturedef.scope == "function":
         yield
         return
@@ -94,5 +94,5 @@ def pytest_runtest_protocol(item):
 
 
 def pytest_unconfigure():
-    """Leave nothing behind."""
+    """Remove the folder of the child processes."""
     shutil.rmtree(counters.children, ignore_errors=True)

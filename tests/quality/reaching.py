@@ -25,7 +25,7 @@ LEFT_OUT = (
     "test_malicious_files", "test_pictures", "test_plots", "test_public_names", "test_saving",
     "test_sensor_records", "test_threads",
 )  # fmt: skip
-#: Files whose tests take long, and seldom notice what others do not: they are tried last.
+#: Files whose tests take long and seldom detect what others miss; they are tried last.
 LONG = (
     "test_audit", "test_commands", "test_docs", "test_examples", "test_identify", "test_published",
     "test_reproduce",

@@ -1,4 +1,4 @@
-"""The statements that have mutants, in the sources that were compiled (switched.py)."""
+"""The statements with mutants in the compiled sources (switched.py)."""
 
 import json
 import re
@@ -19,9 +19,9 @@ class Statements:
         self.index = json.loads((folder / "mutants.json").read_text(encoding="utf-8"))
         #: Of each file, in order: (first line, last line, first number).
         self.known = defaultdict(list)
-        #: By the number of a mutant: its statement.
+        #: The statement of a mutant by its number.
         self.of_number = {}
-        #: By file, line and text: the number of a mutant.
+        #: The number of a mutant by file, line and text.
         self.numbers = {}
         for number, file, line, _before, after, begin, end in self.index:
             self.numbers[file, line, after] = number
@@ -60,7 +60,7 @@ class Statements:
 
     def at(self, file: str, line: int) -> int:
         """Return the statement at a line; 0 if none that has mutants is there."""
-        # a twin has the lines of its source
+        # a twin has the line numbers of its source
         known = self.known.get(file.replace("_single.f90", ".f90").replace("_wide.f90", ".f90"), ())
         place = bisect_left(known, (line + 1,)) - 1
         return known[place][2] if place >= 0 and known[place][0] <= line <= known[place][1] else 0

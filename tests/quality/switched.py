@@ -27,9 +27,9 @@ from statements import Statements
 ROOT = Path(__file__).resolve().parents[2]
 HERE = Path(__file__).resolve().parent
 ROOMS = ("numerics", "mechanics", "motions", "studies", "cases")
-#: Which statements the Python tests reach (reaching.py).
+#: File with the statements that the Python tests reach (reaching.py).
 REACHED_BY_TESTS = "python.json"
-#: The variable, in a module that everything may use.
+#: The variable, in a module that all others can use.
 MODULE = """
 !> Which mutant is tried; 0 for none.
 module which_mutant
@@ -64,7 +64,7 @@ LONG = "-ffree-line-length-none"
 
 
 class Source:
-    """A source in which each mutant of a statement stands beside it."""
+    """A source in which the mutants of a statement follow it."""
 
     def __init__(self, file: str, mutants: list[Mutant], first: int):
         self.lines = (ROOT / file).read_text(encoding="utf-8").splitlines()
@@ -95,7 +95,7 @@ class Source:
                 directive = text[0].strip().startswith("!$omp")
 
     def number(self, changes: list[Mutant]) -> list[int]:
-        """Give numbers to mutants of one statement, all in a row."""
+        """Number the mutants of one statement consecutively."""
         numbers = [self.first + len(self.held) + i for i in range(len(changes))]
         self.held |= dict(zip(numbers, changes, strict=True))
         return numbers
@@ -106,7 +106,7 @@ class Source:
         return [*text[:place], mutant.after, *text[place + 1 :]]
 
     def emit(self, lines: list[str], owner: int) -> None:
-        """Add lines that belong to one mutant."""
+        """Add lines of one mutant."""
         for line in lines:
             self.out.append(line)
             self.owners[len(self.out)] = owner
@@ -196,7 +196,7 @@ def statements(lines):
             comment = lines[place].strip()[:1] in ("", "!")
             more = open_text or code.rstrip().endswith("&") or (place > begin and comment)
             while open_text:
-                # a text that goes on in the next line
+                # a text that continues in the next line
                 place += 1
                 open_text = lines[place].rstrip().endswith("&")
             place += 1
@@ -204,9 +204,9 @@ def statements(lines):
 
 
 def in_text(line):
-    """Return whether a text that begins in a line goes on in the next one."""
+    """Return whether a text that begins in a line continues in the next one."""
     return line.rstrip().endswith("&") and any(
-        # what follows a text that is closed is code
+        # code follows a closed text
         code_of(line + quote + "x").endswith("x") and not code_of(line + "x").endswith("x")
         for quote in "'\""
     )
@@ -216,7 +216,7 @@ def joined(lines):
     """Return a statement on one line, without comments."""
     parts = []
     for line in lines:
-        # a ! in the place of a text is no comment
+        # a ! within a text does not begin a comment
         marks = (i for i, char in enumerate(line) if char == "!")
         part = line[
             : next((i for i in marks if code_of(line[:i] + "x").endswith("x")), None)
@@ -226,12 +226,12 @@ def joined(lines):
 
 
 def rest(text, opens):
-    """Return what follows the parenthesis that was opened before a place."""
+    """Return what follows the parenthesis that closes the one opened before an index."""
     return text[closing(code_of(text), opens) + 1 :].strip()
 
 
 def split(text):
-    """Split a text at the commas that stand in no parentheses."""
+    """Split a text at the commas outside parentheses."""
     parts, depth = [""], 0
     for char, real in zip(code_of(text), text, strict=True):
         depth += {"(": 1, "[": 1, ")": -1, "]": -1}.get(char, 0)
@@ -300,7 +300,7 @@ def prepare(folder: Path) -> None:
 
 
 def reached_by_tests(folder: Path) -> dict[str, dict]:
-    """Return what reaching.py has noted of files of Python tests, statements by their names."""
+    """Return the notes of reaching.py about files of Python tests, with statements by name."""
     note = folder / REACHED_BY_TESTS
     if not note.exists():
         return {}
@@ -380,7 +380,7 @@ def write(folder: Path, tree: Path) -> None:
 
 
 def build(folder: Path, tree: Path, counted: bool) -> None:
-    """Build what computes, in a folder of its own; counted: it counts the blocks that it reaches."""
+    """Build the core in a separate folder; with `counted` it counts the blocks that it reaches."""
     made = folder / ("counted" if counted else "plain")
     args = f"-g1 -w -finit-integer=-77777 -finit-real=-inf -finit-logical=true {LONG} -fno-frontend-optimize"
     links = "-Wl,-u,vibroimpact_choose"
@@ -411,7 +411,7 @@ def ninja(made: Path) -> None:
 
 
 def run(*words) -> None:
-    """Run meson or ninja, which are where Python is."""
+    """Run meson or ninja from the folder of the Python interpreter."""
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     subprocess.run(words, check=True, env=os.environ | {"PATH": path}, stdout=subprocess.DEVNULL)
 
