@@ -79,7 +79,7 @@ def test_all_panels(which, tmp_path):
     figure.savefig(path)
     assert path.stat().st_size > 10_000
     title = figure.get_suptitle()
-    for word in (r"\xi", r"\mu", "R_1", "r", "dK/F_0"):
+    for word in (r"\xi", r"\mu", "R", "r", "dK/F_0"):
         assert word in title
 
 

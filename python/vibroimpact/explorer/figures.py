@@ -20,6 +20,7 @@ from bokeh.models import (
     LinearScale,
     LogAxis,
     LogScale,
+    NoOverlap,
     Range1d,
     Span,
 )
@@ -73,6 +74,7 @@ def drawn(axis: Any) -> Any:
     axis.major_label_text_font_size = "12px"
     axis.axis_line_color = axis.major_tick_line_color = "#444444"
     axis.minor_tick_line_color = None
+    axis.major_label_policy = NoOverlap(min_distance=6)  # in a narrow window
     return axis
 
 

@@ -32,6 +32,7 @@ from .style import (
     add_legend,
     given,
     pyplot,
+    system,
 )
 
 if TYPE_CHECKING:
@@ -159,12 +160,8 @@ def of_structure(
 
 
 def _title(thing: Any, scales: Scales) -> str:
-    osc = thing.osc
-    values = scales.given({"r": thing.r, "clearance": thing.clearance, "load": thing.load})
-    text = (
-        rf"$\xi$ = {osc.xi:g}, $\mu$ = {osc.mu:g}, $R_1$ = {osc.restitution[0]:g}, "
-        rf"$R_2$ = {osc.restitution[1]:g}, {given(values)}"
-    )
+    values = {"r": thing.r, "clearance": thing.clearance, "load": thing.load}
+    text = given(scales.given(system(thing.osc) | values))
     if hasattr(thing, "pattern"):
         text = (
             f"{thing.pattern.sides}/{thing.pattern.cycles}: {thing.verdicts()}\n{text}"

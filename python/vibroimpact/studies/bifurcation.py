@@ -340,7 +340,7 @@ class BifurcationDiagram(
 
     @property
     def _shown(self) -> str:
-        """The parameter whose unit values have; "" for the load of a structure, which is a factor."""
+        """The parameter that sets the unit of values; "" for the load of a structure, which is a factor."""
         is_factor = self.of_structure and self.parameter == "load" and "label" not in self.keys
         return "" if is_factor else self.parameter
 

@@ -395,7 +395,7 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
 
     @property
     def _shown(self) -> str:
-        """The parameter whose unit values have; "" if there is none, as for the load of a structure, a factor."""
+        """The parameter that sets the unit of values; "" without one, as for the load factor of a structure."""
         known = not self.of_structure or self.parameter.split("_")[0] in OF_STRUCTURE
         return self.parameter if known else ""
 

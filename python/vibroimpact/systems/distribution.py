@@ -252,7 +252,7 @@ def interval(holds: int, count: int, confidence: float = 0.95) -> tuple[float, f
     rest = 0.5 * (1 - confidence)
 
     def at_least(successes: int, p: float) -> float:
-        """The probability of at least so many successes."""
+        """The probability of at least this number of successes."""
         j = np.arange(successes, count + 1)
         exponents = (
             logs[-1] - logs[j] - logs[count - j] + j * np.log(p) + (count - j) * np.log1p(-p)
