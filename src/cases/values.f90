@@ -504,6 +504,7 @@ contains
       !> What is known of the units of the system.
       type(units_type), intent(in), optional :: units
       integer :: i, n
+      character(:), allocatable :: text
       logical :: good
 
       do i = 1, size(values%keys)
@@ -528,27 +529,29 @@ contains
             if (.not. good .and. size(low%numbers) > 1) then
                call values%refuse(trim(values%keys(i)%name))
             else if (.not. good) then
-               call values%refuse(trim(values%keys(i)%name), trim(values%keys(i)%over)//' is '// &
-                  as_given(values, low))
+               call name_as_given(values, low, text)
+               text = trim(values%keys(i)%over)//' is '//text
+               call values%refuse(trim(values%keys(i)%name), text)
             end if
          end associate
       end do
    end subroutine check_order
 
    !> The number of a key as written in the file, or its default.
-   pure function as_given(values, value) result(text)
+   pure subroutine name_as_given(values, value, text)
       !> The group.
       type(values_type), intent(in) :: values
       !> The value of the key, a number.
       type(value_type), intent(in) :: value
-      character(:), allocatable :: text
+      !> The text for messages.
+      character(:), allocatable, intent(out) :: text
 
       if (value%given) then
          text = values%items(value%origin(1))%value
       else
          text = trim(number_text(value%numbers(1), .false.))
       end if
-   end function as_given
+   end subroutine name_as_given
 
    !> Whether numbers without a unit are in units of the &system.
    pure logical function has_one_reading(own, units) result(one)
