@@ -336,6 +336,40 @@ def test_limit_probability_is_that_of_an_exact_case():
     assert again.probability <= found.probability + 0.1
 
 
+def test_limits_do_not_grow_with_an_uncertain_load():
+    """With a free mass of no weight, a limit 1.2 times the nominal figure is kept up to the load 1.2, since all figures
+    are in proportion to it; with impacts, the share is that of the equispaced motions at each load."""
+    osc, r = vi.Oscillator(xi=0.1, mu=0.0, restitution=0.75), 0.6
+    amplitude = 1 / math.hypot(1 - r**2, 2 * osc.xi * r)
+    figures = {
+        "displacement": amplitude, "rms": amplitude / math.sqrt(2), "acceleration": r**2 * amplitude,
+        "force": amplitude * math.hypot(1, 2 * osc.xi * r),
+    }  # fmt: skip
+    for name, figure in figures.items():
+        for load in (1.1999, 1.2001):
+            found = vi.limit_probability(
+                osc,
+                r,
+                1e4,
+                {"load": (min(1.0, load), 1.0, load, load, load)},
+                {name: 1.2 * figure},
+                samples=20,
+            )
+            assert found.probability < 1 if load > 1.2 else found.probability == 1
+    spread = {"load": stats.uniform(0.5, 1.0)}
+    at = {"bands": False, "samples": 64, "symmetric": True}
+    motion = vi.equispaced(FIGURE6, 1.04, 25.0)[0]
+    largest = max(motion.x_max, -motion.x_min)
+    found = vi.uncertainty(FIGURE6, "RL", 1.04, 25.0, spread, limit={"displacement": largest}, **at)
+    loads = np.linspace(0.5, 1.5, 2001)
+    kept = 0
+    for load in loads:
+        stable = [m for m in vi.equispaced(FIGURE6, 1.04, 25.0 / load) if m.stable and m.admissible]
+        kept += bool(stable) and all(load * max(m.x_max, -m.x_min) <= largest for m in stable)
+    assert found.within == pytest.approx(kept / len(loads), abs=2 / 64)
+    assert 0.1 < kept / len(loads) < 0.9
+
+
 @pytest.mark.parametrize(("holds", "count"), [(0, 20), (7, 20), (20, 20), (993, 1000)])
 def test_intervals_are_those_of_scipy(holds, count):
     """The interval of Clopper and Pearson equals quantiles of the beta distribution."""

@@ -19,7 +19,7 @@ from ..base.status import VERDICT
 from ..results import door
 from ..results.namelist import keys_of
 from ..results.noun import Noun
-from ..results.performance import LEAST, PARAMETERS
+from ..results.performance import LEAST, LIMITED, PARAMETERS
 from ..results.tables import Result, made
 from ..systems.distribution import Uncertain, uncertain
 from ..systems.oscillator import Oscillator, of_numbers
@@ -27,7 +27,7 @@ from ..systems.units import range_text, units_to_show, value_text, wanted_figure
 from ..systems.verbs import physical_arguments
 from .confirmation import CODE_OF, confirmed, firmer
 from .order import NAMES, Order, asked_by, numbers_of
-from .problem import LIMITED, OscillatorHost, Problem, parameters_of
+from .problem import OscillatorHost, Problem, parameters_of
 from .search import part_of, search
 from .structure import asked_of
 

@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 
 from ..base.errors import ParameterError
+from ..results.performance import LIMITED
 from ..systems.distribution import Uncertain
 from ..systems.oscillator import Oscillator
 from .hosts import DecayHost
-from .problem import LIMITED, Host, OscillatorHost, Problem
+from .problem import Host, OscillatorHost, Problem
 
 #: Parameters of an oscillator that can be free or uncertain.
 NAMES = ("clearance", "mu", "xi", "restitution", "R1", "R2")

@@ -14,17 +14,12 @@ from ..base.errors import ParameterError, SingularError
 from ..motions.exact import exact
 from ..motions.trajectory import simulate
 from ..results import door
-from ..results.performance import LEAST, PARAMETERS, perform
+from ..results.performance import LEAST, LIMITED, PARAMETERS, perform
 from ..systems.distribution import Uncertain
 from ..systems.oscillator import Oscillator
 
 _Array = NDArray[np.float64]
 
-#: Figures that can be limited, and the power of the load amplitude with which they grow.
-LIMITED = {
-    "displacement": 1, "rms": 1, "acceleration": 1, "force": 1, "speed": 1, "multiplier": 0, "least_speed": 1,
-    "least_gap": 1,
-}  # fmt: skip
 #: The targets that can be minimised; the attenuation is max|X|/A.
 TARGETS = ("attenuation", "displacement", "rms", "acceleration", "force")
 #: Targets with derivatives in closed form, and the parameters.

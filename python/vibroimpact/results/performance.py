@@ -21,6 +21,11 @@ FIGURES = (
     "displacement", "rms", "acceleration", "force", "speed", "multiplier", "least_speed", "least_gap",
     "amplitude",
 )  # fmt: skip
+#: Figures that can be limited, and the power of the load amplitude with which they grow.
+LIMITED = {
+    "displacement": 1, "rms": 1, "acceleration": 1, "force": 1, "speed": 1, "multiplier": 0, "least_speed": 1,
+    "least_gap": 1,
+}  # fmt: skip
 #: Figures that must be above their limits.
 LEAST = ("least_speed", "least_gap")
 

@@ -18,8 +18,15 @@ from ..base.libraries import xarray
 from ..base.progress import with_progress
 from ..base.spacing import ascending, range_axes, range_values
 from ..results import door
-from ..results.performance import FIGURES, LEAST, Performance, perform
-from ..systems.distribution import Uncertain, interval, shares, systems, uncertain_parameters
+from ..results.performance import FIGURES, LEAST, LIMITED, Performance, perform
+from ..systems.distribution import (
+    Uncertain,
+    interval,
+    loads,
+    shares,
+    systems,
+    uncertain_parameters,
+)
 from ..systems.oscillator import Oscillator, Pattern, Point, of_numbers, pattern_of
 from ..systems.units import value_text, wanted_figure
 from ..systems.verbs import physical_arguments
@@ -250,7 +257,8 @@ def uncertainty(
     points : int or (int, int), optional
         Numbers of evenly spaced values in these ranges.
     limit : dict, optional
-        Largest allowed attenuation (max|x|/A), displacement (max|x|) or multiplier (modulus) of the motions.
+        Largest allowed attenuation (max|x|/A), displacement (max|x|, in F0/K of the nominal load) or multiplier
+        (modulus) of the motions.
     samples : int
         1 to 100000. Each takes as long as a chart.
     bands : bool
@@ -308,16 +316,17 @@ def uncertainty(
         )
     if limits and pattern.has_rest:
         raise ParameterError("limit: must be left out for a pattern with rest, which has no chart")
-    changes = systems(
-        osc, parameters, shares(count, len(parameters), np.random.default_rng(number))
-    )
+    where = shares(count, len(parameters), np.random.default_rng(number))
+    changes, load = systems(osc, parameters, where), loads(parameters, where)
     for values, factors, name in zip(axes, changes, ("r", "clearance"), strict=False):
         for value in (values[0] * factors.min(), values[-1] * factors.max()):
             checks.number(float(value), name)
     if wanted:
         keeps_symmetry(osc, changes)
     told = Told(progress, 0.8 if wanted else 1.0)
-    _, first, times = np.unique(changes, axis=1, return_index=True, return_counts=True)
+    _, first, times = np.unique(
+        np.vstack([changes, load]), axis=1, return_index=True, return_counts=True
+    )
     total = np.zeros((3, len(axes[1]), len(axes[0])))
     nominal, found, done, stopped = None, [], 0, False
     try:
@@ -325,8 +334,8 @@ def uncertainty(
         for i, here in enumerate(np.argsort(first)):
             told.part(i, len(times), "samples")
             total += times[here] * verdicts(
-                osc, pattern, axes, changes[:, first[here]], symmetric, limits, threads, told
-            )
+                osc, pattern, axes, changes[:, first[here]], load[first[here]], symmetric, limits, threads, told
+            )  # fmt: skip
             done += int(times[here])
         if wanted:
             nominal = zone(
@@ -469,8 +478,8 @@ def limit_probability(
     limit : dict
         Largest allowed attenuation (max|x|/A), displacement, rms, acceleration or force of the primary mass,
         approach speed of impacts, or modulus of the multipliers (0 without impacts; a motion without a period does
-        not keep this limit), in the units of `Motion`; or smallest allowed distances to boundaries, least_speed
-        and least_gap, as in `design`.
+        not keep this limit), in the units of `Motion` at the nominal load, whatever the load of a sample is; or
+        smallest allowed distances to boundaries, least_speed and least_gap, as in `design`.
     samples : int
         Number of samples for each point, 1 to 1000000.
     points : int, optional
@@ -536,7 +545,8 @@ def limit_probability(
             f"r, clearance, samples, starts: {places_of[0].size} points, {count} samples and {tries} starts are "
             f"{places_of[0].size * count * tries} simulations: must be 1 to {checks.MOST_NUMBERS}"
         )
-    changes = systems(osc, parameters, random.random((len(parameters), count)))
+    where = random.random((len(parameters), count))
+    changes, load = systems(osc, parameters, where), loads(parameters, where)
     for values, factors, name in zip(places_of, changes, ("r", "clearance"), strict=False):
         for value in (values.min() * factors.min(), values.max() * factors.max()):
             checks.number(float(value), name)
@@ -562,7 +572,7 @@ def limit_probability(
                     np.repeat(here[:, part], tries, axis=1), places[:, part.start * tries : part.stop * tries],
                     cycles, 64, events, threads, told.inner, "simulate", figures_of(limits),
                 )  # fmt: skip
-                blocks.append(judged(done, limits, tries))
+                blocks.append(judged(done, limits, tries, np.repeat(load[part], tries)))
         except KeyboardInterrupt:
             stopped = True
             if answers or not blocks:
@@ -592,14 +602,18 @@ def figures_of(limits: Mapping[str, float]) -> set[str]:
     return {"displacement", "amplitude"} | set(limits) if "attenuation" in limits else set(limits)
 
 
-def judged(done: Performance, limits: Mapping[str, float], tries: int) -> NDArray[np.bool_]:
+def judged(
+    done: Performance, limits: Mapping[str, float], tries: int, load: _Array
+) -> NDArray[np.bool_]:
     """Whether samples, each with some initial states, stay within all limits, and whether they failed so that this
-    is not known; (2, n)."""
+    is not known; (2, n). The figures are those at load 1, and the load that of each initial state."""
     good = done.status == 0
     kept = good.copy()
     for name, limited in limits.items():
         values = (
-            done.displacement / done.amplitude if name == "attenuation" else getattr(done, name)
+            done.displacement / done.amplitude
+            if name == "attenuation"
+            else getattr(done, name) * load ** LIMITED[name]
         )
         if name == "multiplier":
             values = np.where(done.impacts == 0, 0.0, values)
@@ -653,11 +667,11 @@ def window_of(values: _Array, margin: float = 0.0) -> tuple[float, float]:
 
 
 def verdicts(
-    osc: Oscillator, pattern: Pattern, axes: tuple[_Array, _Array], change: _Array, symmetric: bool | None,
-    limits: Mapping[str, float], threads: int | None, told: Told,
+    osc: Oscillator, pattern: Pattern, axes: tuple[_Array, _Array], change: _Array, load: float,
+    symmetric: bool | None, limits: Mapping[str, float], threads: int | None, told: Told,
 ) -> _Array:  # fmt: skip
     """For one sample: whether a stable motion exists, whether this is unknown, whether all are within the limits;
-    (3, n, m)."""
+    (3, n, m). The load is a factor of the nominal one."""
     system = Oscillator(
         xi=float(change[2]), mu=float(change[3]), restitution=tuple(change[4:].tolist())
     )
@@ -678,7 +692,7 @@ def verdicts(
     kept = np.ones_like(good)
     of_motion: dict[str, Callable[[], _Array]] = {
         "attenuation": lambda: chart["attenuation"].values,
-        "displacement": lambda: np.maximum(-chart["x_min"].values, chart["x_max"].values),
+        "displacement": lambda: load * np.maximum(-chart["x_min"].values, chart["x_max"].values),
         "multiplier": lambda: chart["multiplier_modulus"].values[0],
     }
     for name, greatest in limits.items():

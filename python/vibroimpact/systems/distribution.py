@@ -232,6 +232,12 @@ def systems(
     return found
 
 
+def loads(parameters: Mapping[str, Uncertain], where: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Factors (n,) of the load at the quantiles of `systems`."""
+    rows = dict(zip(parameters, where, strict=True))
+    return parameters["load"].at(rows["load"]) if "load" in rows else np.ones(where.shape[1])
+
+
 def interval(holds: int, count: int, confidence: float = 0.95) -> tuple[float, float]:
     """The Clopper–Pearson interval for a probability, from independent trials.
 
