@@ -5,9 +5,11 @@ import math
 import numpy as np
 import pytest
 import vibroimpact as vi
-from shared_design import FEW, GOOD, QUICK
-from vibroimpact.designs.hosts import DecayHost, StructureHost, extent
+from shared_design import FEW, GOOD, OSC, QUICK
+from vibroimpact.designs.hosts import DecayHost, StructureHost
+from vibroimpact.designs.order import asked_by
 from vibroimpact.designs.problem import OscillatorHost
+from vibroimpact.motions.reached import extent
 
 
 def test_the_oscillator_as_a_structure_has_the_same_figures():
@@ -105,6 +107,56 @@ def test_damping_of_free_decay_is_a_target():
         {"clearance": grid_of}, np.ones(60), np.ones(60), np.zeros((4, 60)), None, ""
     )
     assert best.level > 0.9 * -levels.target.min() * 0.8
+
+
+def test_friction_and_walls_that_give_are_parameters():
+    """The figures of a unit are those of the motion of the point with its load."""
+    values = {"friction": 0.2, "wall_stiffness": 20.0, "wall_damping": 0.15, "clearance": 30.0}
+    load, wall = 1.5, (20.0, 0.15)
+    point = OSC.at(1.02, 30.0, load, friction=0.2, stops=(wall, wall))
+    motion = vi.exact(point, vi.simulate(point, cycles=600))
+    limits = {"speed": 1.0, "displacement": 1.0}
+    host = OscillatorHost(OSC, None, "displacement", limits, 600, 32, 1)
+    units = {name: np.array([value]) for name, value in values.items()}
+    found = host.outcome(units, np.array([1.02]), np.array([load]), np.full((4, 1), 0.3), None, "")
+    greatest = motion.quantities().q.peak[0]
+    assert found.target[0] == pytest.approx(greatest, rel=1e-6)
+    assert found.excess[0] == pytest.approx(max(greatest, motion.speeds.max()), rel=1e-6)
+    assert host.slopes(values, 1.02, load, np.zeros(4)) is None
+
+
+def test_friction_and_walls_that_give_are_keys(tmp_path):
+    """A case has them as free or uncertain parameters, and their rules are those of the core."""
+    path = tmp_path / "tape.nml"
+    path.write_text(
+        "&system xi = 0.0114, mu = 0.028, restitution = 0.75 /\n"
+        "&design band = 1, 1.02, clearance = 25, free_friction = 0, 0.3, tolerance_wall_damping = 0.1, 0.2\n"
+        "  tolerance_wall_stiffness = 20, 2, normal = 'wall_stiffness' /\n",
+        encoding="utf-8",
+    )
+    case = vi.read_namelist(path)[0]
+    problem, _ = asked_by(case.osc, case.keys)
+    assert problem.free == {"friction": (0.0, 0.3)}
+    values, _ = problem.units(np.array([0.2]), np.full((3, 1), 0.5))
+    assert values == {"friction": 0.2, "wall_stiffness": 20.0, "wall_damping": pytest.approx(0.15)}
+    units = {name: np.array([value]) for name, value in values.items()}
+    found = problem.host.outcome(units, np.ones(1), np.ones(1), np.full((4, 1), 0.3), None, "")
+    wall = 20.0, 0.15
+    point = OSC.at(1.0, 25.0, friction=0.2, stops=(wall, wall))
+    motion = vi.exact(point, vi.simulate(point, cycles=600))
+    assert found.target[0] == pytest.approx(motion.quantities().q.peak[0] * 2 * OSC.xi, rel=1e-6)
+    asked = {
+        "r": (1.0, 1.02), "free": {"friction": (0.0, 0.3)}, "clearance": 25.0,
+        "tolerance": {"wall_damping": (0.1, 0.2), "wall_stiffness": (5.0, 50.0)},
+    }  # fmt: skip
+    for keys, message in (
+        ({"free": {"R1": (0.1, 0.2)}}, r"free\['R1'\] .* with tolerance_wall_stiffness"),
+        ({"tolerance": {"wall_damping": (0.1, 0.2)}}, "must be left out without a wall_stiffness"),
+        ({"limits": {"least_gap": 1.0}}, r"limits\['least_gap'\] .* must be left out with "),
+        ({"tolerance": {"friction": (-2.0, -1.0)}}, "deviations with 0 among them"),
+    ):
+        with pytest.raises(vi.ParameterError, match=message):
+            vi.design(OSC, **asked | keys)
 
 
 def test_errors_of_a_host_are_its_own():

@@ -337,8 +337,8 @@ def test_limit_probability_is_that_of_an_exact_case():
 
 
 def test_limits_do_not_grow_with_an_uncertain_load():
-    """With a free mass of no weight, a limit 1.2 times the nominal figure is kept up to the load 1.2, since all figures
-    are in proportion to it; with impacts, the share is that of the equispaced motions at each load."""
+    """With a free mass of no weight, a limit 1.2 times the nominal figure is kept up to the load 1.2; with
+    impacts, the share is that of the equispaced motions at each load."""
     osc, r = vi.Oscillator(xi=0.1, mu=0.0, restitution=0.75), 0.6
     amplitude = 1 / math.hypot(1 - r**2, 2 * osc.xi * r)
     figures = {
@@ -368,6 +368,70 @@ def test_limits_do_not_grow_with_an_uncertain_load():
         kept += bool(stable) and all(load * max(m.x_max, -m.x_min) <= largest for m in stable)
     assert found.within == pytest.approx(kept / len(loads), abs=2 / 64)
     assert 0.1 < kept / len(loads) < 0.9
+
+
+def test_without_friction_and_with_stiff_walls_a_structure_is_the_oscillator():
+    """The same samples from the same initial states keep the same limits: with friction 0 up to the interpolation
+    of extremes, and with walls of stiffness k up to k^(-1/2)."""
+    osc = vi.Oscillator(xi=0.04, mu=0.028, restitution=0.75)
+    k, effective = 1e8, osc.mu / (1 + osc.mu)
+    zeta = -math.log(0.75) / math.hypot(math.pi, math.log(0.75))
+    stiff = {"wall_stiffness": k, "wall_damping": 2 * zeta * math.sqrt(k * effective)}
+    middle = max(m.x_max for m in vi.find(osc, 1.02, 20.0, 4, 1) if m.stable and m.admissible)
+    options = {"limit": {"displacement": middle, "speed": 25.0}, "samples": 60, "rng": 3}
+    rigid = vi.limit_probability(osc, 1.02, 20.0, {"xi": (0.02, 0.06)}, **options)
+    assert 0.3 < rigid.probability < 0.7
+    for parts in ({"friction": 0.0}, stiff):
+        found = vi.limit_probability(osc, 1.02, 20.0, {"xi": (0.02, 0.06)} | parts, **options)
+        assert abs(found.probability - rigid.probability) <= 1 / 60
+        assert not found.failed
+
+
+def test_limit_probability_with_friction_is_that_of_single_simulations():
+    """The share is that of simulations of the points at the sampled values of friction, stiffness and load."""
+    osc = vi.Oscillator(xi=0.04, mu=0.028, restitution=0.75)
+    r, clearance, n, limit = 1.02, 20.0, 24, 9.0
+    parts = {"friction": (0.0, 0.5), "wall_stiffness": (5.0, 50.0), "load": (0.7, 1.3)}
+    point = osc.at(r, clearance, friction=0.2, stops=(None, (10.0, 0.3)))
+    found = vi.limit_probability(point, parts, {"displacement": limit}, samples=n, rng=5)
+    random = np.random.default_rng(5)
+    where, places = random.random((3, n)), random.uniform(-1, 1, (4, n))
+    low, high = np.array(list(parts.values())).T[..., None]
+    kept = 0
+    for (friction, stiffness, load), place in zip(
+        (low + (high - low) * where).T, places.T, strict=True
+    ):
+        at = osc.at(r, clearance, load, friction=friction, stops=(None, (stiffness, 0.3)))
+        scale = min(max(load / math.hypot(1 - r**2, 2 * osc.xi * r), clearance / 2), 3 * clearance)
+        x, x_dot, y, z_dot = place * [scale, scale, clearance / 2, scale]
+        run = vi.simulate(at, cycles=64, discard=400, state=([x, x + y], [x_dot, z_dot]))
+        kept += run.quantities().q.peak[0] <= limit
+    assert 3 <= kept <= n - 3
+    assert found.probability * n == pytest.approx(kept)
+
+
+@pytest.mark.parametrize("parts", [
+    {"friction": 0.05}, {"wall_stiffness": 20.0, "wall_damping": 0.05},
+    {"friction": 0.02, "wall_stiffness": 20.0, "wall_damping": 0.2},
+])  # fmt: skip
+def test_limits_with_friction_and_walls_that_give_are_those_of_the_exact_motion(parts):
+    """Limits just below and above the figures of the motion of the point itself."""
+    wall = parts.get("wall_stiffness"), parts.get("wall_damping", 0.0)
+    stops = (wall, wall) if "wall_stiffness" in parts else None
+    point = FIGURE6.at(1.04, 25.0, friction=parts.get("friction", 0.0), stops=stops)
+    motion = vi.exact(point, vi.simulate(point, cycles=600))
+    hits = motion.speeds[[kind in ("impact", "touch") for kind in motion.kinds]]
+    figures = {
+        "displacement": motion.quantities().q.peak[0], "multiplier": abs(motion.multipliers[0]),
+        "speed": max(hits), "least_speed": min(hits),
+    }  # fmt: skip
+    for name, value in figures.items():
+        for factor in (1 - 1e-4, 1 + 1e-4):
+            found = vi.limit_probability(
+                FIGURE6, 1.04, 25.0, parts, {name: factor * value}, samples=4, threads=2
+            )
+            kept = (factor > 1) != (name == "least_speed")
+            assert (found.probability, found.failed) == (kept, 0)
 
 
 @pytest.mark.parametrize(("holds", "count"), [(0, 20), (7, 20), (20, 20), (993, 1000)])
@@ -510,6 +574,22 @@ def test_limits_of_a_rig_are_shown_in_its_units():
         ({"starts": 0}, "starts = 0"),
         ({"settling": 1}, "settling = 1"),
         ({"r": [1, 2], "clearance": [1, 2, 3]}, "must be broadcastable"),
+        (
+            {"uncertain": {"friction": (-0.1, 0.1)}},
+            r"uncertain\['friction'\] = -0.1: must be a number with 0 <= ",
+        ),
+        (
+            {"uncertain": {"wall_stiffness": 3.0, "R1": 0.5}},
+            "'R1': must be left out for a wall that gives",
+        ),
+        (
+            {"uncertain": {"wall_damping": 3.0}},
+            "'wall_damping': must be given with a wall_stiffness",
+        ),
+        (
+            {"uncertain": {"friction": 0.1}, "limit": {"least_gap": 1.0}},
+            "must be left out with friction or walls that give",
+        ),
         ({"r": []}, "0 points"),
         ({"clearance": math.nan}, "clearance = nan"),
         ({"samples": 10**6, "starts": 1000}, "simulations: must be 1 to"),

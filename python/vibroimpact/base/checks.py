@@ -26,6 +26,9 @@ RANGES: dict[str, tuple[float, float, bool]] = {
     "clearance": (1e-12, 1e12, True),
     "acceptance": (0.0, 1.0, True),
     "load": (0.0, 1e12, True),
+    "friction": (0.0, 1e12, True),
+    "wall_stiffness": (1e-12, 1e12, True),
+    "wall_damping": (0.0, 1e12, True),
     "cycles_simulated": (0.0, 1e9, True),
     "longest_step": (1e-6, 1.0, True),
 }

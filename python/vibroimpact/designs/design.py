@@ -21,7 +21,7 @@ from ..results.namelist import keys_of
 from ..results.noun import Noun
 from ..results.performance import LEAST, LIMITED, PARAMETERS
 from ..results.tables import Result, made
-from ..systems.distribution import Uncertain, uncertain
+from ..systems.distribution import ELEMENTS, Uncertain, uncertain
 from ..systems.oscillator import Oscillator, of_numbers
 from ..systems.units import range_text, units_to_show, value_text, wanted_figure
 from ..systems.verbs import physical_arguments
@@ -83,8 +83,8 @@ class Design(Noun, study="design", example=EXAMPLE):
         True if the lower ends of `interval` and of the intervals of all parts of the band are at least `quantile`,
         False if one of the upper ends is below it, None if the samples do not decide.
     spread : dict
-        Smallest, median and largest clearance, xi, mu, R1 and R2 of the units; an error for a host that is a
-        function.
+        Smallest, median and largest clearance, xi, mu, R1 and R2 of the units, and friction and properties of the
+        walls if they vary; an error for a host that is a function.
     sensitivity : dict
         Derivatives of the target of the worst unit with respect to its parameters; empty if it has no periodic
         motion.
@@ -212,7 +212,8 @@ class Design(Noun, study="design", example=EXAMPLE):
     def spread(self) -> dict[str, tuple[float, float, float]]:
         """Smallest, median and largest clearance (d K/F0 at each load), xi, mu, R1 and R2 of the units.
 
-        For normal distributions, the outer values are 3 standard deviations from the median.
+        Also friction, wall_stiffness and wall_damping if they vary. For normal distributions, the outer values are 3
+        standard deviations from the median.
         """
         if self._asked is None and not self.case:
             raise ParameterError(f"{self!r}: has no host, since it was read from a file")
@@ -227,9 +228,11 @@ class Design(Noun, study="design", example=EXAMPLE):
         # the smallest clearance in F0/K is that at the largest load
         load = reach(problem.load)[::-1]
         numbers = parameters_of(problem.host.osc, problem.host.clearance, values, np.ones(3), load)
+        found = dict(zip(PARAMETERS[1:], numbers[1:], strict=True))
+        found |= {name: values[name] for name in ELEMENTS if name in values}
         return {
             name: (float(low), float(middle), float(high))
-            for name, (low, middle, high) in zip(PARAMETERS[1:], numbers[1:], strict=True)
+            for name, (low, middle, high) in found.items()
         }
 
     @property
@@ -555,8 +558,9 @@ def design(
     free : dict
         Ranges (low, high) of the parameters to choose: ``clearance`` (d K/F0 at load 1, where d is the whole
         travel of the free mass), ``mu`` (m/M, or the free mass, such as "0.05 kg"), ``xi``, ``restitution`` (the
-        same on both walls), ``R1``, ``R2``. For a function, any names; a ``range`` of whole numbers is for a
-        number of units.
+        same on both walls), ``R1``, ``R2``; ``friction`` in the slot (over F0), ``wall_stiffness`` and
+        ``wall_damping`` of both walls (over K and sqrt(K M)), with which units are simulated as structures. For a
+        function, any names; a ``range`` of whole numbers is for a number of units.
     clearance : float, optional
         The clearance d K/F0, if it is not free.
     load : float, range, quantiles or distribution

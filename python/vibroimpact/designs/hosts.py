@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.errors import ParameterError, ParameterTypeError, SingularError
-from ..motions.exact import exact_structure
-from ..motions.trajectory import Trajectory, simulate_structure
+from ..motions.reached import reached_figures, steady
 from ..results import door
 from ..studies.decay import decay
 from ..systems.oscillator import Oscillator
@@ -22,10 +21,6 @@ from ..systems.structure import Load, Structure
 from .problem import Outcome, parameters_of
 
 _Array = NDArray[np.float64]
-#: Number of samples in a load cycle from which extremes are refined, and smallest number of samples of a record.
-SAMPLES, LEAST = 200, 5_000
-#: Figures of a structure that can be limited or minimised.
-FIGURES = ("displacement", "rms", "speed", "acceleration", "force", "multiplier", "least_speed")
 TARGETS = ("attenuation", "displacement", "rms", "acceleration", "force")
 
 
@@ -42,9 +37,7 @@ class StructureHost:
     target : str
         One of `TARGETS`; the attenuation is the greatest displacement over that of the structure without gaps.
     limits : mapping
-        Largest allowed values of `FIGURES`: the force is that of springs and dashpots on the coordinate, and the
-        multiplier is the largest modulus for the motion that is reached. The least speed is a smallest allowed
-        value.
+        Largest allowed figures, as `reached_figures` returns them. The least speed is a smallest allowed value.
     settling, keep : int
         Load cycles before the evaluated ones, and evaluated load cycles; a record is evaluated as a whole.
     threads : int or None
@@ -144,54 +137,18 @@ class StructureHost:
     def _figures(
         self, structure: Structure, force: Load | Record, place: _Array
     ) -> dict[str, float]:
-        """The figures of the coordinate, and the greatest approach speed."""
-        n = structure.coordinates
-        if isinstance(force, Record):
-            run = simulate_structure(structure, force)
-            begin, many = run.start, max(LEAST, 10 * len(force.force))
-        else:
-            # velocities in proportion to the response without gaps, in directions that `place` decides
-            scale = force.frequency * abs(steady(structure, force))
+        """The figures of the coordinate, with initial velocities in proportion to the response without gaps, in
+        directions that `place` decides."""
+        state: tuple[_Array, _Array] | None = None
+        if isinstance(force, Load):
+            n = structure.coordinates
+            scale: _Array = force.frequency * np.abs(steady(structure, force)).astype(np.float64)
             turn = np.cos(np.pi * np.arange(1, n + 1) * (1 + place[np.arange(n) % 4]))
-            run = simulate_structure(
-                structure,
-                force,
-                cycles=self.settling + self.keep,
-                state=(np.zeros(n), scale * turn),
-            )
-            begin, many = run.end - self.keep * 2 * math.pi / force.frequency, SAMPLES * self.keep
-        if not run.complete:
-            return dict.fromkeys(FIGURES, math.inf)
-        least, greatest, rms = extent(run, begin, many, self.coordinate)
-        late = run.events[run.events["time"] >= begin]
-        figures = {
-            "displacement": max(-least, greatest), "rms": rms, "speed": float(late["speed"].max(initial=0.0)),
-        }  # fmt: skip
-        hits = late[late["kind"] == "impact"]
-        figures["least_speed"] = (
-            float(hits["speed"].min(initial=math.inf)) if len(hits) == len(late) else 0.0
-        )
+            state = np.zeros(n), scale * turn
         asked = {self.target, *self.limits}
-        if "acceleration" in asked and isinstance(self.coordinate, str):
-            figures["acceleration"] = greatest_acceleration(run, begin, many, self.coordinate)
-        elif asked & {"acceleration", "force"}:
-            found = run.quantities(window=(begin, run.end))
-            for name, signal in {"acceleration": found.q_ddot, "force": found.transmitted}.items():
-                figures[name] = float(np.atleast_1d(signal.peak)[self.coordinate])
-        if "multiplier" in asked:
-            figures["multiplier"] = self._multiplier(run) if len(late) else 0.0
-        return figures
-
-    def _multiplier(self, run: Trajectory) -> float:
-        """The largest modulus of the multipliers of the motion that a simulation reached; inf if there is none."""
-        if not isinstance(run.load, Load):
-            raise ParameterError(
-                "limits: multiplier: must be left out for a record, which has no period"
-            )
-        try:
-            return float(np.abs(exact_structure(run.structure, run.load, run).multipliers[0]))
-        except (SingularError, ParameterError):
-            return math.inf
+        return reached_figures(
+            structure, force, state, asked, self.coordinate, self.settling, self.keep
+        )
 
 
 @dataclass(frozen=True)
@@ -242,54 +199,3 @@ class DecayHost:
     ) -> dict[str, float] | None:
         """A free decay is not a periodic motion."""
         return None
-
-
-def steady(structure: Structure, load: Load) -> NDArray[np.complex128]:
-    """Complex amplitudes (n,) of the fundamental without gaps; 0 at an undamped resonance of the structure."""
-    omega = load.frequency
-    matrix = structure.stiffness - omega**2 * structure.mass + 1j * omega * structure.damping
-    try:
-        found = np.linalg.solve(matrix, load.cosine[0] - 1j * load.sine[0])
-    except np.linalg.LinAlgError:
-        found = np.zeros(structure.coordinates, complex)
-    return np.asarray(found)
-
-
-def greatest_acceleration(run: Trajectory, begin: float, many: int, output: str) -> float:
-    """The greatest acceleration of an output from a given time to the end, at samples and on both sides of each
-    event."""
-    times = run.events["time"][(run.events["time"] > begin) & (run.events["time"] < run.end)]
-    times = np.union1d(np.linspace(begin, run.end, many + 1), [*times, *np.nextafter(times, begin)])
-    return float(np.abs(run._sampled(times, 3, output)[2]).max())
-
-
-def extent(
-    run: Trajectory, begin: float, many: int, coordinate: int | str
-) -> tuple[float, float, float]:
-    """Least and greatest value, and root mean square, of a coordinate or output from a given time to the end.
-
-    An extreme between two samples is computed from the cubic through their values and velocities, with an error
-    proportional to the fourth power of their distance.
-    """
-    times = np.linspace(begin, run.end, many + 1)
-    inside = run.events["time"][(run.events["time"] > begin) & (run.events["time"] < run.end)]
-    times = np.union1d(times, inside)
-    if isinstance(coordinate, str):
-        q, rate = run.sample(times, coordinate)
-    else:
-        q, rate = (each[coordinate] for each in run.sample(times))
-    h = np.diff(times)
-    at = np.flatnonzero(rate[:-1] * rate[1:] < 0)
-    a, b, step = q[at], q[at + 1], h[at]
-    u, v = rate[at] * step, rate[at + 1] * step
-    # the derivative of the cubic is u + 2 c2 s + 3 c3 s^2
-    c2, c3 = 3 * (b - a) - 2 * u - v, 2 * (a - b) + u + v
-    root = np.sqrt(np.maximum(c2**2 - 3 * c3 * u, 0))
-    s = -u / (c2 + np.where(c2 < 0, -root, root))
-    s = np.clip(np.where(np.isfinite(s), s, 0.0), 0, 1)
-    tips = a + s * (u + s * (c2 + s * c3))
-    everything = np.append(q, tips)
-    # Simpson's rule with the cubic's middle
-    middle = 0.5 * (q[:-1] + q[1:]) + 0.125 * h * (rate[:-1] - rate[1:])
-    square = np.sum(h * (q[:-1] ** 2 + 4 * middle**2 + q[1:] ** 2)) / 6
-    return float(everything.min()), float(everything.max()), math.sqrt(square / (run.end - begin))

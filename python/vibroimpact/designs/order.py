@@ -10,13 +10,13 @@ import numpy as np
 
 from ..base.errors import ParameterError
 from ..results.performance import LIMITED
-from ..systems.distribution import Uncertain
+from ..systems.distribution import ELEMENTS, Uncertain
 from ..systems.oscillator import Oscillator
 from .hosts import DecayHost
 from .problem import Host, OscillatorHost, Problem
 
 #: Parameters of an oscillator that can be free or uncertain.
-NAMES = ("clearance", "mu", "xi", "restitution", "R1", "R2")
+NAMES = ("clearance", "mu", "xi", "restitution", "R1", "R2", *ELEMENTS)
 
 
 @dataclass(frozen=True)

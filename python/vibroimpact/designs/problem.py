@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 
 from ..base.errors import ParameterError, SingularError
 from ..motions.exact import exact
+from ..motions.reached import perform_points
 from ..motions.trajectory import simulate
 from ..results import door
 from ..results.performance import LEAST, LIMITED, PARAMETERS, perform
-from ..systems.distribution import Uncertain
+from ..systems.distribution import ELEMENTS, Uncertain, elements_of
 from ..systems.oscillator import Oscillator
 
 _Array = NDArray[np.float64]
@@ -95,16 +96,11 @@ class OscillatorHost:
     ) -> Outcome:  # fmt: skip
         """As for all hosts."""
         parameters = parameters_of(self.osc, self.clearance, values, r, load)
-        found = perform(
-            parameters,
-            places,
-            self.settling,
-            self.keep,
-            threads=self.threads,
-            progress=progress,
-            note=note,
-            wanted=self.wanted,
-        )
+        elements = elements_of(values, load)
+        found = perform_points(
+            parameters, elements, places, self.settling, self.keep, threads=self.threads, progress=progress,
+            note=note, wanted=self.wanted,
+        )  # fmt: skip
         if self.target == "attenuation":
             target = found.displacement / found.amplitude
         else:
@@ -128,7 +124,9 @@ class OscillatorHost:
     def slopes(
         self, values: Mapping[str, float], r: float, load: float, place: _Array
     ) -> dict[str, float] | None:
-        """As for all hosts."""
+        """As for all hosts; friction and walls that give have none."""
+        if {*ELEMENTS} & {*values}:
+            return None
         one = {name: np.array([value]) for name, value in values.items()}
         numbers = parameters_of(self.osc, self.clearance, one, np.array([r]), np.array([load]))
         found = perform(

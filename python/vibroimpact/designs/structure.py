@@ -9,8 +9,9 @@ from typing import Any
 
 from ..base import checks
 from ..base.errors import ParameterError, ParameterTypeError
+from ..motions.reached import FIGURES
 from ..systems.distribution import Uncertain, uncertain
-from .hosts import FIGURES, TARGETS, StructureHost
+from .hosts import TARGETS, StructureHost
 from .order import Order
 from .problem import Problem
 

@@ -43,16 +43,18 @@ NAMES = {
     "attenuation": ATTENUATION_LABEL, "x_max": r"$X_{\max}$", "x_min": r"$X_{\min}$", "tau": r"$\tau$",
     "largest": r"$\max|\lambda|$", "A": "$A$", "x": "$X$", "x_dot": r"$\dot X$", "y": "$Y$",
     "z_dot": r"$\dot Z$", "t": "$t$", "r": "$r$", "clearance": "$d$",
+    "friction": "friction", "wall_stiffness": "wall stiffness", "wall_damping": "wall damping",
 }  # fmt: skip
 UNITS = {
     "x_max": "F0/K", "x_min": "F0/K", "tau": "rad", "A": "F0/K", "x": "F0/K", "y": "F0/K",
     "x_dot": "omega F0/K", "z_dot": "omega F0/K", "t": "1/omega", "clearance": "F0/K", "load": "F0",
+    "friction": "F0", "wall_stiffness": "K", "wall_damping": "K/omega",
 }  # fmt: skip
 
 #: How dimensionless units are written.
 DIMENSIONLESS = {
     "F0/K": "$F_0/K$", "omega F0/K": r"$\omega F_0/K$", "omega^2 F0/K": r"$\omega^2 F_0/K$", "F0": "$F_0$",
-    "1/omega": r"$1/\omega$", "F0^2/K": "$F_0^2/K$",
+    "1/omega": r"$1/\omega$", "F0^2/K": "$F_0^2/K$", "K": "$K$", "K/omega": r"$K/\omega$",
 }  # fmt: skip
 
 SETTINGS = {

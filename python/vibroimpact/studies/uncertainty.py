@@ -17,17 +17,19 @@ from ..base.errors import ParameterError, ParameterTypeError, StudyInterrupted
 from ..base.libraries import xarray
 from ..base.progress import with_progress
 from ..base.spacing import ascending, range_axes, range_values
+from ..motions.reached import perform_points
 from ..results import door
-from ..results.performance import FIGURES, LEAST, LIMITED, Performance, perform
+from ..results.performance import FIGURES, LEAST, LIMITED, Performance
 from ..systems.distribution import (
     Uncertain,
+    drawn,
+    elements_of,
     interval,
-    loads,
     shares,
     systems,
     uncertain_parameters,
 )
-from ..systems.oscillator import Oscillator, Pattern, Point, of_numbers, pattern_of
+from ..systems.oscillator import Oscillator, Pattern, Point, Stops, of_numbers, pattern_of
 from ..systems.units import value_text, wanted_figure
 from ..systems.verbs import physical_arguments
 from .boundary_band import BoundaryBand, bands_of, keeps_symmetry, quantile_pair
@@ -317,7 +319,7 @@ def uncertainty(
     if limits and pattern.has_rest:
         raise ParameterError("limit: must be left out for a pattern with rest, which has no chart")
     where = shares(count, len(parameters), np.random.default_rng(number))
-    changes, load = systems(osc, parameters, where), loads(parameters, where)
+    changes, load = systems(osc, parameters, where), drawn(parameters, where)["load"]
     for values, factors, name in zip(axes, changes, ("r", "clearance"), strict=False):
         for value in (values[0] * factors.min(), values[-1] * factors.max()):
             checks.number(float(value), name)
@@ -450,6 +452,8 @@ def limit_probability(
     uncertain: Mapping[str, Any],
     limit: Mapping[str, float],
     *,
+    friction: float = 0.0,
+    stops: Stops | None = None,
     samples: int = 1000,
     points: int | None = None,
     starts: int = 1,
@@ -474,12 +478,16 @@ def limit_probability(
         Nominal frequency ratios and clearances d K/F0 (d is the whole travel of m) of the points, broadcast
         against each other. With `points` each is a range (lo, hi), or one number.
     uncertain : dict
-        As in `uncertainty`.
+        As in `uncertainty`; also values of ``friction`` in the slot (over F0), and of ``wall_stiffness`` and
+        ``wall_damping`` (over K and sqrt(K M)): of the walls that give, or of both if `stops` is left out. Samples
+        with these are simulated as structures.
     limit : dict
         Largest allowed attenuation (max|x|/A), displacement, rms, acceleration or force of the primary mass,
         approach speed of impacts, or modulus of the multipliers (0 without impacts; a motion without a period does
         not keep this limit), in the units of `Motion` at the nominal load, whatever the load of a sample is; or
         smallest allowed distances to boundaries, least_speed and least_gap, as in `design`.
+    friction, stops : float, tuple or None
+        Nominal friction in the slot and nominal walls, as in `Oscillator.at`; a point gives them.
     samples : int
         Number of samples for each point, 1 to 1000000.
     points : int, optional
@@ -523,7 +531,9 @@ def limit_probability(
     (1.0, True)
     """
     of_numbers(osc)
-    parameters = uncertain_parameters(uncertain, "uncertain", factors=True)
+    point = osc.at(1.5, 1.0, friction=friction, stops=stops)
+    rubs, walls = point.friction, point.stops
+    parameters = uncertain_parameters(uncertain, "uncertain", True, True, walls)
     limits = limits_of(limit, OF_ATTRACTOR)
     if not limits:
         raise ParameterError(
@@ -546,7 +556,12 @@ def limit_probability(
             f"{places_of[0].size * count * tries} simulations: must be 1 to {checks.MOST_NUMBERS}"
         )
     where = random.random((len(parameters), count))
-    changes, load = systems(osc, parameters, where), loads(parameters, where)
+    changes, values_of = systems(osc, parameters, where), drawn(parameters, where)
+    load, elements = values_of["load"], elements_of(values_of, values_of["load"], rubs, walls)
+    if elements and "least_gap" in limits:
+        raise ParameterError(
+            f"limit['least_gap'] = {limits['least_gap']!r}: must be left out with friction or walls that give"
+        )
     for values, factors, name in zip(places_of, changes, ("r", "clearance"), strict=False):
         for value in (values.min() * factors.min(), values.max() * factors.max()):
             checks.number(float(value), name)
@@ -568,9 +583,11 @@ def limit_probability(
                 part = slice(begin, end)
                 length = (part.stop - begin) / count
                 told.part(i + begin / count, places_of[0].size, "points", length)
-                done = perform(
-                    np.repeat(here[:, part], tries, axis=1), places[:, part.start * tries : part.stop * tries],
-                    cycles, 64, events, threads, told.inner, "simulate", figures_of(limits),
+                done = perform_points(
+                    np.repeat(here[:, part], tries, axis=1),
+                    {key: np.repeat(one[..., part], tries, axis=-1) for key, one in elements.items()},
+                    places[:, part.start * tries : part.stop * tries], cycles, 64, events, threads, told.inner,
+                    "simulate", figures_of(limits),
                 )  # fmt: skip
                 blocks.append(judged(done, limits, tries, np.repeat(load[part], tries)))
         except KeyboardInterrupt:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..base import checks
 from ..base.errors import ParameterError, ParameterTypeError
-from .oscillator import Oscillator
+from .oscillator import Oscillator, Stops
 
 #: Parameters of an oscillator and its clearance that may be uncertain, and the names of their ranges.
 RANGE_OF = {
@@ -25,6 +25,9 @@ CUT = 6.0
 QUANTILES, TAIL = 1001, 1e-9
 #: Parameters whose nominal values are those of a point, and that may be uncertain by a factor.
 FACTORS = ("r", "clearance", "load")
+#: Friction in the slot over F0, and stiffness over K and damping over sqrt(K M) of the walls that give, or of both
+#: if none does.
+ELEMENTS = ("friction", "wall_stiffness", "wall_damping")
 #: Rows of `systems`.
 ROWS = ("r", "clearance", "xi", "mu", "R1", "R2")
 
@@ -156,10 +159,13 @@ def _of_scipy(distribution: Any) -> Uncertain:
     return Uncertain(tuple(float(value) for value in distribution.ppf(shares)))
 
 
-def uncertain_parameters(given: Any, name: str, factors: bool = False) -> dict[str, Uncertain]:
+def uncertain_parameters(
+    given: Any, name: str, factors: bool = False, elements: bool = False, stops: Stops | None = None
+) -> dict[str, Uncertain]:
     """Uncertain parameters by name; `restitution` is one value that applies to both walls.
 
-    With `factors`, values of r, clearance and load are factors of their nominal values.
+    With `factors`, values of r, clearance and load are factors of their nominal values. With `elements`, those of
+    `ELEMENTS` may be among them; `stops` are then the nominal walls, as of `Point`.
 
     Raises
     ------
@@ -171,16 +177,26 @@ def uncertain_parameters(given: Any, name: str, factors: bool = False) -> dict[s
             f"{name} = {given!r}: must be a dict of parameters, not {type(given).__name__}"
         )
     names = tuple(RANGE_OF | dict.fromkeys(FACTORS)) if factors else tuple(RANGE_OF)
+    names += ELEMENTS if elements else ()
     for key in given:
+        if key in ELEMENTS and not elements:
+            raise ParameterError(
+                f"{name}: parameter {key!r}: must be left out; only limit_probability and design vary it"
+            )
         if key not in names:
             raise ParameterError(
                 f"{name}: unknown parameter {key!r}: must be one of {', '.join(names)}"
             )
     if "restitution" in given and ("R1" in given or "R2" in given):
         raise ParameterError(f"{name}: must have restitution, or R1 and R2, not both")
+    if elements:
+        require_rigid(given, name, stops)
     found = {key: uncertain(value, f"{name}[{key!r}]") for key, value in given.items()}
     for key, item in found.items() if factors else ():
-        if key not in FACTORS:
+        if key in ELEMENTS:
+            for value in (item.low, item.high):
+                checks.number(value, key, f"{name}[{key!r}]")
+        elif key not in FACTORS:
             in_range(key, item.low, item.high, f"{name}[{key!r}]")
         elif not 0 < item.low <= 1 <= item.high:
             raise ParameterError(
@@ -188,6 +204,36 @@ def uncertain_parameters(given: Any, name: str, factors: bool = False) -> dict[s
                 f"with low <= 1 <= high; here {item.low:g} to {item.high:g}"
             )
     return found
+
+
+def require_rigid(names: Iterable[str], name: str, stops: Stops | None = None) -> None:
+    """Rejects coefficients of restitution of walls that give, and the damping of walls that do not.
+
+    Parameters
+    ----------
+    names : iterable of str
+        The parameters that vary.
+    name : str
+        For messages.
+    stops : tuple or None
+        As of `Point`.
+
+    Raises
+    ------
+    ParameterError
+        With the parameter.
+    """
+    names = {*names}
+    soft = [wall is not None for wall in stops] if stops else 2 * ["wall_stiffness" in names]
+    if "wall_damping" in names and not any(soft):
+        raise ParameterError(
+            f"{name}: parameter 'wall_damping': must be given with a wall_stiffness, since rigid walls have none"
+        )
+    for key, walls in (("R1", soft[:1]), ("R2", soft[1:]), ("restitution", soft)):
+        if key in names and all(walls):
+            raise ParameterError(
+                f"{name}: parameter {key!r}: must be left out for a wall that gives, which has no restitution"
+            )
 
 
 def shares(count: int, items: int, random: np.random.Generator) -> NDArray[np.float64]:
@@ -222,6 +268,8 @@ def systems(
     found = np.repeat(nominal[:, None], where.shape[1], axis=1)
     for share, (key, item) in zip(where, parameters.items(), strict=True):
         values = item.at(share)
+        if key in ELEMENTS:
+            continue
         if key == "load":
             found[1] /= values
         elif key in FACTORS:
@@ -232,10 +280,51 @@ def systems(
     return found
 
 
-def loads(parameters: Mapping[str, Uncertain], where: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Factors (n,) of the load at the quantiles of `systems`."""
-    rows = dict(zip(parameters, where, strict=True))
-    return parameters["load"].at(rows["load"]) if "load" in rows else np.ones(where.shape[1])
+def drawn(
+    parameters: Mapping[str, Uncertain], where: NDArray[np.float64]
+) -> dict[str, NDArray[np.float64]]:
+    """Values (n,) by name at the quantiles of `systems`, with a load in any case."""
+    found = {
+        key: item.at(share) for share, (key, item) in zip(where, parameters.items(), strict=True)
+    }
+    return {"load": np.ones(where.shape[1])} | found
+
+
+def elements_of(
+    values: Mapping[str, Any],
+    load: NDArray[np.float64],
+    friction: float = 0.0,
+    stops: Stops | None = None,
+) -> dict[str, NDArray[np.float64]]:
+    """Friction and walls that give of units, as `perform_points` takes them.
+
+    Parameters
+    ----------
+    values : mapping
+        Values (n,) by name; only those of `ELEMENTS` count.
+    load : ndarray (n,)
+        The loads; friction is divided by them.
+    friction : float
+        The nominal one.
+    stops : tuple or None
+        The nominal walls, as of `Point`.
+
+    Returns
+    -------
+    dict of ndarray
+        Friction (n,), and stiffness and damping (2, n), NaN for a rigid wall; empty without any of these.
+    """
+    soft = bool(stops) or "wall_stiffness" in values
+    if not (soft or friction or "friction" in values):
+        return {}
+    found = {"friction": np.asarray(values.get("friction", friction) / load)}
+    for j, key in enumerate(ELEMENTS[1:]) if soft else ():
+        nominal = np.array(
+            [wall[j] if wall else np.nan for wall in stops or ((0.0, 0.0), (0.0, 0.0))]
+        )
+        own = np.broadcast_to(values.get(key, nominal[:, None]), (2, len(load)))
+        found[key] = np.where(np.isnan(nominal)[:, None], np.nan, own)
+    return found
 
 
 def interval(holds: int, count: int, confidence: float = 0.95) -> tuple[float, float]:

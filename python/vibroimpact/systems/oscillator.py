@@ -40,6 +40,8 @@ __all__ = ["Oscillator", "Pattern"]
 
 #: Stiffness divided by K and damping divided by sqrt(K M) of a compliant wall.
 Wall: TypeAlias = tuple[float, float]
+#: The right and the left wall; None for a rigid one.
+Stops: TypeAlias = tuple[Wall | None, Wall | None]
 #: Largest number of characters of a user's text that a message repeats.
 MOST_SHOWN = 80
 Names = ParamSpec("Names")
@@ -426,7 +428,7 @@ class Oscillator:
 
     def at(
         self, r: float | str, clearance: float | str, load: float | str | Load = 1.0, friction: float | str = 0.0,
-        stops: tuple[Wall | None, Wall | None] | None = None,
+        stops: Stops | None = None,
     ) -> Point:  # fmt: skip
         """The oscillator at a point, which functions accept in place of the oscillator, r, clearance and load.
 
@@ -559,7 +561,7 @@ class Point:
     clearance: float
     amplitude: float | Load = 1.0
     friction: float = 0.0
-    stops: tuple[Wall | None, Wall | None] | None = None
+    stops: Stops | None = None
 
     @property
     def structure(self) -> Structure:
@@ -639,7 +641,7 @@ class Point:
         return f"<{self.osc!r} at {place_text(self.osc, self.r, self.clearance)}{load}>"
 
 
-def _compliant_walls(osc: Oscillator, stops: Any) -> tuple[Wall | None, Wall | None] | None:
+def _compliant_walls(osc: Oscillator, stops: Any) -> Stops | None:
     """Dimensionless stiffness and damping of both walls, checked; None for a rigid wall, or for both."""
 
     def wall(name: str, given: Any) -> Wall | None:

@@ -103,7 +103,10 @@ NUMBER = re.compile(r"-?\b\d+(?:\.\d+)?(?:e[-+]?\d+)?\b")
 STARTING = re.compile(r"(the motion has (\w+) = )(-?[\d.]+(?:e[-+]?\d+)?)(?: \(.*\))?$")
 FACTOR = re.compile(r"([A-Za-z%]+)(?:\^?(-?\d))?")
 #: The dimensionless units of arguments of functions, by name; a state has a mapping of its own.
-ARGUMENTS = {"r": "omega", "clearance": "F0/K", "load": "F0", "friction": "F0"}
+ARGUMENTS = {
+    "r": "omega", "clearance": "F0/K", "load": "F0", "friction": "F0", "wall_stiffness": "K",
+    "wall_damping": "K/omega",
+}  # fmt: skip
 #: The unit of a mass ratio, which may also be given as the free mass; a bare number is m/M.
 MASS = "K/omega^2"
 #: Dimensionless parameters, which may be given in %, and the mass ratio.

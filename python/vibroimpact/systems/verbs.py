@@ -34,7 +34,10 @@ EXAMPLES = '"19.5 Hz", "4 mm" and "6 N"'
 Given = ParamSpec("Given")
 Found = TypeVar("Found")
 #: The attributes of a point, by the names of arguments.
-OF_POINT = {"osc": "osc", "r": "r", "clearance": "clearance", "load": "amplitude"}
+OF_POINT = {
+    "osc": "osc", "r": "r", "clearance": "clearance", "load": "amplitude", "friction": "friction",
+    "stops": "stops",
+}  # fmt: skip
 
 
 def usage(name: str, kind: type | None, of_structure: Callable[..., Any]) -> str:
@@ -239,7 +242,7 @@ def of_plain_point(
     """The arguments of a function that takes only an oscillator, from a point."""
     if not {"osc", "r", "clearance"} <= {*parameters}:
         raise ParameterTypeError(f"{parameters[0]} = {point!r}: must not be a point; give its osc")
-    if point._has_elements or isinstance(point.amplitude, Load):
+    if (point._has_elements and "stops" not in parameters) or isinstance(point.amplitude, Load):
         raise ParameterTypeError(
             f"osc = {point!r}: must have rigid walls, no friction, and a number as its load"
         )

@@ -15,14 +15,17 @@ module vi_design_study
    public :: declare_design
 
    !> Parameters that can be free or uncertain.
-   character(11), parameter :: names(6) = [character(11) :: 'clearance', 'mu', 'xi', &
-      'restitution', 'R1', 'R2']
+   character(14), parameter :: names(9) = [character(14) :: 'clearance', 'mu', 'xi', &
+      'restitution', 'R1', 'R2', 'friction', 'wall_stiffness', 'wall_damping']
+   !> Those of them with which units are simulated as structures.
+   character(14), parameter :: elements(3) = names(7:)
    character(*), parameter :: of_walls = 'two numbers from 0 to 1, the lower one first', &
       spread = 'two numbers (all values in between are equally likely) or more (quantiles at even &
       &steps, in order); with the name in `normal`, mean and standard deviation', &
       of_free = 'uncertain values; for a free parameter deviations from its chosen value, 0 among &
       &them, or factors above 0, 1 among them'
-   real(wp), parameter :: tiny_value = 1.0e-300_wp
+   real(wp), parameter :: tiny_value = 1.0e-300_wp, least_stiffness = 1.0e-12_wp, most_element = &
+      1.0e12_wp
 
    type(key_type), parameter :: design_keys(*) = [ &
       key_type('band', most=2, low=least_r, high=most_r, or='amplitude', &
@@ -64,6 +67,17 @@ module vi_design_study
       takes=of_walls, meaning='range for the right wall only'), &
       key_type('free_r2', least=2, most=2, low=0.0_wp, high=1.0_wp, may_miss=.true., &
       takes=of_walls, meaning='range for the left wall only'), &
+      key_type('free_friction', least=2, most=2, low=0.0_wp, high=most_element, may_miss=.true., &
+      unit='F0', never='amplitude', takes='two numbers from 0 to 1e12, the lower one first', &
+      meaning='range from which the friction between the free mass and its slot is chosen'), &
+      key_type('free_wall_stiffness', least=2, most=2, low=least_stiffness, high=most_element, &
+      may_miss=.true., unit='K', never='amplitude', &
+      takes='two numbers from 1e-12 to 1e12, the lower one first', &
+      meaning='range from which the stiffness of both walls is chosen, which then give'), &
+      key_type('free_wall_damping', least=2, most=2, low=0.0_wp, high=most_element, &
+      may_miss=.true., unit='K/omega', never='amplitude', &
+      takes='two numbers from 0 to 1e12, the lower one first', &
+      meaning='range from which the damping of both walls is chosen, if they give'), &
       key_type('tolerance_clearance', least=2, most=1001, may_miss=.true., unit='F0/K', &
       takes=spread, meaning=of_free), &
       key_type('tolerance_mu', least=2, most=1001, may_miss=.true., unit='M', takes=spread, &
@@ -76,8 +90,14 @@ module vi_design_study
       meaning=of_free), &
       key_type('tolerance_r2', least=2, most=1001, may_miss=.true., takes=spread, &
       meaning=of_free), &
-      key_type('normal', a_word, most=7, may_miss=.true., &
-      words='clearance mu xi restitution R1 R2 load', takes='names of parameters or ''load''', &
+      key_type('tolerance_friction', least=2, most=1001, may_miss=.true., never='amplitude', &
+      takes=spread, meaning=of_free), &
+      key_type('tolerance_wall_stiffness', least=2, most=1001, may_miss=.true., &
+      never='amplitude', takes=spread, meaning=of_free), &
+      key_type('tolerance_wall_damping', least=2, most=1001, may_miss=.true., never='amplitude', &
+      takes=spread, meaning=of_free), &
+      key_type('normal', a_word, most=10, may_miss=.true., words='clearance mu xi restitution R1 &
+      &R2 friction wall_stiffness wall_damping load', takes='names of parameters or ''load''', &
       meaning='parameters whose tolerance gives mean and standard deviation of a normal &
       &distribution'), &
       key_type('limit_displacement', low=tiny_value, may_miss=.true., never='amplitude', &
@@ -245,6 +265,7 @@ contains
             if (study%has('tolerance_restitution') .and. study%has('free_'//wall(i))) call &
                study%forbid('free_'//wall(i), ' if tolerance_restitution is given')
          end do
+         call check_walls(case)
          if (.not. any([(study%has('free_'//lower(trim(names(i)))), i=1, size(names))])) call &
             study%refuse('free_clearance', 'at least one parameter must be free')
          if (.not. (study%has('clearance') .or. study%has('free_clearance') .or. &
@@ -258,6 +279,48 @@ contains
          end if
       end associate
    end subroutine check_design
+
+   !> Refuses coefficients of restitution of walls that give, the damping of walls that do not, and
+   !! the figure that structures lack.
+   subroutine check_walls(case)
+      !> The case.
+      type(case_type), intent(inout) :: case
+      character(:), allocatable :: key
+      integer :: i, j
+      character(10), parameter :: groups(2) = [character(10) :: 'free_', 'tolerance_']
+
+      associate (study => case%study)
+         do j = 1, 2
+            do i = 1, 3
+               key = trim(groups(j))//lower(trim(elements(i)))
+               if (.not. study%has(key)) cycle
+               if (study%has('limit_least_gap')) call study%forbid('limit_least_gap', &
+                  ' with '//key)
+               if (elements(i) == 'wall_damping' .and. .not. (study%has('free_wall_stiffness') &
+                  .or. study%has('tolerance_wall_stiffness'))) call study%forbid(key, &
+                  ' without a wall_stiffness, since rigid walls have no damping')
+               if (elements(i) == 'wall_stiffness') call forbid_restitution(case, key)
+            end do
+         end do
+      end associate
+   end subroutine check_walls
+
+   !> Refuses coefficients of restitution of walls that give.
+   subroutine forbid_restitution(case, key)
+      !> The case.
+      type(case_type), intent(inout) :: case
+      !> The key of the stiffness.
+      character(*), intent(in) :: key
+      character(11), parameter :: rigid(3) = [character(11) :: 'restitution', 'r1', 'r2']
+      integer :: i
+
+      do i = 1, 3
+         if (case%study%has('free_'//trim(rigid(i)))) call case%study%forbid('free_'// &
+            trim(rigid(i)), ' with '//key)
+         if (case%study%has('tolerance_'//trim(rigid(i)))) call case%study%forbid('tolerance_'// &
+            trim(rigid(i)), ' with '//key)
+      end do
+   end subroutine forbid_restitution
 
    !> Refuses a range whose ends are not in order.
    subroutine check_order(case, name)
@@ -319,7 +382,9 @@ contains
          most = 1
          if (name == 'clearance') most = most_gap
          if (name == 'mu') most = 1.0e6_wp
+         if (any(name == elements)) most = most_element
          if (ends(1) < 0 .or. ends(2) > most .or. (name == 'clearance' .and. ends(1) < least_gap) &
+            .or. (name == 'wall_stiffness' .and. ends(1) < least_stiffness) &
             .or. (name == 'xi' .and. .not. ends(2) < 1)) call study%refuse('tolerance_'//key, &
             'the resulting values (up to 6 standard deviations if normal) must be in the range of &
             &'// &
