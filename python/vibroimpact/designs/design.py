@@ -212,8 +212,8 @@ class Design(Noun, study="design", example=EXAMPLE):
     def spread(self) -> dict[str, tuple[float, float, float]]:
         """Smallest, median and largest clearance (d K/F0 at each load), xi, mu, R1 and R2 of the units.
 
-        Also friction, wall_stiffness and wall_damping if they vary. For normal distributions, the outer values are 3
-        standard deviations from the median.
+        Also friction, wall_stiffness and wall_damping if they vary. For normal distributions, the outer values are
+        3 standard deviations from the median.
         """
         if self._asked is None and not self.case:
             raise ParameterError(f"{self!r}: has no host, since it was read from a file")
