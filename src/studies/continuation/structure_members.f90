@@ -13,11 +13,12 @@ module vi_structure_members
    use vi_orbit, only: family_type
    use vi_responses, only: jumps_of, offset_pairs
    use vi_status, only: stat
-   use vi_structure, only: check_structure, load_type, new_regime, regime_type, structure_type
+   use vi_structure, only: check_structure, load_type, new_regime, regime_type, renew_regime, &
+      structure_type
    use vi_structure_map, only: apply_flight, apply_impact
    use vi_structure_motion, only: equations_type, impulse_of, new_equations, residuals, since, &
       state_after
-   use vi_structure_path, only: changed, changed_whole, structure_path_type
+   use vi_structure_path, only: change_again, changed, changed_whole, structure_path_type
    implicit none (type, external)
    private
 
@@ -47,6 +48,8 @@ module vi_structure_members
       real(wp), allocatable :: beside(:, :)
       !> Whether a symmetry exchanges the gaps that close together.
       logical :: exchanged = .false.
+      !> The regime at the start, if those elsewhere can be renewed from it.
+      type(regime_type), allocatable :: regime
    end type structure_members_type
 
    !> One member.
@@ -121,15 +124,28 @@ contains
       type(load_type) :: load
       real(wp), allocatable :: rows(:, :)
       integer, allocatable :: pairs(:)
-      logical :: with_tables
+      logical :: with_tables, known
       integer :: status
 
       with_tables = .false.
       if (present(searched)) with_tables = searched
-      call changed(s%path, shares, member%structure, load)
-      call check_structure(member%structure, status)
+      known = allocated(s%regime) .and. .not. with_tables
+      if (known) then
+         member%structure = s%path%structure
+         load = s%path%load
+         call change_again(s%path, shares, member%structure, load)
+         status = stat%ok
+      else
+         call changed(s%path, shares, member%structure, load)
+         call check_structure(member%structure, status)
+      end if
       if (status /= stat%ok .or. .not. load%frequency > 0) return
-      call new_regime(member%structure, load, [integer :: ], member%regime, status, with_tables)
+      if (known) then
+         member%regime = s%regime
+         call renew_regime(member%structure, load, member%regime, known)
+      end if
+      if (.not. known) call new_regime(member%structure, load, [integer :: ], member%regime, &
+         status, with_tables)
       if (status /= stat%ok) return
       member%regime%frequency = load%frequency
       allocate (pairs, source=offset_pairs(member%regime))

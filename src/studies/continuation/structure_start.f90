@@ -28,7 +28,8 @@ module vi_structure_start
    use vi_structure_resting_family, only: structure_resting_type
    use vi_structure_rests, only: course_type, first, follow_period, keep_regimes, monodromy, &
       release, rests_type, single, switch, symbols_to_state
-   use vi_structure_path, only: change_type, is_odd, mirror_of, structure_path_type
+   use vi_structure_path, only: change_type, is_odd, keeps_matrices, mirror_of, &
+      structure_path_type
    use vi_structure_symmetry, only: even_and_odd, find_symmetry
    use vi_structure_motion, only: new_equations, relative, residuals
    use vi_structure_period, only: describe_structure_motion, structure_motion_type
@@ -153,6 +154,12 @@ contains
       whole%symmetric = family%mirror
       whole%slack = 0.1_wp
       whole%repetitions = repetitions
+      if (keeps_matrices(s%path)) then
+         allocate (s%regime)
+         call new_regime(s%path%structure, s%path%load, [integer :: ], s%regime, status, .false., &
+            .true.)
+         if (status /= stat%ok) deallocate (s%regime)
+      end if
       whole%members = s
       image = repetition_type(phase=pi)
       if (allocated(s%symmetry)) image = repetition_type(0, -1.0_wp, family%cycles*image%phase, &

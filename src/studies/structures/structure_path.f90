@@ -10,8 +10,9 @@ module vi_structure_path
    implicit none (type, external)
    private
 
-   public :: change_again, changed, changed_whole, is_odd, keeps_gaps, keeps_matrices, mirror_of, &
-      moves_alike, new_change, new_function, opposite_gap, rates_of, reduce, same_law, set_entry, value_at
+   public :: change_again, changed, changed_whole, is_odd, keeps_gaps, keeps_matrices, &
+      mirror_of, moves_alike, new_change, new_function, opposite_gap, rates_of, reduce, same_law, &
+      set_entry, value_at
 
    !> Kinds of entries: matrices, direction, opening and restitution of a gap, parts of the load,
    !! the numbers of a stop (stiffness, damping, preload) or of friction (slip, stick, speed), and
@@ -268,13 +269,14 @@ contains
       end do
    end function clenshaw
 
-   !> Whether no parameter changes matrices either, nor the stiffness of stops.
+   !> Whether no parameter changes matrices either, nor the stiffness of stops, and no wall moves:
+   !! then regimes can be renewed.
    pure logical function keeps_matrices(path)
       !> The path.
       type(structure_path_type), intent(in) :: path
       integer :: i, k
 
-      keeps_matrices = keeps_gaps(path)
+      keeps_matrices = keeps_gaps(path) .and. .not. path%structure%moves
       do k = 1, size(path%changes)
          do i = 1, size(path%changes(k)%entries, 2)
             select case (path%changes(k)%entries(1, i))
