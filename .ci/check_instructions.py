@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Counts the instructions of fifteen kinds of computation, and compares them with kept numbers.
+"""Counts the instructions of eighteen kinds of computation, and compares them with kept numbers.
 
 usage: check_instructions.py PROGRAM [--renew]
 
@@ -30,6 +30,9 @@ TABLE1 = "&system xi = 0.005, mu = 0.042, restitution = 0.75, r = 0.94 /\n"
 BELT = """&structure mass = 1, damping = 0.05, stiffness = 1 /
 &friction direction = 1, slip = 0.6, stick = 1, speed = 0.2 /
 &load frequency = 0.7, cosine = 0.4 /
+"""
+ROUGH = """&structure mass = 1, damping = 0.1, stiffness = 1 /
+&friction direction = 1, slip = 0.3 /
 """
 
 
@@ -84,6 +87,17 @@ CASES = {
     "simulation of a structure": STRUCTURE.replace("0.01, 0", "0.01, 0.001")
     + "&simulate discard = 2000, cycles = 1 /",
     "exact motion of a structure": STRUCTURE + "&motion gaps = 0, 1, phases_over_pi = 0.52, 1.9 /",
+    "zone of a structure": STRUCTURE + "&motion gaps = 0, 1, phases_over_pi = 0.52, 1.9 /\n"
+    "&zone x = 'frequency', x_low = 0.9, x_high = 0.98, y = 'opening', y_low = 15, y_high = 22, "
+    "lines = 5 /",
+    "zone with friction": ROUGH
+    + "&load frequency = 0.8, cosine = 1 /\n&motion kind = 'settled' /\n"
+    "&zone x = 'frequency', x_low = 0.75, x_high = 0.85, y = 'slip', y_low = 0.28, y_high = 0.36, "
+    "lines = 5 /",
+    "branch with a stop and friction": ROUGH
+    + "&stop direction = 1, opening = 0.8, stiffness = 20, damping = 0.1 /\n"
+    "&load frequency = 0.6, cosine = 1 /\n&motion kind = 'settled' /\n"
+    "&branch parameter = 'slip', low = 0.2, high = 0.4 /",
 }
 
 
