@@ -220,12 +220,25 @@ def test_known_friction_is_part_of_the_motion():
     assert abs(again.speeds - share.motion.speeds).max() < 1e-5
 
 
+def test_friction_is_fitted_where_the_record_determines_it():
+    """Three impacts a period, with a reversal of the slip between two of them."""
+    made = vi.VirtualRig(**BENCH, **IDEAL, snr=60, friction=0.02).record(rng=1)
+    found = vi.identify(made, known=KNOWN, friction=True)
+    assert found.good
+    true = {"xi": 0.01143, "R1": 0.75, "R2": 0.65, "d": 0.006, "friction": 0.02}
+    assert max(map(abs, off(found, true).values())) < 3
+    assert found.errors["friction"] < 0.004
+    shown = repr(found).partition("friction = ")[2]
+    assert float(shown.split()[0]) == pytest.approx(found.values["friction"], rel=0.1)
+    assert " N" not in shown
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
         ({"law": "power", "friction": 0.1}, "friction = 0.1: must be left out with law = 'power'"),
         ({"friction": -0.1}, r"friction = -0\.1"),
-        ({"friction": True}, "friction = True: must be a known friction"),
+        ({"friction": False}, "friction = False: must be left out"),
     ],
 )
 def test_refusals_name_friction(options, message):
@@ -237,7 +250,9 @@ def test_refusals_name_friction(options, message):
         vi.identify([made, made], known=KNOWN, friction=0.1)
 
 
-def test_friction_of_a_record_that_is_not_periodic_is_refused():
-    """Known friction is refused for such a record, since only fits of periodic motions include it."""
+def test_friction_of_other_records_is_refused():
+    """One that is not periodic, and one that does not determine it."""
     with pytest.raises(vi.SingularError, match="must be left out, since the record is not"):
         quietly(recorded(48.0, 1e-3), known={"M": M, "K": K}, friction=1e-3)
+    with pytest.raises(vi.SingularError, match="friction = True: undetermined"):
+        vi.identify(recorded(20.0, 0.01), known={"M": M, "K": K, "m": 0.04 * M}, friction=True)

@@ -495,7 +495,7 @@ class Identification(Noun, study="identify"):
         fitted = ", ".join(
             said(name, self.values[name], error, units[name])
             for name, error in self.errors.items()
-            if name in ("xi", "mu", "R1", "R2", *KNOWN_OF_LAW, "d") and math.isfinite(error)
+            if name in ("xi", "mu", "R1", "R2", *KNOWN_OF_LAW, "d", "friction") and math.isfinite(error)
         )  # fmt: skip
         left = f"undetermined: {', '.join(self.undetermined)}" if self.undetermined else ""
         doubtful = ""
@@ -529,7 +529,7 @@ def identify(
     law: str = "constant",
     law_speed: float | None = None,
     law_knots: int | None = None,
-    friction: float | str | None = None,
+    friction: float | str | bool | None = None,
     calibration: float = CALIBRATION,
     progress: Callable[[float, str], None] | None = None,
 ) -> Identification:
@@ -587,9 +587,10 @@ def identify(
     law_knots : int, optional
         Number of knots of a table, 3 by default, 20 at the most. They are quantiles of the approach speeds; the
         outer ones lie a little beyond the range of the speeds.
-    friction : float or str, optional
-        Known dry friction of the free mass in its slot, as a fraction of F0 or a force such as "0.3 N", with one
-        periodic record and constant coefficients of restitution. By default there is none, which is tested.
+    friction : float, str or True, optional
+        Known dry friction of the free mass in its slot, as a fraction of F0 or a force such as "0.3 N"; True: it
+        is fitted, and an error is raised if the record does not determine it. Either requires one periodic record
+        and constant coefficients of restitution. By default there is none, which is tested.
     calibration : float
         Relative standard error of the calibration of each sensor, 1 % by default; 0 if they are exact. It is part
         of all errors: gain errors of load and motion change xi at a resonance, and a gain error of the motion
@@ -661,8 +662,12 @@ def identify(
     return found
 
 
-def friction_over(friction: float | str, step: Step, scale: Mapping[str, float]) -> float:
-    """A known friction over F0."""
+def friction_over(
+    friction: float | str | bool, step: Step, scale: Mapping[str, float]
+) -> float | None:
+    """A known friction over F0; None if it is to be fitted."""
+    if friction is True:
+        return None
     if not has_unit(friction):
         return positive(friction, "friction", zero=True)
     force = positive(own_number(friction, "load", label="friction"), "friction", zero=True)
@@ -718,7 +723,7 @@ def identified(
     records: Sequence[SensorRecord] = (), *, impact_times: Any = None, impact_sides: Any = None,
     frequency: float | None = None, load_phase: float | None = None, known: Mapping[str, Known] | None = None,
     start: Oscillator | None = None, law: str = "constant", law_speed: float | None = None,
-    law_knots: int | None = None, friction: float | str | None = None,
+    law_knots: int | None = None, friction: float | str | bool | None = None,
     calibration: float = CALIBRATION, case: str = "", progress: Callable[[float, str], None] | None = None,
 ) -> Identification:  # fmt: skip
     """All steps; arguments as in `identify`."""
@@ -750,10 +755,8 @@ def identified(
             raise ParameterError(
                 f"friction = {friction!r}: must be given with one record, not {len(records)}"
             )
-        if isinstance(friction, bool):
-            raise ParameterError(
-                f"friction = {friction!r}: must be a known friction; it is not fitted"
-            )
+        if friction is False:
+            raise ParameterError("friction = False: must be left out, a known friction, or True")
     for name in shared:
         if name not in own.shared:
             of = [repr(kind) for kind in KINDS if name in Law(kind).shared]
@@ -784,7 +787,8 @@ def identified(
     if friction is not None:
         share = friction_over(friction, steps[0], scale)
         steps, found, own = with_friction((steps, found, own), scale, shared, guess, share)
-        shared["friction"] = share
+        if share is not None:
+            shared["friction"] = share
 
     def refitted(name: str, value: float) -> dict[str, float]:
         """The values of all parameters with another known value."""

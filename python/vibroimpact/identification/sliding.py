@@ -25,28 +25,36 @@ _Array = NDArray[np.float64]
 ROUNDS, SETTLED = 12, 0.03
 #: Time about a reversal of slip (s) within which a filter of the sensor may smooth the step of the force.
 SMOOTHED = 1.5e-3
+#: Largest friction over F0 with which a fit begins.
+MOST = 0.1
 #: Least relative error of a load; a fit would not change what determines it much less than that.
 EXACT = 1e-5
 
 
 def with_friction(
     found: tuple[list[Step], Fit | None, Law], scale: Mapping[str, float], shared: Mapping[str, float],
-    guess: Mapping[str, float], friction: float,
+    guess: Mapping[str, float], friction: float | None,
 ) -> tuple[list[Step], Fit, Law]:  # fmt: skip
-    """The fit with a known friction over F0, from a fit without friction.
+    """The fit with a known friction over F0, or (None) with a fitted one, from a fit without friction.
 
     Friction acts between the impacts, where the primary mass would fly freely. Flights are therefore fitted to the
     record without the response to friction of the motion fitted before, and so on until it does not change.
     """
     (step, *_), plain, law = found
-    given = f"friction = {friction:g}"
+    given = "friction = True" if friction is None else f"friction = {friction:g}"
     if plain is None or step.data is None or not plain.motions:
         raise SingularError(
             f"{given}: must be left out, since the record is {step.rhythm.status}; friction is part of "
             "fits of periodic motions only"
         )
     law = replace(law, friction=True)
-    known = {**shared, "friction": friction}
+    known = dict(shared)
+    if friction is None:
+        strain = plain.strains.get("friction")
+        start = float(np.clip(strain.change if strain else 0.0, 0.0, MOST))
+    else:
+        known["friction"] = start = friction
+    values = {**plain.values, "friction": start}
     data = step.data
     data = replace(data, F0_error=max(data.F0_error, EXACT * (data.F0 or 0.0)))
     M, K = scale.get("M"), scale.get("K")
@@ -54,16 +62,7 @@ def with_friction(
     angles = step.Omega * centred(len(step.record), step.record.rate)
     # with the flights of the first fit, friction is only approximate
     now = fit(
-        [data],
-        known,
-        plain.values,
-        plain.lengths,
-        plain.phases,
-        M,
-        K,
-        law,
-        plain.motions,
-        rough=True,
+        [data], known, values, plain.lengths, plain.phases, M, K, law, plain.motions, rough=True
     )
     aside: _Array | float = 0.0
     for _ in range(ROUNDS):
@@ -86,6 +85,11 @@ def with_friction(
         now = fit(
             [own], known, now.values, now.lengths, now.phases, M, K, law, nearest(now.motions, own), rough=not last
         )  # fmt: skip
+        if last and "friction" in now.undetermined:
+            raise SingularError(
+                "friction = True: undetermined, since with these impacts friction resembles other coefficients of "
+                "restitution; it must be known or left out"
+            )
         if last:
             return [other], now, law
     raise SingularError(f"{given}: the fit did not converge in {ROUNDS} rounds; {HINT}")

@@ -483,9 +483,8 @@ def parameters_of(
 ) -> dict[str, list[Any]]:  # fmt: skip
     """The table of parameters: known, fitted and derived values."""
     rows: list[tuple[str, float, float, str, str]] = []
-    units = (
-        KNOWN | dict.fromkeys(law.fixed, "m/s") | {name: KNOWN.get(name, "") for name in law.names}
-    )
+    units = KNOWN | dict.fromkeys(law.fixed, "m/s") | {"friction": ""}
+    units |= {name: KNOWN.get(name, "") for name in law.names}
 
     def add(name: str, value: float, error: float, state: str) -> None:
         rows.append(
