@@ -529,7 +529,8 @@ contains
             if (.not. good .and. size(low%numbers) > 1) then
                call values%refuse(trim(values%keys(i)%name))
             else if (.not. good) then
-               call name_as_given(values, low, text)
+               call name_as_given(values, low, &
+                  has_one_reading(units_of(values, values%keys(i)), units), text)
                text = trim(values%keys(i)%over)//' is '//text
                call values%refuse(trim(values%keys(i)%name), text)
             end if
@@ -537,20 +538,20 @@ contains
       end do
    end subroutine check_order
 
-   !> The number of a key as written in the file, or its default.
-   pure subroutine name_as_given(values, value, text)
+   !> The number of a key for messages: as written in the file if it has a unit.
+   pure subroutine name_as_given(values, value, has_unit, text)
       !> The group.
       type(values_type), intent(in) :: values
       !> The value of the key, a number.
       type(value_type), intent(in) :: value
+      !> Whether numbers without a unit are in units of the &system.
+      logical, intent(in) :: has_unit
       !> The text for messages.
       character(:), allocatable, intent(out) :: text
 
-      if (value%given) then
-         text = values%items(value%origin(1))%value
-      else
-         text = trim(number_text(value%numbers(1), .false.))
-      end if
+      text = trim(number_text(value%numbers(1), .false.))
+      if (.not. value%given) return
+      if (has_unit .or. .not. is_bare(values, value)) text = values%items(value%origin(1))%value
    end subroutine name_as_given
 
    !> Whether numbers without a unit are in units of the &system.
