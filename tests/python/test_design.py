@@ -7,10 +7,25 @@ import pytest
 import vibroimpact as vi
 from shared_design import GOOD, OSC, QUICK
 from vibroimpact.designs.order import asked_by
+from vibroimpact.designs.pool import Pool
 from vibroimpact.designs.problem import OscillatorHost, Problem
-from vibroimpact.designs.search import Archive, _judge, _try, grid, grids, judged
+from vibroimpact.designs.search import SETTLED, _least, grid, grids, judged
 from vibroimpact.results.performance import perform
 from vibroimpact.systems.distribution import uncertain
+
+
+@pytest.fixture
+def runs_of_outcomes(monkeypatch):
+    """The numbers of runs of each call of a host."""
+    runs = []
+    outcome = OscillatorHost.outcome
+
+    def counted(self, values, r, *rest):
+        runs.append(len(r))
+        return outcome(self, values, r, *rest)
+
+    monkeypatch.setattr(OscillatorHost, "outcome", counted)
+    return runs
 
 
 def test_results_do_not_depend_on_the_number_of_threads():
@@ -76,20 +91,26 @@ JOBS = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("job", JOBS)
-def test_ten_designs_are_as_good_as_brute_force(job):
-    """No point of a fine grid of the free parameters is better by more than 2 %, or the design says that its
-    searches have not converged."""
+def test_ten_designs_are_as_good_as_brute_force(job, runs_of_outcomes):
+    """With any seed no point of a fine grid of the free parameters is better by more than 2 %, or the design says
+    that its searches have not converged; and it takes few runs."""
     osc, options = JOBS[job]
-    found = vi.design(osc, **{"settling": 120, "keep": 16, "samples": 0, **options})
-    problem, order = asked_by(osc, found.keys)
+    runs_of_outcomes.clear()
+    many = [
+        vi.design(osc, rng=seed, **{"settling": 120, "keep": 16, "samples": 0, **options})
+        for seed in (0, 1, 2)
+    ]
+    assert sum(runs_of_outcomes) < 3 * 6000
+    problem, order = asked_by(osc, many[0].keys)
     fine, _ = grids(problem, order)
     each = 400 if len(problem.free) == 1 else 32
     axes = [np.linspace(*map(float, ends), each) for ends in problem.free.values()]
     points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(axes))
     brute = min(judged(problem, fine, some)[1].min() for some in np.array_split(points, 20))
-    assert found.level <= 1.02 * brute or found.converged is False
-    if job not in ("clearance and mass",):
-        assert found.converged
+    for found in many:
+        assert found.level <= 1.02 * brute or found.converged is False
+        if job not in ("clearance and mass",):
+            assert found.converged
 
 
 def test_the_best_motion_at_resonance_is_equispaced():
@@ -161,71 +182,77 @@ def test_quantile_and_penalty_of_candidates():
         assert nominal[i] == pytest.approx(first[0] * (1 + 10 * max(0, first[1] - 1)), rel=1e-12)
 
 
-def test_steps_are_judged_as_candidates_are():
-    """A step abandoned after some frequencies is worse than the best one; others have all their figures."""
-    host = OscillatorHost(OSC, None, "attenuation", {}, 120, 16, None)
+def pool_of(units, nodes, quantile, limits):
+    """A pool with eight candidates, their levels judged by all pairs, and its runs as they are counted."""
+    host = OscillatorHost(OSC, None, "attenuation", limits, 120, 16, None)
     free = {"clearance": (12.0, 45.0)}
     problem = Problem(
-        host, free, {"restitution": uncertain((0.65, 0.8), "R")}, (1.0, 1.03), uncertain(1.0, "load"), 0.99, False,
+        host, free, {"restitution": uncertain((0.65, 0.8), "R")}, (1.0, 1.03), uncertain(1.0, "load"), quantile,
+        False, limited=bool(limits),
     )  # fmt: skip
-    fine = grid(problem, 4, 7, 2)
+    fine = grid(problem, units, nodes, 2)
     candidates = np.linspace(13, 44, 8)[:, None]
     levels = judged(problem, fine, candidates)[1]
-    falling = np.argsort(-levels)
-    archive = Archive()
-    _judge(problem, fine, candidates[falling[:1]], archive)
-    kept = [falling[0]]
-    # a step that is better, then the step before it
-    for number in np.column_stack([falling[1:], falling[:-1]]).ravel():
-        better = levels[number] < min(archive.level)
-        before = len(archive.level)
-        assert _try(problem, fine, candidates[number], archive) == better
-        if len(archive.level) > before:
-            kept.append(number)
-        else:
-            assert not better
-        best = archive.values[archive.best][None]
-        target, _ = problem.outcomes(best, fine.shares, fine.nodes, fine.places)
-        np.testing.assert_array_equal(archive.targets, target[0])
-    np.testing.assert_array_equal(archive.level, levels[kept])
-    assert len(levels) <= len(kept) < 2 * len(levels) - 1
+    pool = Pool(problem, fine)
+    pool.add(candidates)
+    return pool, levels
 
 
-def test_steps_are_left_out_by_their_worst_units(monkeypatch):
-    """The verdict on a step from the worst units alone equals that from all units at these frequencies."""
-    host = OscillatorHost(OSC, None, "attenuation", {"speed": 60.0}, 120, 16, None)
-    free = {"clearance": (12.0, 45.0)}
-    problem = Problem(
-        host, free, {"restitution": uncertain((0.65, 0.8), "R")}, (1.0, 1.03), uncertain(1.0, "load"), 0.9, False,
-        limited=True,
+@pytest.mark.parametrize(("units", "nodes", "quantile", "limits"), [
+    (4, 7, 0.99, {}), (20, 6, 0.9, {"speed": 60.0}), (9, 3, 0.5, {"speed": 60.0}), (6, 2, 1.0, {}),
+])  # fmt: skip
+def test_a_race_judges_as_all_pairs_do(units, nodes, quantile, limits):
+    """Levels of pairs known so far never exceed the level by all pairs; a candidate is rejected only above the
+    limit, and a complete one has its level."""
+    pool, levels = pool_of(units, nodes, quantile, limits)
+    some = np.arange(8)
+    limit = float(np.median(levels))
+    order = pool.order()
+    assert sorted(order) == list(range(units * nodes))
+    for many in (1, 2, 5, units * nodes // 2):
+        pool.learn(some, pool.first(many))
+        assert (pool.bounds <= levels * (1 + 1e-9)).all()
+    pool.look_at(0)
+    found = pool.race(some, limit)
+    np.testing.assert_array_equal(found <= limit, levels <= limit)
+    np.testing.assert_allclose(found[levels <= limit], levels[levels <= limit], rtol=1e-9)
+    assert set(np.flatnonzero(levels <= limit)) <= set(pool.complete)
+    # the rest of the pairs may follow later
+    np.testing.assert_allclose(pool.race(some, np.inf), levels, rtol=1e-9)
+    assert len(pool.complete) == 8
+
+
+def test_the_best_of_a_pool_is_found_with_few_runs(runs_of_outcomes):
+    """The best of some candidates, as if all were judged completely, at a fraction of the runs."""
+    pool, levels = pool_of(20, 6, 0.9, {})
+    runs_of_outcomes.clear()
+    best = _least(pool, np.ones((6, 20), bool))
+    assert levels[best] <= levels.min() * (1 + SETTLED)
+    assert pool.known[best].all()
+    assert sum(runs_of_outcomes) < 0.6 * 8 * 240
+    assert not pool.known.all(axis=(1, 2))[np.argmax(levels)]
+
+
+def test_the_risk_orders_the_units_that_decide_a_level():
+    """The units that together decide the level at a frequency come first, those at the worst frequency before
+    others."""
+    pool, _ = pool_of(8, 2, 0.75, {})
+    # quantile 0.75 of eight: the sixth value from below, and one unit above it
+    assert pool.spare == 1
+    pool.risk = np.array([[1.0, 9, 1, 1, 1, 1, 1, 2], [5.0, 1, 1, 4, 1, 1, 1, 1]])
+    assert pool.order()[:4].tolist() == [8, 11, 1, 7]
+
+
+def test_a_search_takes_few_runs(runs_of_outcomes):
+    """Counts of simulations, not times: a search by 16 units at 9 frequencies, each search and each judgement."""
+    found = vi.design(
+        OSC, r=(1.0, 1.04), free={"clearance": (10, 60), "mu": (0.01, 0.1)},
+        tolerance={"restitution": (0.65, 0.8)}, samples=0, settling=120, keep=16,
     )  # fmt: skip
-    fine = grid(problem, 20, 6, 2)
-    candidates = np.linspace(13, 44, 8)[:, None]
-    archive = Archive()
-    _judge(problem, fine, candidates[4:5], archive)
-    runs = []
-    outcomes = Problem.outcomes
-
-    def counted(self, candidates, shares, nodes, places, *rest):
-        runs.append(shares.shape[1] * len(nodes))
-        return outcomes(self, candidates, shares, nodes, places, *rest)
-
-    monkeypatch.setattr(Problem, "outcomes", counted)
-    answers, levels, alone = [], [], []
-    for candidate in candidates:
-        archive.level, archive.values = archive.level[:1], archive.values[:1]
-        for name in ("nominal", "excess", "worst"):
-            setattr(archive, name, getattr(archive, name)[:1])
-        targets, first = archive.targets, len(runs)
-        answers.append(_try(problem, fine, candidate, archive))
-        alone.append(runs[first:])
-        levels.append(judged(problem, fine, candidate[None])[1][0])
-        archive.targets = targets
-    assert answers == [level < levels[4] for level in levels]
-    # two frequencies of five units
-    assert [10] in alone
-    assert max(map(len, alone)) == 3
-    assert sum(map(sum, alone)) < 8 * 120
+    searches = len(found.searches["level"])
+    # all candidates of a global search by few units are 4480 runs, and each one by all units 288
+    assert sum(runs_of_outcomes) < 7500 * searches
+    assert len(runs_of_outcomes) < 250 * searches
 
 
 def test_limits_hold_for_the_design():

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..base.status import VERDICT
 from ..results import door
 from ..systems.distribution import interval
 from .order import Order
+from .pool import Pool
 from .problem import Problem
-from .search import Archive, explored, grids, part_of, refined
+from .search import Archive, foreseen, grids, part_of, refined
 
+_Array = NDArray[np.float64]
 #: Confidence of all intervals, and number of parts of the band for which shares are stated.
 CONFIDENCE, BANDS = 0.95, 10
 #: Number of samples that are simulated together.
@@ -28,34 +31,97 @@ CHECK = 2**32
 CODE_OF = {verdict: code for code, verdict in VERDICT.items()}
 
 
+@dataclass(frozen=True)
+class Samples:
+    """Random units of a candidate at random places of the band.
+
+    Attributes
+    ----------
+    units : dict of ndarray (n,)
+    load, place : ndarray (n,)
+    starts : ndarray (4, n, states)
+        Initial states.
+    part : ndarray (n,) of int
+        The part of the band.
+    """
+
+    units: Mapping[str, _Array]
+    load: _Array
+    place: _Array
+    starts: _Array
+    part: NDArray[np.intp]
+
+    @classmethod
+    def drawn(
+        cls, problem: Problem, order: Order, values: Mapping[str, float], n: int, rng: np.random.Generator
+    ) -> Samples:  # fmt: skip
+        """Random samples."""
+        candidate = np.array(list(values.values()))
+        units, load = problem.units(candidate, rng.random((problem.dimensions, n)))
+        place = rng.uniform(*problem.band, n)
+        starts = rng.uniform(-1, 1, (4, n, 1 if problem.weighted else order.states))
+        edges = edges_of(problem)
+        part = np.searchsorted(edges, place, side="right") - 1
+        return cls(units, load, place, starts, np.clip(part, 0, len(edges) - 2))
+
+    def judged(
+        self, problem: Problem, order: Order, some: slice, progress: door.Progress | None
+    ) -> tuple[_Array, NDArray[np.bool_]]:
+        """The target of some samples, and whether they are within all limits."""
+        n, states = len(self.place[some]), self.starts.shape[2]
+        limit = math.inf if order.limit is None else order.sign * order.limit
+        # the runs of a unit are consecutive: the core keeps the data that depend only on the unit
+        found = problem.host.outcome(
+            {name: np.repeat(each[some], states) for name, each in self.units.items()},
+            np.repeat(self.place[some], states), np.repeat(self.load[some], states),
+            self.starts[:, some].reshape(4, -1), progress, "confirmation",
+        )  # fmt: skip
+        target = found.target.reshape(n, states).max(axis=1)
+        excess = found.excess.reshape(n, states).max(axis=1)
+        return target, np.isfinite(target) & (target <= limit) & (excess <= 1)
+
+
+def edges_of(problem: Problem) -> _Array:
+    """Ends (parts + 1,) of the parts of the band."""
+    first, last = problem.band
+    return np.linspace(first, last, (BANDS if first < last else 1) + 1)
+
+
+def holds(problem: Problem, order: Order, values: Mapping[str, float]) -> bool:
+    """Whether in each part of the band a few samples meet all limits as often as the quantile asks.
+
+    It ends as soon as too many of a part do not.
+    """
+    samples = Samples.drawn(problem, order, values, FEW, np.random.default_rng(CHECK))
+    count = np.bincount(samples.part, minlength=len(edges_of(problem)) - 1)
+    bad = np.zeros(len(count), int)
+    for begin in range(0, FEW, FEW // 20):
+        some = slice(begin, begin + FEW // 20)
+        _, within = samples.judged(problem, order, some, None)
+        bad += np.bincount(samples.part[some][~within], minlength=len(bad))
+        if np.any((count - bad) / np.maximum(1, count) < problem.quantile):
+            return False
+    return True
+
+
 def confirmed(
     problem: Problem, order: Order, values: Mapping[str, float], samples: int, seed: int,
     progress: door.Progress | None,
 ) -> tuple[dict[str, Any], dict[str, Any]]:  # fmt: skip
     """Columns of the tables `design` and `bands` from independent samples."""
     rng = np.random.default_rng(seed)
-    candidate = np.array(list(values.values()))
-    first, last = problem.band
-    parts = BANDS if first < last else 1
-    edges = np.linspace(first, last, parts + 1)
+    edges = edges_of(problem)
+    parts = len(edges) - 1
     good, count, failed = np.zeros(parts, int), np.zeros(parts, int), 0
     worst = np.full(parts, -math.inf)
-    states = 1 if problem.weighted else order.states
-    limit = math.inf if order.limit is None else order.sign * order.limit
     for begin in range(0, samples, CHUNK):
         n = min(CHUNK, samples - begin)
-        units, load = problem.units(candidate, rng.random((problem.dimensions, n)))
-        place = rng.uniform(first, last, n)
-        starts = rng.uniform(-1, 1, (4, n, states))
-        # the runs of a unit are consecutive: the core keeps the data that depend only on the unit
-        found = problem.host.outcome(
-            {name: np.repeat(each, states) for name, each in units.items()}, np.repeat(place, states),
-            np.repeat(load, states), starts.reshape(4, -1), part_of(progress, begin, n, samples), "confirmation",
-        )  # fmt: skip
-        target = found.target.reshape(n, states).max(axis=1)
+        drawn = Samples.drawn(problem, order, values, n, rng)
+        target, within = drawn.judged(
+            problem, order, slice(n), part_of(progress, begin, n, samples)
+        )
         bad = ~np.isfinite(target)
-        within = (target <= limit) & (found.excess.reshape(n, states).max(axis=1) <= 1) & ~bad
-        part = np.clip(np.searchsorted(edges, place, side="right") - 1, 0, parts - 1)
+        part = drawn.part
         good += np.bincount(part[within], minlength=parts)
         count += np.bincount(part, minlength=parts)
         failed += int(bad.sum())
@@ -90,31 +156,25 @@ def firmer(problem: Problem, order: Order, archive: Archive) -> tuple[Archive, O
 
     They were too few if the chosen candidate meets the limit in the search, but too few samples meet it.
     """
-    for turn in range(ROUNDS):
+    for _ in range(ROUNDS):
         best = archive.best
         limit = math.inf if order.limit is None else order.sign * order.limit
         if archive.level[best] > limit or (order.limit is None and not problem.limited):
             break
         chosen = dict(zip(problem.free, archive.values[best], strict=True))
-        tried, bands = confirmed(problem, order, chosen, FEW, CHECK, None)
-        shares = bands["good"] / np.maximum(1, bands["samples"])
-        if min(tried["probability"], shares.min()) >= problem.quantile:
+        if holds(problem, order, chosen):
             break
         # the new sets contain the previous units, states and frequencies
         order = replace(
             order, specimens=3 * order.specimens, nodes=2 * order.nodes - 1, states=order.states + 1
         )
-        fine, coarse = grids(problem, order)
-        values, levels = np.array(archive.values), np.array(archive.level)
+        fine, _ = grids(problem, order)
+        assert archive.grid is not None
+        assert archive.targets is not None
+        pool = Pool(problem, fine, foreseen(archive.grid, archive.targets, fine))
+        refined(pool, np.array(archive.tried), np.array(archive.bounds), None)
         judged = Archive()
-        refined(problem, fine, values, levels, None, judged)
-        if judged.excess[judged.best] > 1:
-            # a candidate that met the limits with fewer units does not meet them now: the search is repeated
-            number = order.searches + turn
-            found = explored(problem, coarse, order, number, None, Archive())
-            further = Archive()
-            refined(problem, fine, *found, None, further)
-            judged.add(further)
+        judged.add(pool)
         judged.searches, judged.judged_again = archive.searches, True
         archive = judged
     return archive, order

@@ -480,6 +480,7 @@ def designed(problem: Problem, order: Order, case: str, progress: door.Progress 
     names = list(problem.free)
     low, high = np.array(list(problem.free.values())).T
     level = archive.level[best]
+    slopes = archive.sensitivity(problem)
     tables: dict[str, Any] = {
         "chosen": (("choice",), {"name": names, "value": archive.values[best], "low": low, "high": high}),
         "design": ((), {
@@ -495,7 +496,7 @@ def designed(problem: Problem, order: Order, case: str, progress: door.Progress 
             "level": [order.sign * least for _, least in archive.searches],
         }),
         "sensitivities": (("parameter",), {
-            "name": list(archive.sensitivity), "slope": list(archive.sensitivity.values()),
+            "name": list(slopes), "slope": list(slopes.values()),
         }),
         "candidates": (("candidate", "choice"), {
             "nominal": order.sign * np.array(archive.nominal), "level": order.sign * np.array(archive.level),

@@ -232,24 +232,34 @@ class Problem:
 
     def outcomes(
         self, candidates: _Array, shares: _Array, nodes: _Array, places: _Array,
-        progress: door.Progress | None = None, note: str = "",
+        pairs: NDArray[np.bool_] | None = None,
     ) -> tuple[_Array, _Array]:  # fmt: skip
         """Target and excess (candidates, nodes, units, states) of each candidate, unit, frequency and initial
-        state."""
-        m, k = candidates.shape[0], shares.shape[1]
-        shape = (m, len(nodes), k, places.shape[1])
+        state.
+
+        Parameters
+        ----------
+        pairs : ndarray (candidates, nodes, units), optional
+            Which pairs of a frequency and a unit are simulated; the targets of others are -inf, their excesses 0.
+        """
+        shape = len(candidates), len(nodes), shares.shape[1]
+        states = places.shape[1]
+        which = np.nonzero(np.ones(shape, bool) if pairs is None else pairs)
+        i, node, unit = which
         each = [self.units(candidate, shares) for candidate in candidates]
         values = {
-            name: np.broadcast_to(
-                np.stack([one[name] for one, _ in each])[:, None, :, None], shape
-            ).ravel()
+            name: np.repeat(np.stack([one[name] for one, _ in each])[i, unit], states)
             for name in each[0][0]
         }
-        load = np.broadcast_to(np.stack([one for _, one in each])[:, None, :, None], shape).ravel()
-        r = np.broadcast_to(nodes[:, None, None], shape).ravel()
-        starts = np.broadcast_to(places[:, None, None, None, :], (4, *shape)).reshape(4, -1)
-        found = self.host.outcome(values, r, load, starts, progress, note)
-        return found.target.reshape(shape), found.excess.reshape(shape)
+        load = np.repeat(np.stack([one for _, one in each])[i, unit], states)
+        # the runs of a unit are consecutive: the core keeps the data that depend only on the unit
+        found = self.host.outcome(
+            values, np.repeat(nodes[node], states), load, np.tile(places, len(i)), None, ""
+        )
+        target, excess = np.full((*shape, states), -np.inf), np.zeros((*shape, states))
+        target[which] = found.target.reshape(-1, states)
+        excess[which] = found.excess.reshape(-1, states)
+        return target, excess
 
     def levels(self, figures: _Array) -> _Array:
         """The quantile of figures (candidates, nodes, units, states) at the worst frequency."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,13 +11,23 @@ from numpy.typing import NDArray
 from ..base.libraries import scipy
 from ..results import door
 from .order import Order
+from .pool import Grid, Pool, penalised
 from .problem import Problem
 
 _Array = NDArray[np.float64]
-#: Penalty on the level of a design per unit of excess of a figure over its limit.
-PENALTY = 10.0
+_Mask = NDArray[np.bool_]
 #: Largest relative difference of the levels of two searches that agree.
 AGREEMENT = 0.02
+#: Relative gain below which a candidate that is judged completely is left as it is.
+SETTLED = 5e-4
+#: The same if it takes more than `MANY` pairs of a frequency and a unit to judge one.
+ROUGHLY = 5e-3
+#: Number of descents by active pairs, each followed by a judgement of the best candidates by all.
+TURNS = 4
+#: Points tried in a step besides the best one of the linear program.
+OTHERS = 4
+#: Number of pairs of a frequency and a unit above which judging a candidate by all of them is costly.
+MANY = 256
 
 
 @dataclass
@@ -30,16 +41,16 @@ class Archive:
         Level of the unit without deviations, and level of all units; a design above its limits has a penalty.
     excess, worst : list of float
         Level of the largest ratio of a figure to its limit, and the largest target.
-    sensitivity : dict
-        Derivatives of the target of the worst unit of the best candidate with respect to its parameters.
+    tried, bounds : list of ndarray (free,), and of float
+        All candidates that were judged by some of these units, and lower bounds of their levels.
     searches : list of (int, float)
         For each search: the number of its candidates here, and the best level.
     stopped : bool
         Whether Ctrl-C ended the searches.
     judged_again : bool
         Whether the candidates are those of searches by fewer units.
-    targets : ndarray (nodes, units, states) or None
-        Targets of the best candidate.
+    grid, targets : Grid, ndarray (nodes, units, states)
+        Of the best candidate.
     """
 
     values: list[_Array] = field(default_factory=list)
@@ -47,19 +58,27 @@ class Archive:
     level: list[float] = field(default_factory=list)
     excess: list[float] = field(default_factory=list)
     worst: list[float] = field(default_factory=list)
-    sensitivity: dict[str, float] = field(default_factory=dict)
+    tried: list[_Array] = field(default_factory=list)
+    bounds: list[float] = field(default_factory=list)
     searches: list[tuple[int, float]] = field(default_factory=list)
     stopped: bool = False
     judged_again: bool = False
+    grid: Grid | None = None
     targets: _Array | None = None
 
-    def add(self, other: Archive) -> None:
+    def add(self, pool: Pool) -> None:
         """Adds the candidates of a further search."""
-        if not self.level or min(other.level) < min(self.level):
-            self.sensitivity = other.sensitivity
-        for name in ("values", "nominal", "level", "excess", "worst"):
-            getattr(self, name).extend(getattr(other, name))
-        self.searches.append((len(other.level), min(other.level)))
+        done = pool.complete
+        found = levels_of(pool.problem, pool.target[done], pool.excess[done])
+        best = int(np.argmin(found[1]))
+        if not self.level or found[1][best] < min(self.level):
+            self.grid, self.targets = pool.grid, pool.target[done[best]]
+        self.values.extend(pool.values[done])
+        for name, numbers in zip(("nominal", "level", "excess", "worst"), found, strict=True):
+            getattr(self, name).extend(map(float, numbers))
+        self.tried.extend(pool.values)
+        self.bounds.extend(map(float, pool.bounds))
+        self.searches.append((len(done), float(found[1][best])))
 
     @property
     def agree(self) -> bool:
@@ -82,14 +101,14 @@ class Archive:
         ]
         return ~np.array(beaten)
 
-
-@dataclass(frozen=True)
-class Grid:
-    """The units, frequencies and initial states by which candidates are judged."""
-
-    shares: _Array
-    nodes: _Array
-    places: _Array
+    def sensitivity(self, problem: Problem) -> dict[str, float]:
+        """Derivatives of the target of the worst unit of the best candidate with respect to its parameters."""
+        assert self.grid is not None
+        assert self.targets is not None
+        found = gradients(problem, self.grid, self.values[self.best], self.targets, 1)
+        return {
+            name: slope for _, each in found for name, slope in each.items() if np.isfinite(slope)
+        }
 
 
 def grid(problem: Problem, units: int, nodes: int, states: int) -> Grid:
@@ -133,9 +152,7 @@ def levels_of(problem: Problem, target: _Array, excess: _Array) -> tuple[_Array,
     found = []
     for units in (slice(1), slice(None)):
         over = problem.levels(excess[:, :, units])
-        level = problem.levels(target[:, :, units])
-        # a target can be negative: the damping
-        found.append(level + np.abs(level) * PENALTY * np.maximum(0, over - 1))
+        found.append(penalised(problem.levels(target[:, :, units]), over))
     return *found, over, target.max(axis=(1, 2, 3))
 
 
@@ -155,94 +172,235 @@ def search(problem: Problem, order: Order, progress: door.Progress | None) -> Ar
     archive = Archive()
     for number in range(order.searches):
         report = part_of(progress, number, 1, order.searches)
-        tried, best = Archive(), Archive()
+        pools = [Pool(problem, coarse)]
         try:
-            found = explored(problem, coarse, order, number, report, tried)
-            refined(problem, fine, *found, report, best)
-            archive.add(best)
+            explored(pools[0], order, number, report)
+            pools.append(finer(pools[0], fine))
+            refined(pools[1], *complete_of(pools[0]), report)
+            archive.add(pools[1])
         except KeyboardInterrupt:
             # if the first search was stopped: its candidates, judged by all units or by few
             if not archive.level:
-                if not tried.level:
+                judged = [pool for pool in pools if len(pool.complete)]
+                if not judged:
                     raise
-                archive.add(best if best.level else tried)
+                archive.add(judged[-1])
             archive.stopped = True
         if archive.agree or archive.stopped:
             break
     return archive
 
 
-def explored(
-    problem: Problem, coarse: Grid, order: Order, number: int, progress: door.Progress | None,
-    archive: Archive,
-) -> tuple[_Array, _Array]:  # fmt: skip
-    """The candidates of one global search by differential evolution, and their levels; all are added to the
-    archive.
+def explored(pool: Pool, order: Order, number: int, progress: door.Progress | None) -> None:
+    """One global search by differential evolution.
 
-    Its random numbers depend only on the seed of the order and the number of the search.
+    Each candidate takes the place of an earlier one if it is not worse: it is judged until its level is certainly
+    above the level of that one. The random numbers depend only on the seed of the order and the number of the
+    search.
     """
-    differential_evolution = scipy("optimize", "a design", "design").differential_evolution
-
+    problem = pool.problem
     low, high = np.array(list(problem.free.values()), dtype=float).T
+    whole = np.array([name in problem.whole for name in problem.free])
     evaluations = max(order.evaluations, 8 * len(low))
-    size = max(8, 8 * len(low))
+    size, before = max(8, 8 * len(low)), len(pool.values)
+    rng = np.random.default_rng((order.seed, number))
 
-    def level(shares: _Array) -> _Array:
-        candidates = np.atleast_2d(shares.T)
-        # the first ones in small parts, so that Ctrl-C soon finds some that are judged
-        ends = [1, *range(5, len(candidates), 4)] if not archive.level else []
-        for some in np.split(candidates, [end for end in ends if end < len(candidates)]):
-            _judge(problem, coarse, some, archive)
-        done = len(archive.level) / (evaluations + size)
+    def values(shares: _Array) -> _Array:
+        found = low + (high - low) * shares
+        return np.asarray(np.where(whole, np.rint(found), found))
+
+    def report() -> None:
         if progress is not None:
+            done = (len(pool.values) - before) / (evaluations + size)
             progress(min(0.7, 0.7 * done), "global search")
-        # an infinite level, from failed runs, would make differences and variances of levels undefined
-        return np.minimum(archive.level[-len(candidates) :], 1e150)
 
-    try:
-        rng = np.random.default_rng((order.seed, number))
-        differential_evolution(
-            level, list(zip(low, high, strict=True)), vectorized=True, updating="deferred", polish=False,
-            popsize=size, init=_even_start(low, high, size, rng), seed=rng, tol=1e-3,
-            maxiter=max(1, evaluations // size - 1), integrality=[name in problem.whole for name in problem.free],
-        )  # fmt: skip
-    except (RuntimeError, TypeError) as error:
-        raise cause_of(error) from None
-    return np.array(archive.values), np.array(archive.level)
-
-
-def cause_of(error: BaseException) -> BaseException:
-    """The first of a chain of errors: SciPy replaces a ValueError or TypeError by its own."""
-    return error if error.__cause__ is None else cause_of(error.__cause__)
-
-
-def refined(
-    problem: Problem, fine: Grid, candidates: _Array, levels: _Array, progress: door.Progress | None,
-    archive: Archive,
-) -> None:  # fmt: skip
-    """Judge the best candidates by all units of a grid, descend from there, and add the results to the archive.
-
-    More units and frequencies hardly lower a level: a candidate is skipped if its known level is above a level
-    already reached.
-    """
-    low, high = np.array(list(problem.free.values()), dtype=float).T
-    promising, known = _promising(candidates, levels, high - low, 8)
-    for begin in range(0, len(promising), 2):
-        if begin and known[begin] > min(archive.level):
+    place = _even_start(len(low), size, rng)
+    # the first ones in small parts, so that Ctrl-C soon finds some that are judged
+    ends = [0, *range(1, size, 4), size]
+    at, level = np.empty(0, int), np.empty(0)
+    for begin, end in pairwise(ends):
+        some = pool.add(values(place[begin:end]))
+        # a level far above the best one need not be known
+        limit = level.min() + abs(level.min()) if begin else np.inf
+        at, level = np.append(at, some), np.append(level, pool.race(some, limit))
+        report()
+    for _ in range(max(1, evaluations // size - 1)):
+        if np.std(level) <= 1e-3 * abs(np.mean(level)):
             break
-        _judge(problem, fine, promising[begin : begin + 2], archive)
+        best = int(np.argmin(level))
+        pool.look_at(at[best], 1.0)
+        others = np.array([rng.permutation(np.delete(np.arange(size), i))[:2] for i in range(size)])
+        scale = rng.uniform(0.5, 1)
+        mutant = place[best] + scale * (place[others[:, 0]] - place[others[:, 1]])
+        outside = (mutant < 0) | (mutant > 1)
+        mutant = np.where(outside, rng.random(mutant.shape), mutant)
+        taken = rng.random(mutant.shape) < 0.7
+        taken[np.arange(size), rng.integers(len(low), size=size)] = True
+        trial = np.where(taken, mutant, place)
+        some = pool.add(values(trial))
+        found = pool.race(some, level)
+        better = found <= level
+        at = np.where(better, some, at)
+        place, level = np.where(better[:, None], trial, place), np.where(better, found, level)
+        report()
+
+
+def complete_of(pool: Pool) -> tuple[_Array, _Array]:
+    """The candidates that were judged completely, and their levels."""
+    done = pool.complete
+    return pool.values[done], pool.bounds[done]
+
+
+def finer(coarse: Pool, grid: Grid) -> Pool:
+    """A pool for more units and frequencies, whose risk is that at the best candidate of another one."""
+    done = coarse.complete
+    best = done[np.argmin(coarse.bounds[done])]
+    return Pool(coarse.problem, grid, foreseen(coarse.grid, coarse.target[best], grid))
+
+
+def foreseen(known: Grid, target: _Array, grid: Grid) -> _Array:
+    """Targets (nodes, units) of a candidate as those of the nearest unit and frequency of another grid, where its
+    targets (nodes, units, states) are known."""
+    node = np.abs(grid.nodes[:, None] - known.nodes).argmin(axis=1)
+    apart = grid.shares[:, :, None] - known.shares[:, None, :]
+    unit = np.square(apart).sum(axis=0).argmin(axis=1)
+    return np.asarray(target.max(axis=2)[np.ix_(node, unit)])
+
+
+def refined(pool: Pool, candidates: _Array, levels: _Array, progress: door.Progress | None) -> None:
+    """Find the best candidate, and descend from there; at least one is judged by all pairs of a frequency and a
+    unit.
+
+    More units and frequencies hardly lower a level: the known levels of candidates count as lower bounds. Steps
+    are made by the active pairs alone, those of the greatest risk. The best candidates are then judged by all, and
+    pairs that raise a level become active.
+    """
+    low, high = np.array(list(pool.problem.free.values()), dtype=float).T
+    pool.add(*_promising(candidates, levels, high - low, 64))
+    if progress is not None:
+        progress(0.7, "best candidates")
+    here = _least(pool, pool.first(max(pool.few, pool.risk.size // 4)))
+    turns = TURNS if pool.risk.size <= MANY else 2
+    for turn in range(turns):
         if progress is not None:
-            progress(0.7 + 0.1 * begin / len(promising), "best candidates")
-    descend(problem, fine, archive, low, high, progress)
+            progress(0.7 + 0.3 * turn / turns, "steps down the gradient")
+        pool.look_at(here, 1.0)
+        last = descended(pool, here, pool.first(pool.few))
+        if last == here and pool.known[here].all():
+            return
+        here = _least(pool, np.ones(pool.risk.shape, bool))
 
 
-def _even_start(low: _Array, high: _Array, size: int, rng: np.random.Generator) -> _Array:
-    """First candidates of the global search: the centre, and points spread evenly."""
+def _below(pool: Pool, level: float, other: float) -> bool:
+    """Whether a level is below another one by more than candidates of a pool are worth."""
+    share = SETTLED if pool.risk.size <= MANY else ROUGHLY
+    return level < other - share * abs(other)
+
+
+def _least(pool: Pool, pairs: _Mask) -> int:
+    """The best candidate, judged by some pairs (nodes, units) at least: no other one is better by more than
+    candidates are worth, see `_below`."""
+    while True:
+        level = pool.bounds
+        here = int(np.argmin(level))
+        done = np.flatnonzero((pool.known[: len(level)] | ~pairs).all(axis=(1, 2)))
+        if len(done):
+            best = int(done[np.argmin(level[done])])
+            if not _below(pool, level[here], level[best]):
+                return best
+        others = np.delete(level, here)
+        pool.race(np.array([here]), others.min(initial=np.inf), pairs, 32)
+        pool.look_at(here)
+
+
+def descended(pool: Pool, here: int, active: _Mask, steps: int = 8) -> int:
+    """Steps from a candidate that reduce the largest of the linearized targets, within a trust region; returns the
+    best one by the active pairs.
+
+    Each step is a linear program over the worst units. The level jumps where motions appear or vanish: after the
+    best point of the linear program, some others are tried at which the linearized targets are lower, too; without
+    derivatives random points alone.
+    """
+    linprog = scipy("optimize", "a design", "design").linprog
+
+    problem, rng = pool.problem, np.random.default_rng(len(pool.values))
+    low, high = np.array(list(problem.free.values()), dtype=float).T
+    whole = [name in problem.whole for name in problem.free]
+    k, radius, slopes = len(low), 0.05, None
+    worse: list[_Array] = []
+    for _ in range(0 if all(whole) else steps):
+        if slopes is None:
+            found = gradients(problem, pool.grid, pool.values[here], pool.target[here])
+            values = np.array([value for value, _ in found])
+            slopes = np.array([[each[name] for name in problem.free] for _, each in found])
+        at, level = pool.values[here], pool.bounds[here]
+        reach = np.where(whole, 0, radius * (high - low))
+        least, most = np.maximum(low - at, -reach), np.minimum(high - at, reach)
+        tried = rng.uniform(least, most, (8 * OTHERS, k))
+        if len(values):
+            solved = linprog(
+                np.append(np.zeros(k), 1.0), A_ub=np.hstack([slopes, -np.ones((len(values), 1))]), b_ub=-values,
+                bounds=[*zip(least, most, strict=True), (None, None)],
+            )  # fmt: skip
+            if solved.status != 0 or not _below(pool, solved.x[-1], level):
+                break
+            lower = (values + tried @ slopes.T).max(axis=1) < level
+            tried = np.vstack([solved.x[:k], tried[lower][:OTHERS]])
+        start = here
+        for share in tried[: 1 + OTHERS] / (high - low):
+            # a point nearer to one that was worse than to the present one is likely to be worse
+            if any(np.sum((share - other) ** 2) < np.sum(share**2) for other in worse):
+                continue
+            there = pool.add((at + share * (high - low))[None])
+            if pool.race(there, level, active, 4)[0] < level:
+                here, slopes = int(there[0]), None
+                worse = [other - share for other in worse]
+                break
+            worse.append(share)
+        radius *= 0.4 if here == start else 1.5
+    return here
+
+
+def gradients(
+    problem: Problem, grid: Grid, here: _Array, target: _Array, most: int = 6
+) -> list[tuple[float, dict[str, float]]]:
+    """Targets of the worst units of a candidate (free,), and their derivatives with respect to the parameters;
+    those to the free ones are finite.
+
+    Empty if they have no periodic motions that can be followed.
+
+    Parameters
+    ----------
+    target : ndarray (nodes, units, states)
+        Targets, as far as they are known.
+    """
+    level = problem.levels(target[None])[0]
+    order = np.argsort(np.where(target <= level, -target, np.inf), axis=None)[: 4 * most]
+    found: list[tuple[float, dict[str, float]]] = []
+    units, load = problem.units(here, grid.shares)
+    for node, unit, state in zip(*np.unravel_index(order, target.shape), strict=True):
+        value = float(target[node, unit, state])
+        if not value > 0.95 * level or len(found) == most:
+            break
+        if any(abs(value - other) < 1e-9 for other, _ in found):
+            continue
+        slopes = problem.host.slopes(
+            {name: float(each[unit]) for name, each in units.items()}, grid.nodes[node], float(load[unit]),
+            grid.places[:, state],
+        )  # fmt: skip
+        if slopes is not None and all(np.isfinite(slopes[name]) for name in problem.free):
+            found.append((value, slopes))
+    return found
+
+
+def _even_start(dimensions: int, size: int, rng: np.random.Generator) -> _Array:
+    """Shares (size, dimensions) of the first candidates of the global search: the centre, and points spread
+    evenly."""
     qmc = scipy("stats", "a design", "design").qmc
 
-    shares = qmc.Halton(len(low), seed=rng).random(size)
+    shares = qmc.Halton(dimensions, seed=rng).random(size)
     shares[0] = 0.5
-    return np.asarray(low + (high - low) * shares)
+    return np.asarray(shares)
 
 
 def _promising(
@@ -257,156 +415,6 @@ def _promising(
         if len(chosen) == many:
             break
     return candidates[chosen], levels[chosen]
-
-
-def _judge(problem: Problem, fine: Grid, candidates: _Array, archive: Archive) -> None:
-    """Adds candidates to the archive."""
-    outcomes = problem.outcomes(candidates, fine.shares, fine.nodes, fine.places)
-    _add(problem, candidates, *outcomes, archive)
-
-
-def _add(
-    problem: Problem, candidates: _Array, target: _Array, excess: _Array, archive: Archive
-) -> None:
-    """Adds candidates with known targets and excesses to the archive."""
-    before = len(archive.level)
-    archive.values.extend(candidates)
-    found = levels_of(problem, target, excess)
-    for name, numbers in zip(("nominal", "level", "excess", "worst"), found, strict=True):
-        getattr(archive, name).extend(map(float, numbers))
-    if archive.best >= before:
-        archive.targets = target[archive.best - before]
-
-
-def _try(problem: Problem, fine: Grid, candidate: _Array, archive: Archive) -> bool:
-    """Adds a candidate to the archive and returns whether it is the best one.
-
-    The frequencies at which the best candidate so far performs worst are evaluated first, beginning with its worst
-    units. The level is that of the worst frequency: a candidate that exceeds the best level there need not be
-    evaluated at the others, and is not added.
-    """
-    assert archive.targets is not None
-    order = np.argsort(-archive.targets.max(axis=(1, 2)), kind="stable")
-    first = len(order) // 3
-    best = min(archive.level)
-    # a penalty raises levels above 0
-    if first and best > 0:
-        worst = archive.targets, order[:first]
-        if _worst_units_exceed(problem, fine, candidate, *worst, best):
-            return False
-    parts = []
-    for some in (order[:first], order[first:]):
-        if len(some) == 0:
-            continue
-        parts.append(problem.outcomes(candidate[None], fine.shares, fine.nodes[some], fine.places))
-        level = levels_of(problem, *parts[-1])[1][0]
-        if len(parts) == 1 and first and 0 < best < level:
-            return False
-    back = np.argsort(order)
-    target, excess = (np.concatenate(both, axis=1)[:, back] for both in zip(*parts, strict=True))
-    best = archive.best
-    _add(problem, candidate[None], target, excess, archive)
-    return archive.best != best
-
-
-def _worst_units_exceed(
-    problem: Problem, fine: Grid, candidate: _Array, targets: _Array, nodes: NDArray[np.intp], best: float
-) -> bool:  # fmt: skip
-    """Whether a candidate exceeds a level on a few units alone: those with the largest targets of another
-    candidate.
-
-    The quantile with targets of -inf and excesses of 0 for the other units is a lower bound of its level.
-    """
-    units = fine.shares.shape[1]
-    # as many units as may be above the quantile, and some more
-    few = int(np.ceil((1 - problem.quantile) * units)) + units // 8 + 1
-    if 2 * few > units:
-        return False
-    some = np.argsort(-targets[nodes].max(axis=(0, 2)), kind="stable")[:few]
-    found = problem.outcomes(candidate[None], fine.shares[:, some], fine.nodes[nodes], fine.places)
-    shape = 1, len(nodes), units, targets.shape[2]
-    target, excess = np.full(shape, -np.inf), np.zeros(shape)
-    target[:, :, some], excess[:, :, some] = found
-    # a level above 0 increases with both
-    if not problem.levels(target)[0] > 0:
-        return False
-    return bool(levels_of(problem, np.maximum(target, 0), excess)[1][0] > best)
-
-
-def descend(
-    problem: Problem, fine: Grid, archive: Archive, low: _Array, high: _Array,
-    progress: door.Progress | None, steps: int = 8,
-) -> None:  # fmt: skip
-    """Steps from the best candidate that reduce the largest of the linearized targets, within a trust region.
-
-    Each step is a linear program over the worst units. The level jumps where motions appear or vanish; a step that
-    does not lower it halves the region.
-    """
-    linprog = scipy("optimize", "a design", "design").linprog
-
-    radius = 0.05
-    active = active_slopes(problem, fine, archive)
-    for step in range(steps):
-        if active is None or radius < 1e-4:
-            return
-        if progress is not None:
-            progress(0.8 + 0.2 * step / steps, "steps down the gradient")
-        here = archive.values[archive.best]
-        values, slopes = active
-        k = len(here)
-        reach = np.where([name in problem.whole for name in problem.free], 0, radius * (high - low))
-        ends = zip(np.maximum(low - here, -reach), np.minimum(high - here, reach), strict=True)
-        solved = linprog(
-            np.append(np.zeros(k), 1.0), A_ub=np.hstack([slopes, -np.ones((len(values), 1))]), b_ub=-values,
-            bounds=[*ends, (None, None)],
-        )  # fmt: skip
-        if solved.status != 0 or np.max(np.abs(solved.x[:k]) / (high - low)) < 1e-6:
-            return
-        if _try(problem, fine, here + solved.x[:k], archive):
-            radius *= 1.5
-            active = active_slopes(problem, fine, archive)
-        else:
-            radius *= 0.3
-
-
-def active_slopes(
-    problem: Problem, fine: Grid, archive: Archive, most: int = 6
-) -> tuple[_Array, _Array] | None:
-    """Targets of the worst units of the best candidate, and their derivatives with respect to the free parameters.
-
-    None if they have no periodic motions that can be followed. The archive stores the sensitivities of the worst
-    unit.
-    """
-    archive.sensitivity = {}
-    here = archive.values[archive.best]
-    assert archive.targets is not None
-    target = archive.targets[None]
-    level = problem.levels(target)[0]
-    order = np.argsort(np.where(target[0] <= level, -target[0], np.inf), axis=None)[: 4 * most]
-    values: list[float] = []
-    slopes: list[_Array] = []
-    units, load = problem.units(here, fine.shares)
-    for node, unit, state in zip(*np.unravel_index(order, target.shape[1:]), strict=True):
-        value = float(target[0, node, unit, state])
-        if not value > 0.95 * level or len(values) == most:
-            break
-        if any(abs(value - other) < 1e-9 for other in values):
-            continue
-        gradient = problem.host.slopes(
-            {name: float(each[unit]) for name, each in units.items()}, fine.nodes[node], float(load[unit]),
-            fine.places[:, state],
-        )  # fmt: skip
-        if gradient is None:
-            continue
-        if not values:
-            archive.sensitivity = {
-                name: slope for name, slope in gradient.items() if np.isfinite(slope)
-            }
-        slope = np.array([gradient[name] for name in problem.free])
-        if np.isfinite(slope).all():
-            values.append(value)
-            slopes.append(slope)
-    return (np.array(values), np.array(slopes)) if values else None
 
 
 def part_of(
