@@ -243,6 +243,7 @@ def test_python_has_the_same_defaults(group):
 RANGES = {
     "acceptance": ("motion", "acceptance"), "load": ("simulate", "load"), "clearance": ("simulate", "clearance"),
     "cycles_simulated": ("simulate", "cycles"), "longest_step": ("branch", "longest_step"),
+    **{name: ("design", f"free_{name}") for name in ("friction", "wall_stiffness", "wall_damping")},
 }  # fmt: skip
 
 
