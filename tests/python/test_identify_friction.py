@@ -233,6 +233,40 @@ def test_friction_is_fitted_where_the_record_determines_it():
     assert " N" not in shown
 
 
+def test_namelists_take_friction(tmp_path, monkeypatch):
+    """Known friction as a share or a force, and a fitted one, as in Python; other words are refused."""
+    made = vi.VirtualRig(**BENCH, **IDEAL, snr=60, friction=0.02).record(rng=1)
+    times = np.arange(len(made)) / made.rate
+    table = np.column_stack([times, made.load, made.acceleration])
+    head = "time_s,load_N,acceleration_m/s^2"
+    np.savetxt(tmp_path / "slot.csv", table, delimiter=",", header=head, comments="", fmt="%.17g")
+    monkeypatch.chdir(tmp_path)
+    both = [made.bandwidth[name] for name in ("load", "acceleration")]
+
+    def run(friction):
+        (tmp_path / "slot.nml").write_text(
+            "&system xi = 0.01, mu = 0.05, restitution = 0.7 /\n&identify records = 'slot.csv', "
+            f"bandwidth = 0, {both[0]}, {both[1]}, primary_mass = 2.7, spring = 42e3, free_mass = 0.11, "
+            f"friction = '{friction}' /\n"
+        )
+        (case,) = vi.read_namelist("slot.nml")
+        return case.run()[0]
+
+    fitted = run("fit")
+    record = vi.read_record("slot.csv", bandwidth=made.bandwidth)
+    python = vi.identify(record, known=KNOWN, friction=True)
+    assert fitted.values == pytest.approx(python.values, rel=1e-6)
+    assert fitted.errors["friction"] == pytest.approx(python.errors["friction"], rel=1e-4)
+    share, force = run("0.02"), run("0.12 N")
+    assert share.values["friction"] == 0.02
+    assert force.values["friction"] == pytest.approx(0.02, rel=0.02)
+    assert "friction" not in share.errors
+    with pytest.raises(
+        vi.ParameterError, match="friction = 'much': must be 'fit', a fraction of F0, or a force"
+    ):
+        run("much")
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [

@@ -470,6 +470,7 @@ class Identification(Noun, study="identify"):
             "law": keys.get("law", "constant"),
             "law_speed": keys.get("law_speed"),
             "law_knots": keys.get("law_knots"),
+            "friction": friction_of(keys.get("friction")),
             "calibration": keys.get("calibration", CALIBRATION),
             "progress": progress,
         }
@@ -660,6 +661,20 @@ def identify(
             stacklevel=2,
         )
     return found
+
+
+def friction_of(text: str | None) -> float | str | bool | None:
+    """The argument `friction` of a key: a number, a force with its unit, or True for 'fit'."""
+    if text is None or text.lower() == "fit":
+        return None if text is None else True
+    try:
+        return float(text)
+    except ValueError:
+        if not has_unit(text):
+            raise ParameterError(
+                f"friction = {text!r}: must be 'fit', a fraction of F0, or a force such as '0.3 N'"
+            ) from None
+        return text
 
 
 def friction_over(

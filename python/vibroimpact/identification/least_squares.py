@@ -12,8 +12,6 @@ from ..base.errors import SingularError, VibroimpactError
 
 _Array = NDArray[np.float64]
 MOST_ITERATIONS = 60
-#: Change of the residuals, relative to the largest one, below which rounding decides.
-ROUNDING = 1e-12
 
 
 def levenberg(
@@ -39,11 +37,9 @@ def levenberg(
         A = J * scales
         outward = A.T @ f
         A[:, ((x <= low) & (outward > 0)) | ((x >= high) & (outward < 0))] = 0
-        # not the eigenvalues of A'A, where a row with a very small error leaves no digits of the others
-        _, sizes, V = np.linalg.svd(np.linalg.qr(A, mode="r"))
-        V, squares = V.T[:, : sizes.size], sizes**2
+        squares, V = np.linalg.eigh(A.T @ A)
         slope = V.T @ (A.T @ f)
-        kept = sizes > max(weak, ROUNDING * sizes[0])
+        kept = squares > max(weak**2, 1e-13 * squares[-1])
         # the gain of a full step; at a minimum it is no larger than this, and rounding decides
         left = float(np.sum(np.where(kept, slope**2 / (1 + squares), 0.0)))
         at_end = left <= 1e-4 * max(1.0, float(f @ f))

@@ -27,8 +27,6 @@ ROUNDS, SETTLED = 12, 0.03
 SMOOTHED = 1.5e-3
 #: Largest friction over F0 with which a fit begins.
 MOST = 0.1
-#: Least relative error of a load; a fit would not change what determines it much less than that.
-EXACT = 1e-5
 
 
 def with_friction(
@@ -56,7 +54,6 @@ def with_friction(
         known["friction"] = start = friction
     values = {**plain.values, "friction": start}
     data = step.data
-    data = replace(data, F0_error=max(data.F0_error, EXACT * (data.F0 or 0.0)))
     M, K = scale.get("M"), scale.get("K")
     assert step.record is not None
     angles = step.Omega * centred(len(step.record), step.record.rate)

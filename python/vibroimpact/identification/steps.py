@@ -70,6 +70,10 @@ LESS = 0.5
 RESTLESS, COLOURED, MUCH = 1.4, 3.0, 0.03
 
 
+#: Relative error of a load that is known exactly: a fit would not change what determines it much less than that.
+EXACT = 1e-5
+
+
 def silent(share: float, note: str) -> None:
     """A progress function that does nothing."""
 
@@ -261,7 +265,7 @@ def of_record(
         data.orders = np.array([1.0, *clear])
         data.shape = np.append(-1j, tone * np.exp(-1j * np.array(clear) * data.phase))
     if "F0" in scale:
-        data.F0, data.F0_error = scale["F0"], 1e-9 * scale["F0"]
+        data.F0, data.F0_error = scale["F0"], EXACT * scale["F0"]
     if smooth_record:
         return step
     step.apart = data
@@ -619,7 +623,7 @@ def of_times(
         sides=letters_of(step.rhythm.signs),
     )  # fmt: skip
     if "F0" in scale:
-        data.F0, data.F0_error = scale["F0"], 1e-9 * scale["F0"]
+        data.F0, data.F0_error = scale["F0"], EXACT * scale["F0"]
     if load_phase is not None:
         data.phase, data.phase_error = (
             checks.to_float(load_phase, "load_phase", "a finite number"),

@@ -93,7 +93,11 @@ module vi_identify_study
       meaning='speed at which the power law begins, if it is known; one, or of the right and of &
       &the left wall'), &
       key_type('law_knots', a_whole, low=2.0_wp, high=20.0_wp, may_miss=.true., &
-      meaning='number of knots of a table, between the speeds of the impacts; by default 3')]
+      meaning='number of knots of a table, between the speeds of the impacts; by default 3'), &
+      key_type('friction', a_word, never=with_times, may_miss=.true., &
+      takes='''fit'', a fraction of F0 such as ''0.01'', or a force such as ''0.3 N''', &
+      meaning='dry friction of the free mass in its slot, known or fitted; by default there is &
+      &none, which is tested')]
 
    type(column_type), parameter :: identify_columns(*) = [ &
       column_type('parameters', 'name', words, meaning='the parameter'), &
