@@ -68,8 +68,6 @@ LESS = 0.5
 #: Scatter from period to period, relative to the noise of samples, or its variance at low frequencies, relative to
 #: that of white noise, above which a motion may not quite repeat, if it exceeds a share of the motion.
 RESTLESS, COLOURED, MUCH = 1.4, 3.0, 0.03
-
-
 #: Relative error of a load that is known exactly: a fit would not change what determines it much less than that.
 EXACT = 1e-5
 
