@@ -337,6 +337,21 @@ def test_history_of_friction_along_a_gap_that_others_release(law):
     assert compared > 50
 
 
+def test_a_motion_of_a_run_that_was_cut_short_says_so():
+    """With friction, the impacts of two bodies on a base go on at one instant; without an exact motion the error
+    names the reason for which the simulation ended."""
+    mass = np.array([0.9914769035997333, 0.49857880900859963])
+    gaps = [vi.Gap(-row, 0.0, 0.3) for row in np.eye(2) - np.eye(2, k=-1)]
+    bodies = vi.Structure(
+        mass, np.zeros((2, 2)), np.zeros((2, 2)), gaps, [vi.Friction([1, 0], 0.05)], simultaneous="sequence"
+    )  # fmt: skip
+    load = vi.Load(2.335808151474926, constant=-mass, cosine=[2.5899912444599895, 0.0])
+    run = vi.simulate(bodies, load, cycles=200, max_events=20000)
+    assert not run.complete
+    with pytest.raises(vi.SingularError, match="cut short, max_events was reached"):
+        vi.exact(bodies, load, run)
+
+
 def test_law_is_kept(tmp_path):
     """Files, namelists, texts and copies keep the law; structures with different laws differ."""
     s = cradle(3, "sequence")

@@ -26,7 +26,7 @@ from .periodic import (
     motion_from_phases,
     periodic,
 )
-from .trajectory import Trajectory, core_arrays, end_of, letters_of, not_periodic
+from .trajectory import FULL, Trajectory, core_arrays, end_of, letters_of, not_periodic
 
 if TYPE_CHECKING:
     from ..systems.units import Value
@@ -74,7 +74,14 @@ def exact_structure(
     assert load is not None
     if isinstance(guess, Trajectory):
         check_load(structure, load, frequency=True, stops=True)
-        return settled(structure, load, guess.end, guess.final_state)
+        try:
+            return settled(structure, load, guess.end, guess.final_state)
+        except SingularError as error:
+            if guess.complete:
+                raise
+            raise SingularError(
+                f"{error}; the simulation was cut short, {guess.cut or FULL}"
+            ) from None
     checks.instance(structure, "structure", Structure)
     elastic = not structure._is_rigid
     if isinstance(guess, Motion):
