@@ -267,7 +267,7 @@ contains
       character(*), intent(in), optional :: own(:)
       !> What is known of the units of the system.
       type(units_type), intent(in), optional :: units
-      logical :: good, read
+      logical :: good, understood
       integer :: i
 
       if (key%kind == a_word) then
@@ -286,12 +286,12 @@ contains
          if (good .and. key%kind == a_number .and. present(own)) call convert(words, own, units, &
             numbers, why)
          if (allocated(why)) return
-         read = good
+         understood = good
          good = good .and. all(numbers >= key%low .and. numbers <= key%high)
          if (key%above) good = good .and. all(numbers > key%low)
          if (key%below) good = good .and. all(numbers < key%high)
-         if (read .and. .not. good .and. allocated(words) .and. present(own)) call name_converted( &
-            key, words, own, numbers, why)
+         if (understood .and. .not. good .and. allocated(words) .and. present(own)) call &
+            name_converted(key, words, own, numbers, why)
       end if
       if (.not. good .and. .not. allocated(why)) why = ''
    end subroutine interpret
