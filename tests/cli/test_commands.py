@@ -113,7 +113,7 @@ def test_options_of_a_simulation_are_a_namelist(tool):
     for form in ("csv", "json"):
         done = tool("simulate", *options[:-2], "30", "-2", "--format", form)
         assert (done.status, done.out, len(done.faults)) == (2, b"", 1)
-        assert done.faults[0].startswith("vibroimpact simulate: --state 3.5 0 30 -2: must be ")
+        assert done.faults[0].startswith("vibroimpact simulate: --state 3.5 0 30 -2: must have ")
     done = tool("simulate", *POINT)
     assert done.faults == [
         "vibroimpact simulate: --cycles: must be given, or a namelist file instead of the options; it must be "

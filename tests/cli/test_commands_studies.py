@@ -168,7 +168,7 @@ def test_equispaced_pair_by_options(tool):
 
 @pytest.mark.parametrize(("words", "output"), [
     (["zone", *WINDOW[:-2], "200", "2"],
-     "vibroimpact zone: --clearance 200 2: must be a number with 1e-12 <= HIGH <= 1e12, and LOW below HIGH"),
+     "vibroimpact zone: --clearance 200 2: must have 1e-12 <= HIGH <= 1e12, and LOW below HIGH"),
     (["zone", *WINDOW, "--lines", "4"], "vibroimpact zone: --lines 4: must be a whole number with 5 <= lines"),
     (["zone", *WINDOW[2:]], "vibroimpact zone: --xi: must be given, or a namelist file"),
     (["zone", "case.nml", "--xi", "0.1"], "vibroimpact zone: --xi: must be left out if a namelist file is given"),

@@ -117,7 +117,7 @@ MANY = "must be a whole number of at least 2, with N x N of --clearance <= 10000
 
 @pytest.mark.parametrize(("words", "output"), [
     (["--r", "1.1", "0.9", "5"],
-     "--r 1.1 0.9 5: must be a number with 1e-6 <= HIGH <= 1e6, and LOW below HIGH"),
+     "--r 1.1 0.9 5: must have 1e-6 <= HIGH <= 1e6, and LOW below HIGH"),
     (["--r", "0.9", "1.1", "1"], "--r 0.9 1.1 1: " + MANY),
     (["--r", "0.9", "1.1", "2.5"], "--r 0.9 1.1 2.5: " + MANY),
     (["--r", "0.9", "1.1", "5", "--slots", "99"], "--slots 99: must be a whole number with 1 <= slots <= 32"),
