@@ -122,7 +122,7 @@ MANY = "must be a whole number of at least 2, with N x N of --clearance <= 10000
     (["--r", "0.9", "1.1", "2.5"], "--r 0.9 1.1 2.5: " + MANY),
     (["--r", "0.9", "1.1", "5", "--slots", "99"], "--slots 99: must be a whole number with 1 <= slots <= 32"),
     (["--r", "0.9", "1.1", "2000000"], "--r 0.9 1.1 2000000: " + MANY),
-    (["--r", "1e-9", "1.1", "5"], "--r 1e-9 1.1 5: must be a number with 1e-6 <= LOW"),
+    (["--r", "1e-9", "1.1", "5"], "--r 1e-9 1.1 5: must have 1e-6 <= LOW"),
 ])  # fmt: skip
 def test_bad_grids(words, output, tool):
     """Invalid grids are refused in the words typed."""
