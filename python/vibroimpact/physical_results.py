@@ -77,7 +77,7 @@ def physical(result: One, units: Units | str | None = None) -> Physical[One]: ..
 @overload
 def physical(result: Any, units: Units | str | None = None) -> Any: ...
 def physical(result: Any, units: Units | str | None = None) -> Any:
-    """A result, or a dataset of one, in physical units.
+    """A result, or its dataset, in physical units.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def physical(result: Any, units: Units | str | None = None) -> Any:
         The result, dimensionless.
     units : Units or str, optional
         Units of length, force and time, such as "mm N s" or "SI"; those of the oscillator by default.
-        `Oscillator.units` gives Units with another load amplitude F0.
+        `Oscillator.units` returns Units for another load amplitude F0.
 
     Returns
     -------
@@ -95,7 +95,7 @@ def physical(result: Any, units: Units | str | None = None) -> Any:
     Raises
     ------
     ParameterError, ParameterTypeError
-        If the oscillator does not know M, K and F0, or a unit is not known.
+        If M, K and F0 of the oscillator are not known, or a unit is not known.
 
     Examples
     --------
@@ -144,7 +144,7 @@ class Physical(Generic[From]):
     """A result in physical units. It has the attributes of the result; values with a dimension are in `units`.
 
     `clearance` is d, the whole travel of the free mass between the walls; `frequency` is that of the load in
-    cycles per unit of time. `r` and all other numbers without a dimension are those of the result. `save` and
+    cycles per unit of time. `r` and all other dimensionless numbers are those of the result. `save` and
     `vibroimpact.load` keep the units.
 
     Attributes
@@ -263,7 +263,7 @@ class Physical(Generic[From]):
         return tables(self._of._result, self.units)
 
     def sample(self, t: ArrayLike) -> Sample:
-        """Positions, velocities, accelerations and load at physical times, as `sample` of the result.
+        """Positions, velocities, accelerations and load at physical times, as from `sample` of the result.
 
         Parameters
         ----------
@@ -291,7 +291,7 @@ class Physical(Generic[From]):
         return options | {"window": window / self.units.time}
 
     def quantities(self, *args: Any, **options: Any) -> Quantities:
-        """Response quantities in physical units, as `quantities` of the result; `window` is in physical times.
+        """Response quantities in physical units, as from `quantities`; `window` is in physical times.
 
         Parameters
         ----------
@@ -310,7 +310,7 @@ class Physical(Generic[From]):
         return found
 
     def plot(self, *args: Any, **options: Any) -> Any:
-        """The picture of the result with physical axes; arguments as of its `plot`, with physical times.
+        """Draw the result with physical axes; the arguments are those of its `plot`, with physical times.
 
         Parameters
         ----------
@@ -327,7 +327,7 @@ class Physical(Generic[From]):
         return type(self._of).plot(self, *args, **self._with_window(options))
 
     def animate(self, *args: Any, **options: Any) -> Any:
-        """The animation of the result in physical units; arguments as of its `animate`, as in `plot`.
+        """Animate the result in physical units; the arguments are those of its `animate`, with physical times.
 
         Parameters
         ----------
@@ -398,7 +398,7 @@ class Physical(Generic[From]):
         return json.dumps(self.to_dict(), allow_nan=False)
 
     def to_xarray(self) -> Any:
-        """The result in physical units as a dataset, as `to_xarray` of the result.
+        """The result in physical units as a dataset, as from `to_xarray` of the result.
 
         Returns
         -------
@@ -408,7 +408,7 @@ class Physical(Generic[From]):
         return dataset(self._of.to_xarray(), self.units)
 
     def to_pandas(self) -> Any:
-        """The result in physical units as a data frame, as `to_pandas` of the result.
+        """The result in physical units as a data frame, as from `to_pandas` of the result.
 
         Returns
         -------
@@ -422,9 +422,9 @@ class Physical(Generic[From]):
         return frame
 
     def save(self, path: str | Path) -> None:
-        """Write a file as `save` of the result, in physical units.
+        """Write a file like `save` of the result, in physical units.
 
-        `vibroimpact.load` reads .json, .nc and .mat with the same units.
+        `vibroimpact.load` reads .json, .nc and .mat files back with the same units.
 
         Parameters
         ----------

@@ -94,7 +94,7 @@ def simulate_bundle(
     osc : Oscillator
         The system: xi, mu and the coefficients of restitution of both walls.
     r, clearance : float or array_like (M,)
-        As in `simulate`; an array has a value for each simulation, and two numbers are two values, not a range.
+        As in `simulate`; an array has one value for each simulation; two numbers are two values, not a range.
     cycles : float
         Load cycles to simulate.
     states : array_like (5,) or (5, M), optional

@@ -295,12 +295,12 @@ def exact(
 
     The system is `osc, r, clearance`, or a point from `Oscillator.at`, or `structure, load`. For a structure the
     unknowns are the phases and approach speeds of the impacts and the mean positions of modes of frequency 0; a
-    guess by numbers is (phases, gaps) or (phases, gaps, cycles), with the load phase and the gap of each impact.
-    With rest the unknown is the state in the middle of the longest flight, as a fixed point of the map over the
-    period. An oscillator whose restitution depends on the speed is solved as a structure: the phases of its guess
-    are also load phases.
+    guess given as numbers is (phases, gaps) or (phases, gaps, cycles), with the load phase and the gap of each
+    impact. With rest the unknown is the state in the middle of the longest flight, as a fixed point of the map
+    over the period. An oscillator whose restitution depends on the speed is solved as a structure: the phases of
+    its guess are also load phases.
 
-    Without a load, or with a constant one, the motion is self-excited, such as that of a mass on a belt that
+    Without a load, or with a constant load, the motion is self-excited, such as that of a mass on a belt that
     sticks and slips: the unknowns are the state in the middle of the longest flight and the period. `Motion.load`
     then has the frequency 2 pi/T of the motion and no harmonics, phases are measured from the first event, and one
     multiplier is the trivial 1 of a shift in time; its index is `Motion.trivial`, and `stable` ignores it.
@@ -312,16 +312,16 @@ def exact(
     r, clearance : float
         As in `simulate`.
     structure, load : Structure, Load or None
-        In place of them; None or `Load.none()` for no load.
+        In place of `osc`, `r` and `clearance`; the load is None or `Load.none()` for no load.
     guess : Motion, Trajectory or (phases, pattern)
-        A motion at other parameters; a trajectory whose last cycles are approximately periodic; or impact
-        phases, for which the linear equations of 1983 give the rest of the guess. Of the periods of up to 16 load
-        cycles found at the end of a trajectory (see `Trajectory.period`), the one that repeats most accurately is
-        used, because just past a period doubling the shorter period repeats approximately, too. A structure with
-        stops or friction, or without a load, needs a motion or a trajectory; without a load the trajectory is
-        continued for its own length once more, and its events must repeat at the end. If the impacts of a guess by
-        phases accumulate, the motion on which a structure settles from q = 0 is returned if it has these impacts
-        and rests after them.
+        A motion at other parameters; a trajectory whose last cycles are approximately periodic; or impact phases,
+        for which the linear equations of 1983 give the rest of the guess. Of the periods of up to 16 load cycles
+        found at the end of a trajectory (see `Trajectory.period`), the one that repeats most accurately is used,
+        because just past a period doubling the shorter period repeats approximately, too. A structure with stops
+        or friction, or without a load, needs a motion or a trajectory; without a load the trajectory is continued
+        for its own length once more, and its events must repeat at the end. If the impacts of a guess given as
+        phases accumulate, the motion on which the structure settles from q = 0 is returned, provided that it has
+        these impacts followed by rest.
     load : float
         As in `simulate`.
 
@@ -338,7 +338,7 @@ def exact(
     SingularError
         If the iteration does not converge, or leads from a motion to one with a shorter period or to one that is
         its own mirror image: motions like the guess then end at a flip or a pitchfork. If the impacts of a guess
-        by phases accumulate and the motion with rest is not found, the message says so.
+        given as phases accumulate and the motion with rest is not found, the message says so.
 
     Examples
     --------
@@ -421,7 +421,8 @@ def exact(
 
 
 def of_same_kind(found: Motion, guess: Motion) -> Motion:
-    """A motion found from an exact motion; an error if it has a shorter period or a symmetry that the guess lacks.
+    """Return a motion found from an exact motion; raise an error if it has a shorter period or a symmetry that the
+    guess lacks.
 
     At a flip or a pitchfork two motions merge; beyond it Newton's method converges to the remaining one.
     """
@@ -513,7 +514,7 @@ def newton(
 ) -> Motion:
     """Newton's method on x_i and theta_i = alpha_i + tau of a pattern without rest.
 
-    `given` are the phases from which these values were obtained by the linear equations, for the result's record.
+    `given` contains the phases from which the linear equations gave these values; it is stored in the result.
     """
     each = impact_restitution(osc, pattern, None) if restitution is None else restitution
     phases, impacts, scalars, multipliers, verdicts, status, _ = _core.exact(

@@ -68,10 +68,10 @@ def stability_flags(
 ) -> StabilityFlags:
     """Whether motions with given phases are stable, for many points.
 
-    The verdicts are those of `periodic_batch`, at a fraction of its time: many points are computed side by side,
-    and Jury's conditions on the characteristic polynomial of [P] replace its eigenvalues. A point is computed with
+    The verdicts are those of `periodic_batch`, in a fraction of the time: many points are computed at once, and
+    Jury's conditions on the characteristic polynomial of [P] replace its eigenvalues. A point is computed with
     LAPACK, as in `periodic_batch`, where rounding could change a verdict: usually where the spectral radius is
-    within 1e-8 of 1. Apart from its arguments and its result the call needs little memory. The results are
+    within 1e-8 of 1. Apart from its arguments and its result, the call needs little memory. The results are
     identical for any number of threads.
 
     Parameters
@@ -81,7 +81,7 @@ def stability_flags(
     r : array_like, scalar or (M,)
         Frequency ratio Omega/omega, one for all sets of phases or one for each.
     phases : array_like (N, M)
-        One set of impact phases a column.
+        One set of impact phases per column.
     pattern : Pattern or str
         Sides of the N impacts and the number of load cycles.
     restitution : array_like, optional
@@ -89,10 +89,10 @@ def stability_flags(
     acceptance : float
         As in `periodic`.
     spectral_radius : bool
-        Whether to compute the largest modulus of a multiplier too. It agrees with LAPACK's to a
-        relative 1e-11, or within the effect of the last bits of r and the phases.
+        Whether to compute the largest modulus of a multiplier too. It agrees with that of LAPACK to a relative
+        1e-11, or within the effect of the last bits of r and the phases.
     threads : int, optional
-        By default as many as there are processors.
+        Default: one for each processor.
     progress : callable, optional
         Called with the share done and ""; by default a bar on a terminal or in a notebook.
 

@@ -1,6 +1,6 @@
 """Comparison of motions, which may extend over several periods, start at any impact, or be mirror images.
 
-The core compares them, with the same tolerance for all studies.
+The core makes the comparison, with the same tolerance for all studies.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def standard_motion(motion: Motion, *, mirrored: bool = False) -> Motion:
     Raises
     ------
     ParameterTypeError
-        If it is not a Motion.
+        If `motion` is not a Motion.
 
     Examples
     --------
@@ -75,7 +75,7 @@ def motion_images(motion: Motion) -> Iterator[Motion]:
     Raises
     ------
     ParameterTypeError
-        If it is not a Motion.
+        If `motion` is not a Motion.
 
     Examples
     --------
@@ -110,13 +110,13 @@ def same_motion(one: Motion, other: Motion, *, mirrored: bool = False) -> bool:
     """Whether two motions of one system, or one and the other's mirror image, are the same.
 
     The first impact of each does not matter. Motions of a structure are the same if they have the same period, the
-    same gaps in order, phases within 1e-6 rad and speeds within 1e-6 of the largest one; impacts of accumulations
-    count down to 1e-3 of the largest speed.
+    same gaps in order, phases within 1e-6 rad and speeds within 1e-6 of the largest one; of an accumulation, only
+    impacts above 1e-3 of the largest speed are compared.
 
     Parameters
     ----------
     one, other : Motion
-        Both of one system.
+        Two motions of the same system.
     mirrored : bool
         For an oscillator: compare with the mirror image of the other.
 
@@ -193,7 +193,7 @@ def is_symmetric(motion: Motion) -> bool:
     Raises
     ------
     ParameterTypeError
-        If it is not a Motion.
+        If `motion` is not a Motion.
 
     Examples
     --------

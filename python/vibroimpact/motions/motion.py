@@ -149,7 +149,8 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
     multipliers : ndarray (2n,) of complex
         Eigenvalues of [P], in order of decreasing modulus; NaN where an impact has no approach speed.
     consistent : bool or None
-        Whether the residual is within the acceptance; for a structure, whether it is at the level of rounding.
+        Whether the residual is within the acceptance; for a structure, whether the residual is at the level of
+        rounding.
     admissible : bool or None
         Whether the masses approach at each impact and every gap stays open between the impacts.
     stable : bool or None
@@ -191,8 +192,8 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
     self_excited : bool
     trivial : int or None
     matrix : ndarray (2n, 2n)
-        [P], the derivative of the period of (q, q') from just after the first impact, or, with rests, from the
-        middle of the longest flight; NaN if there is none.
+        [P], the derivative of the map of (q, q') over a period, from just after the first impact or, with rests,
+        from the middle of the longest flight; NaN if it does not exist.
     determinant, law : float
         det[P], and exp(-tr(M^-1 C) T) times the product of R (R + R' v) over the impacts, which it must equal
         up to rounding errors of the size of eps times the product of the column lengths of [P]; 0 with rests.
@@ -200,7 +201,8 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         ``gap, begin, end``: gaps that rest, and the load phases at which each rest begins and ends. The
         impacts of the accumulation before it are listed down to those whose effect is below rounding.
     request : dict or None
-        The case by the keys of a &motion; None with ``full=True``, or if it was read from a file without its case.
+        The case as the keys of a &motion; None with ``full=True``, or if the motion was read from a file without
+        its case.
     """
 
     __slots__ = (
@@ -414,7 +416,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         -------
         Sample, or (q, q_dot) of a structure
             For an oscillator, arrays ``X, X_dot, Z, Z_dot, Y, load, X_ddot, Z_ddot``; Y is Z - X. For a structure
-            coordinates and velocities (n, m), or those of the output (m,).
+            coordinates and velocities (n, m), or displacement and velocity of the output (m,).
 
         Examples
         --------
@@ -454,7 +456,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         Returns
         -------
         ndarray (n, m)
-            Accelerations; for an oscillator those of its two masses; (m,) for an output.
+            Accelerations of the coordinates, for an oscillator of its two masses; (m,) for an output.
         """
         if self.of_structure:
             run, times = self._within(t)
@@ -534,16 +536,16 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
             As in `Trajectory.plot`.
         cycles : float, optional
             Load cycles shown: for an oscillator, from the first impact on; by default one period, but at least two
-            cycles. For a structure, the last ones of a period.
+            cycles. For a structure, the last cycles of a period.
         window : (float, float), optional
-            For a structure: times between which it is drawn, by default a period.
+            For a structure: start and end of the time window drawn; by default one period.
         units : Units or str, optional
             As in `Trajectory.plot`.
 
         Returns
         -------
         Axes, or an array of Axes
-            The Axes of the panel, or those of all panels.
+            The Axes of the panel, or of all panels.
         """
         if self.of_structure:
             return self._run().plot(ax, kind, cycles, window, units)
@@ -576,7 +578,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         Returns
         -------
         Path
-            The path of the file; without `path`, matplotlib's FuncAnimation, which a notebook shows by its
+            The path of the file; without `path`, matplotlib's FuncAnimation, which a notebook displays with
             `to_jshtml()`.
 
         Examples
@@ -607,8 +609,8 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
     def impact_maps(self) -> NDArray[np.float64]:
         """For an oscillator: the matrices [P_i] of (A7), (N, 4, 4).
 
-        P_i is the derivative of the state (x, x', z', alpha) just after impact i+1 with respect to that
-        just after impact i. All zero where the impact has no approach speed.
+        P_i is the derivative of the state (x, x', z', alpha) just after impact i+1 with respect to the state just
+        after impact i. It is all zero where the impact has no approach speed.
 
         Returns
         -------
@@ -632,7 +634,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         Returns
         -------
         ndarray (4, 4) or (2n, 2n)
-            The derivative of the state after a period with respect to that before it.
+            The derivative of the state after a period with respect to the state before it.
         """
         if self.of_structure:
             return self.matrix
@@ -663,22 +665,22 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         ----------
         parameters : sequence, optional
             For a structure: names as in `branch`: 'frequency'; 'load', 'constant', 'mass', 'damping', 'stiffness'
-            (factors, 1 for the motion); 'opening', 'restitution' (of all gaps, which all change by the same);
+            (factors, 1 for the motion); 'opening', 'restitution' (of all gaps, which change by the same amount);
             'opening_J', 'restitution_J' (of gap J); 'mass_I_J', 'damping_I_J', 'stiffness_I_J' (an entry, with its
             mirror image). For a `PowerLaw` the restitution is R0. Or tuples (name, function, value) with a smooth
             function that returns (Structure, Load), and the value of its argument at the motion; the function is
-            called within 5 % of this value (within 0.05 of 0). 'contact' or 'contact_J' is the stiffness of stops,
-            'slip' or 'slip_J' the slip level of friction, with the stick level in proportion, 'stick' or 'stick_J'
-            the stick level alone, and 'speed' or 'speed_J' that of a belt; 'wall' or 'wall_J' is a factor of the
-            motions of walls. By default frequency, load, and all openings, motions of walls, coefficients of
-            restitution, stiffnesses of stops and slip levels.
+            called within 5 % of this value (within 0.05 if the value is 0). 'contact' or 'contact_J' is the
+            stiffness of stops, 'slip' or 'slip_J' the slip level of friction, with the stick level in proportion,
+            'stick' or 'stick_J' the stick level alone, and 'speed' or 'speed_J' that of a belt; 'wall' or 'wall_J'
+            is a factor of the motions of walls. By default frequency, load, and all openings, motions of walls,
+            coefficients of restitution, stiffnesses of stops and slip levels.
 
         Returns
         -------
         Gradient
             Entries are NaN, with a `status`, if a single quantity has no derivatives: multipliers that coincide,
-            or a greatest value that is reached twice, as in symmetric motions if only R1 changes. For a motion of
-            an oscillator with rest or with more than 24 impacts, gaps, rms and fundamental are missing.
+            or a maximum that is reached twice, as in symmetric motions if only R1 changes. For a motion of an
+            oscillator with rest or with more than 24 impacts, gaps, rms and fundamental are missing.
 
         Raises
         ------
@@ -755,7 +757,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         return ACTIONS["prove_motion"](self, progress=progress)
 
     def to_namelist(self) -> str:
-        """The case as a namelist, from which `vibroimpact run` and `vibroimpact-batch` compute it again.
+        """The case as a namelist, from which `vibroimpact run` and `vibroimpact-batch` recompute the motion.
 
         The digits are the same if the motion was computed from phases. Otherwise the motion itself is the guess
         for Newton's method, which then returns it to within rounding. The case of an equispaced motion computes
@@ -887,7 +889,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         Raises
         ------
         SingularError
-            If the motion has stops or friction and is not admissible, unless it was given by its kinds.
+            If the motion has stops or friction and is not admissible, unless the kinds of its events were given.
         """
         if not self.of_structure or self.structure._is_rigid:
             return ("impact",) * len(self.phases)
@@ -906,8 +908,9 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         """For a structure: the trajectory over a period from just after the first impact, built from the flights
         and rests.
 
-        It is not simulated: a simulation would leave an unstable motion, would stop at the first gap that an
-        inadmissible motion closes in between, and could not start again from a gap that is closed to rounding.
+        It is not simulated: a simulation would diverge from an unstable motion, would stop at the first gap that
+        an inadmissible motion closes in between, and could not restart from a gap that is closed to within
+        rounding.
         """
         if not self.structure._is_rigid or (len(self.rests) and self._is_settled):
             return self._simulated()
@@ -962,7 +965,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         """For a structure with stops or friction, or with rests and coupled gaps that close at one instant: the
         simulated trajectory over a period from just after the first event.
 
-        The first event may occur again at the start, where its condition is met to rounding.
+        The first event may occur again at the start, where its condition is met to within rounding.
         """
         if self.admissible is False:
             raise SingularError(

@@ -305,7 +305,7 @@ def periodic_batch(
     *,
     progress: Callable[[float, str], None] | None = None,
 ) -> Motions:
-    """The function `periodic` for many sets of phases in one call.
+    """Compute `periodic` for many sets of phases in one call.
 
     Parameters
     ----------
@@ -389,7 +389,7 @@ def equispaced(
     cycles: int = 1,
     precision: str = "double",
 ) -> list[Motion]:
-    """The motions with two equally spaced impacts: none, one or two of them.
+    """The motions with two equally spaced impacts; there are at most two.
 
     With equal restitution the phases 0, k pi leave the amplitude free; at a given clearance the phase
     tau lies on the intersection of a line with a circle.
@@ -465,7 +465,7 @@ def equispaced_batch(
     cycles: int = 1,
     precision: str = "double",
 ) -> tuple[Motions, Motions]:
-    """The function `equispaced` at many points (r, clearance) in one call.
+    """Compute `equispaced` at many points (r, clearance) in one call.
 
     Parameters
     ----------

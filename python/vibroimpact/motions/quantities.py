@@ -42,7 +42,7 @@ class Signal:
     Attributes
     ----------
     mean, rms : float
-        Mean value, and root of the mean square (with the mean).
+        Mean value, and root mean square (including the mean).
     least, greatest : float
         Extremes, including both sides of each jump.
     harmonics : ndarray (H,) of complex
@@ -96,23 +96,24 @@ class Quantities:
         has a spike there, whose area is the change of velocity. Coordinates of an oscillator are those of the
         primary and the free mass.
     transmitted : Signal
-        K q + C q', the forces of springs and dashpots on the coordinates; for an oscillator that on the base.
+        K q + C q', the forces of springs and dashpots on the coordinates; for an oscillator, the force on the
+        base.
     x, x_dot, x_ddot : Signal
         Displacement, velocity and acceleration of the primary mass, for an oscillator only.
     impacts : structured ndarray
         ``time``, ``gap``, ``speed`` (of approach), ``impulse`` (> 0) and ``loss`` (of energy); for an oscillator
-        ``side`` and ``jump`` (of the acceleration of the primary mass), too. The last and smallest impacts of an
+        also ``side`` and ``jump`` (of the acceleration of the primary mass). The last and smallest impacts of an
         accumulation are not listed; energies and harmonics contain them.
     work : float
         Energy supplied by the load (with its constant part), by the belts, and by moving walls: the contact force,
         or the impulse of an impact, times the speed of the wall.
     damping_loss, impact_loss, friction_loss : float
-        Energy dissipated by the dashpots (those of stops too), the impacts and dry friction.
+        Energy dissipated by the dashpots (including those of stops), the impacts and dry friction.
     energy_change : float
-        Energy of masses and springs (those of stops too) at the end minus that at the start; 0 for a motion, and
-        always ``work - damping_loss - impact_loss - friction_loss``.
+        Energy of masses and springs (including those of stops) at the end minus that at the start; 0 for a motion,
+        and always ``work - damping_loss - impact_loss - friction_loss``.
     of_structure : bool
-        Whether its system is a `Structure` with its load, and not an `Oscillator`.
+        Whether the system is a `Structure` with its load rather than an `Oscillator`.
     """
 
     duration: float

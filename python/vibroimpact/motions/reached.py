@@ -34,7 +34,7 @@ def reached_figures(
     structure: Structure, force: Load | Record, state: tuple[_Array, _Array] | None, asked: Collection[str],
     coordinate: int | str = 0, settling: int = 400, keep: int = 64, max_events: int = 1_000_000,
 ) -> dict[str, float]:  # fmt: skip
-    """The figures of a coordinate, and those of all contacts.
+    """The performance figures of a coordinate and of all contacts.
 
     Parameters
     ----------
@@ -44,12 +44,12 @@ def reached_figures(
         Initial positions and velocities.
     asked : collection of str
         The figures that are needed: acceleration, force and multiplier are computed only then. The force is that
-        of springs and dashpots on the coordinate, and the multiplier is the largest modulus for the motion that is
-        reached.
+        of springs and dashpots on the coordinate, and the multiplier is the largest modulus of a multiplier of the
+        motion that is reached.
     coordinate : int or str
         The coordinate, or the output.
     settling, keep : int
-        Load cycles before the evaluated ones, and evaluated load cycles; a record is evaluated as a whole.
+        Load cycles simulated before the evaluation, and load cycles evaluated; a record is evaluated as a whole.
     max_events : int
         Events after which the simulation is given up; all figures are then inf.
 
@@ -104,14 +104,15 @@ def perform_points(
     max_events: int = 1_000_000, threads: int | None = None, progress: door.Progress | None = None,
     note: str = "", wanted: Iterable[str] = performance.FIGURES,
 ) -> Performance:  # fmt: skip
-    """As `perform`, with friction in the slot and walls that give, whose units are simulated as structures.
+    """Like `perform`, for units with friction in the slot or compliant walls, which are simulated as structures.
 
     Parameters
     ----------
     parameters, places : ndarray (6, n), (4, n)
-        As for `perform`, and so are the other arguments.
+        As for `perform`, like the other arguments.
     elements : mapping
-        As `elements_of` returns them; if there are none, the core simulates.
+        Friction and compliant walls, as `elements_of` returns them; if it is empty, the core simulates the
+        oscillators.
     """
     if not elements:
         return perform(
@@ -199,7 +200,7 @@ def extent(
     """Least and greatest value, and root mean square, of a coordinate or output from a given time to the end.
 
     An extreme between two samples is computed from the cubic through their values and velocities, with an error
-    proportional to the fourth power of their distance.
+    proportional to the fourth power of the sampling interval.
     """
     times = np.linspace(begin, run.end, many + 1)
     inside = run.events["time"][(run.events["time"] > begin) & (run.events["time"] < run.end)]

@@ -150,13 +150,13 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
     Attributes
     ----------
     events : structured ndarray
-        In order of time: ``time`` and ``kind``: "impact", "stick" where accumulating impacts end in rest,
-        "release" where the rest ends. For an oscillator further ``side`` ("R" or "L"), ``phase`` (of the load, in
+        In order of time: ``time`` and ``kind``, which is "impact", "stick" where accumulating impacts end in rest,
+        or "release" where the rest ends. For an oscillator also ``side`` ("R" or "L"), ``phase`` (of the load, in
         [0, 2 pi)), ``x``, ``x_dot_before``, ``x_dot_after``, ``z_dot_before``, ``z_dot_after``; for a structure
         ``gap`` (from 0), ``speed`` (approach speed) and ``impulse``. Kinds of a stop are "touch" and "leave" and,
         for a stop that cannot pull, "let_go" (its force vanishes at a depth) and "press" (it pushes again); their
-        ``speed`` is that of the opening. Kinds of friction, whose numbers follow those of all gaps and stops, are
-        "halt" (it sticks), "slip_up" and "slip_down" (it begins to slip with s > 0 or s < 0).
+        ``speed`` is that at which the gap closes or opens. Kinds of friction, whose numbers follow those of all
+        gaps and stops, are "halt" (it sticks), "slip_up" and "slip_down" (it begins to slip with s > 0 or s < 0).
     states : ndarray (events, 2, n)
         Coordinates and velocities just after each event; for an oscillator those of its two masses.
     start, end : float
@@ -167,12 +167,12 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
     load : float, Load, Record or None
         The amplitude of the load of an oscillator; the load of a structure.
     complete : bool
-        False if there are more than `max_events` events before the end of time, or if it was stopped; `end` is
-        then the time of the last one.
+        False if the simulation had more than `max_events` events, or if it was interrupted; `end` is then the time
+        of the last event.
     request : dict or None
-        The case by the keys of a &simulate; None if a namelist cannot express it (see `to_namelist`).
+        The case as the keys of a &simulate; None if a namelist cannot express it (see `to_namelist`).
     cut : str
-        How far the simulation got, if it was stopped.
+        How far the simulation got, if it was interrupted.
     osc : Oscillator
     r, clearance : float
         For an oscillator: frequency ratio and clearance.
@@ -217,22 +217,22 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         Parameters
         ----------
         t : array_like
-            Times from `start` to `end`, in any order; of an oscillator that knows M and K, also at a point with
-            friction or stops, with units, such as ["0.1 s", "0.2 s"]; for a structure, a one-dimensional array
-            (m,). At the time of an event velocities and accelerations are those just after it.
+            Times from `start` to `end`, in any order; for a structure, a one-dimensional array (m,). For an
+            oscillator whose M and K are known, also at a point with friction or stops, times may have units, such
+            as ["0.1 s", "0.2 s"]. At the time of an event velocities and accelerations are those just after it.
         output : str, optional
-            For a structure: the output that is sampled, in place of all coordinates.
+            For a structure: the output to sample, in place of all coordinates.
 
         Returns
         -------
         Sample, or (q, q_dot) of a structure
-            For an oscillator as in `Motion.sample`; for a structure coordinates and velocities (n, m), or those of
-            the output (m,).
+            For an oscillator as in `Motion.sample`; for a structure coordinates and velocities (n, m), or
+            displacement and velocity of the output (m,).
 
         Raises
         ------
         ParameterError
-            If a time is outside, or there is no such output.
+            If a time is outside the trajectory, or there is no such output.
 
         Examples
         --------
@@ -305,7 +305,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         Raises
         ------
         ParameterError
-            If a time is outside.
+            If a time is outside the trajectory.
         """
         if self.of_structure:
             return np.asarray(self._sampled(t, 3, output)[2])
@@ -324,8 +324,8 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         cycles : float, optional
             Load cycles of the window, which ends with the trajectory.
         harmonics : int
-            Harmonics of the load, 1 to 10000; there are none without a frequency. They are those of a periodic
-            response only if the response is periodic and the window a whole number of periods.
+            Harmonics of the load, 1 to 10000; there are none if the load has no frequency. They are those of a
+            periodic response only if the response is periodic and the window is a whole number of periods.
         window : (float, float), optional
             Start and end of the window, in place of `cycles`; without either, the whole trajectory.
 
@@ -417,7 +417,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         Returns
         -------
         Period
-            Its pattern, its events, and how accurately it repeats.
+            The pattern, the events, and how accurately the motion repeats.
 
         Raises
         ------
@@ -443,19 +443,19 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         The derivatives are carried through impacts, accumulations, rests and releases in closed form (saltation).
         For an oscillator the quantities are ``time``, ``x``, ``x_dot_before``, ``x_dot_after``, ``z_dot_before``
         and ``z_dot_after`` of the events, and ``final_t``, ``final_x``, ``final_x_dot``, ``final_z`` and
-        ``final_z_dot``; for a structure ``time``, ``speed``, ``impulse``, ``q`` and ``q_dot`` (just after it) of
-        the events, and ``final_time``, ``final_q`` and ``final_q_dot``. The number of load cycles, or the
-        duration, is fixed; so is the initial state while another parameter changes. The final time therefore
-        changes with the frequency.
+        ``final_z_dot``; for a structure ``time``, ``speed``, ``impulse``, ``q`` and ``q_dot`` (just after the
+        event) of the events, and ``final_time``, ``final_q`` and ``final_q_dot``. The number of load cycles, or
+        the duration, is fixed, and so is the initial state when another parameter changes. The final time
+        therefore changes with the frequency.
 
         Parameters
         ----------
         parameters : sequence, optional
-            For a structure: names or tuples as in `Motion.gradient`, and for the start: 'start' (its time, for a
-            fixed state), 'q_I' and 'q_dot_I'. For a record, 'load' is a factor. By default all parameters of the
-            start, frequency, load, and all openings and coefficients of restitution. For an oscillator, the
-            parameters are always t, x, x_dot, z and z_dot of the initial state, and r, clearance, xi, mu, R1, R2,
-            R (both walls) and load.
+            For a structure: names or tuples as in `Motion.gradient`, and for the initial state: 'start' (its time,
+            for a fixed state), 'q_I' and 'q_dot_I'. For a record, 'load' is a factor. By default all parameters of
+            the initial state, frequency, load, and all openings and coefficients of restitution. For an
+            oscillator, the parameters are always t, x, x_dot, z and z_dot of the initial state, and r, clearance,
+            xi, mu, R1, R2, R (both walls) and load.
 
         Returns
         -------
@@ -463,7 +463,8 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
             Entries are NaN from the first event without derivatives: an impact without approach speed, or a rest
             that ends without its contact force falling through 0; `status` names it. If a gap rests at the start,
             derivatives with respect to quantities that would open it or close it further are NaN; for an
-            oscillator these are z and z_dot, and derivatives with respect to the others move both masses.
+            oscillator these are z and z_dot, and derivatives with respect to the other components move both
+            masses.
 
         Raises
         ------
@@ -580,7 +581,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
 
     @classmethod
     def of_result(cls, result: Result) -> Trajectory:
-        """The trajectory of the core's tables.
+        """The trajectory from the tables of the core.
 
         Parameters
         ----------
@@ -687,10 +688,9 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
             The number of last load cycles shown; 3 by default for an oscillator.
         window : (float, float), optional
             Start and end of the time window drawn, in place of `cycles`; for a structure, by default everything.
-
         units : Units or str, optional
-            For an oscillator: units such as "mm N s", or "dimensionless"; by default its own units, if it knows M,
-            K and F0. In physical units, the time axis begins at 0.
+            For an oscillator: units such as "mm N s", or "dimensionless"; by default those of the oscillator, if
+            its M, K and F0 are known. In physical units, the time axis begins at 0.
 
         Returns
         -------
@@ -870,7 +870,7 @@ def segments_of_events(
 ) -> tuple[_Array, NDArray[np.int32]]:
     """The segments that begin at the start and just after each event, as arguments of the core.
 
-    They are time, coordinates and velocities (1 + 2n, segments), and kind and gap (2, segments).
+    They contain time, coordinates and velocities (1 + 2n, segments), and kind and gap (2, segments).
     """
     n, m = len(first[0]), len(events) + 1
     starts = np.empty((2 * n + 1, m), order="F")
@@ -1115,8 +1115,8 @@ def simulate(
         Some of ``t, x, x_dot, z, z_dot``, with the load phase r t at time t; missing ones are 0 (by default all).
         Or the `final_state` of a trajectory, which is then continued bit for bit. If all are 0, the free mass
         stays at rest in the middle until |X| reaches D/2. Without impacts |X| settles to the amplitude A, so that
-        with D > 2 A no wall reaches the free mass, except perhaps during the transient: for such D, give it an
-        initial velocity.
+        with D > 2 A no wall reaches the free mass, except perhaps during the transient: for such D, give the free
+        mass an initial velocity.
     start : float
         For a structure: time at the start.
     load : float
@@ -1142,8 +1142,8 @@ def simulate(
     SingularError
         If an event cannot be found within millions of oscillations. For a structure: if a gap is penetrated at the
         start, a mode without damping resonates with the load, two modes coincide because of damping, or coupled
-        gaps close at one instant; if there were events before, the attribute `result` is the motion up to this
-        point.
+        gaps close at the same instant; if there were earlier events, the attribute `result` of the error is the
+        motion up to this point.
 
     Examples
     --------
