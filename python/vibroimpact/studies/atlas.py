@@ -57,7 +57,7 @@ class SurveyPoint(NamedTuple):
 
 
 class SurveyMotion(NamedTuple):
-    """A point of the survey of an atlas of a structure, with impacts and load cycles of the motion found there.
+    """A survey point of an atlas of a structure, with the impacts and load cycles of the motion found there.
 
     Attributes
     ----------
@@ -89,14 +89,14 @@ class Survey:
         2. beyond the limits: a stable periodic motion with more impacts, or more load cycles (up to 16), which
            Newton's method confirms too;
         3. without impacts: the free mass is at rest, and M, whose free vibration still decays, can no longer
-        reach it;
-        4. chaotic: the largest Lyapunov exponent is positive by more than four standard errors and 0.002 a load
-           cycle; a chaotic transient that lasts longer than the simulation counts as chaos;
+           reach it;
+        4. chaotic: the largest Lyapunov exponent is positive by more than four standard errors and by more than
+           0.002 per load cycle; a chaotic transient that lasts longer than the simulation counts as chaos;
         5. not settled: none of these after four times the `settling` of the atlas: quasi-periodic motions, very
            slow transients, a free mass that drifts for a long time between two impacts;
         6. not confirmed: the simulation repeats itself, but Newton's method confirms no stable motion;
         7. event limit reached: the simulation has too many events to be completed;
-        8. with rest: of a structure, a stable periodic motion with rest, whose zone is not traced.
+        8. with rest: for a structure, a stable periodic motion with rest, whose zone is not traced.
     """
 
     x: _Array = field(default_factory=lambda: np.empty(0))
@@ -136,9 +136,9 @@ class Survey:
 class WithoutImpacts:
     """The part of a window where the free mass can stay at rest in the slot without contact: d K/F0 > 2A.
 
-    Without impacts M moves as A sin(rt - lag), A = 1/sqrt((1 - r^2)^2 + (2 xi r)^2), and a free mass at rest
-    stays where it is, at z = c. It is never touched if |c - x| < D/2 at all times, that is, if |c| + A < D/2. Such
-    c exist if D > 2A, and then any |c| < D/2 - A is possible: the position of the free mass is neutral. Two
+    Without impacts M moves as A sin(rt - lag), A = 1/sqrt((1 - r^2)^2 + (2 xi r)^2), and a free mass at rest stays
+    where it is, at z = c. It is never touched if |c - x| < D/2 at all times, that is, if |c| + A < D/2. Such c
+    exist if D > 2A, and then any |c| < D/2 - A is possible: the free mass is in neutral equilibrium. Two
     multipliers of this motion are those of M alone, exp((-xi +- i sqrt(1 - xi^2)) 2 pi/r); the other two are 1: a
     displaced free mass stays displaced, and with the slightest velocity it drifts until it meets a wall. The
     motion is therefore not asymptotically stable, no `Zone` contains it, and simulations reach it only if the free
@@ -190,10 +190,10 @@ class Atlas(OnPlane, study="atlas"):
     x, y : (float, float)
         The window: lowest and highest value of both parameters.
     x_parameter, y_parameter : str
-        Their names, r and clearance of an oscillator.
+        Their names; r and clearance for an oscillator.
     zones : list of Zone
         For a structure: one zone for each motion of the survey that lies in no other zone of its order of impacts.
-        For an oscillator: one zone for each pattern that has one, in the order of the search (also if its boundary
+        For an oscillator: one zone for each pattern that has one, in the order of the search (even if its boundary
         could not be closed); motions that are their own mirror image have a separate zone. With R1 = R2 a pattern
         also represents its mirror image, whose zone is the same.
     attractors : list of SurveyPoint, or of SurveyMotion for a structure
@@ -293,8 +293,8 @@ class Atlas(OnPlane, study="atlas"):
 
         `without_impacts.contains` says whether the motion without impacts also exists there.
 
-        If an open boundary leaves open whether a zone contains the point, `Zone.contains` warns, and the zone is
-        not in the list; attractors of the survey there are in `unexplained`.
+        If an open boundary leaves it undecided whether a zone contains the point, `Zone.contains` warns, and the
+        zone is not in the list; attractors that the survey found there are in `unexplained`.
 
         Parameters
         ----------

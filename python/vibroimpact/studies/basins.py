@@ -66,9 +66,8 @@ class Attractor:
         states reach; "chaotic": the largest exponent is positive by more than its error; "quasi-periodic": it is
         zero within its error, and no stable motion is found nearby; "no impacts"; "equilibrium", without a load or
         under a constant one; "permanent rest", where gaps of a structure stay closed or friction sticks
-        permanently, wherever the structure came to rest; or "periodic?"
-        where a simulation of an oscillator repeats itself to rounding for long but no stable exact motion was
-        found.
+        permanently, wherever the structure came to rest; or "periodic?" where a simulation of an oscillator
+        repeats itself to within rounding for a long time but no stable exact motion was found.
     name : str
         Sides and load cycles, such as "RL/1"; for a structure, impacts and load cycles, such as "2/1", or "rest/1"
         with rests; otherwise the kind. With stops or friction all events count as impacts. Equal names are
@@ -76,12 +75,13 @@ class Attractor:
     motion : Motion or None
         The exact motion.
     state : dict or None
-        For an oscillator: a state on it.
+        For an oscillator: a state on the attractor.
     lyapunov : Lyapunov or None
         For an oscillator: exponents of an attractor that is not periodic.
     radius, contraction : float
-        For an oscillator: radius of the largest neighbourhood used to decide states, in its own norm, and the
-        contraction of the derivative over a period in that norm; 0 and 1 if there is no neighbourhood.
+        For an oscillator: radius of the largest neighbourhood used to decide states, in a norm adapted to the
+        motion, and the contraction of the derivative over a period in that norm; 0 and 1 if there is no
+        neighbourhood.
     growth : float
         For an oscillator: the largest modulus of the multipliers of a periodic attractor, from the simulation, or
         the largest exponent per load cycle of another attractor; NaN if neither exists.
@@ -115,19 +115,19 @@ class Basins(Noun, study="basins", formerly="StructureBasins"):
     attractors : list of Attractor
         The label of an attractor is its index in this list; for a structure they are in order of decreasing share.
     labels : ndarray (n, m) of int, or (M,)
-        For each state of the plane (first axis, second axis) or of the list; -1 not decided, -2 not reached
-        before it was cut short, -3 not decided before `max_events`, -4 a gap of a structure is closed in the
-        initial state.
+        For each state of the plane (first axis, second axis) or of the list; -1 not decided, -2 not reached before
+        the study was cut short, -3 not decided within `max_events` events, -4 a gap of a structure is closed in
+        the initial state.
     axes : (Axis, Axis) or None
     states : ndarray (5, ...), or (2, k, ...)
         t, x, x_dot, z, z_dot of each state, or coordinates and velocities of a structure with k coordinates.
     impacts : int
         For an oscillator: number of events simulated to decide the states.
     fractions : ndarray
-        Share of the states that go to each attractor, among the states without a closed gap; if the study was cut
-        short, among the simulated ones.
+        Share of the states that reach each attractor, among the states without a closed gap; if the study was cut
+        short, among the simulated states.
     standard_error : ndarray
-        Standard error of the fractions for independent states; an upper bound for states of a lattice.
+        Standard error of the fractions for independent states; an upper bound for states on a lattice.
     reached : int
         States that were simulated: all, unless the study was stopped.
     uncertain : (ndarray, ndarray)
@@ -138,7 +138,7 @@ class Basins(Noun, study="basins", formerly="StructureBasins"):
     case : str
         The case as a namelist.
     complete : bool
-        False if Ctrl-C stopped it early; `cut` then says how far it got.
+        False if Ctrl-C stopped the study early; `cut` then says how far it got.
     """
 
     __slots__ = ("_attractors",)
@@ -228,8 +228,8 @@ class Basins(Noun, study="basins", formerly="StructureBasins"):
     def uncertainty_exponent(self) -> float:
         """For an oscillator: the exponent with which the share of uncertain states falls.
 
-        If states are known to eps, the share of those with an uncertain attractor is ~ eps**a, with the exponent
-        a.
+        If states are known to within eps, the share of states whose attractor is uncertain is ~ eps**a, where a is
+        the exponent.
 
         It is 1 for smooth boundaries and near 0 for fractal ones, for which a more accurate state hardly reduces
         the uncertainty. The boundary in the plane has dimension 2 - a. NaN if there is no boundary.
@@ -242,7 +242,7 @@ class Basins(Noun, study="basins", formerly="StructureBasins"):
 
         Both axes have equal scales. The radius is the distance to the nearest state that ends on another
         attractor, or to the edge of the plane; the true radius is at least this minus one cell. For a damper it is
-        the largest disturbance of the state after which the motion is still reached.
+        the largest disturbance of the state from which the motion still recovers.
 
         Parameters
         ----------
@@ -416,17 +416,18 @@ def basins(
     in such a neighbourhood. A state that is not decided after `cycles` load cycles is examined again: it may be on
     an unknown periodic motion, which is then added. Otherwise it is followed for longer, within `max_events`,
     until it reaches a periodic motion that Newton's method finds near it, or its largest Lyapunov exponent shows
-    that it is chaotic (positive by its error) or quasi-periodic (zero by its error, without a stable motion near
-    it). It must then have gone on for many times as long as volumes need to contract and free vibrations to decay,
-    and go on for another two million events, and other states with impacts in the same places for as many again,
-    so that no transient is taken for an attractor. All other states remain undecided.
+    that it is chaotic (positive by more than its error) or quasi-periodic (zero within its error, without a stable
+    motion near it). Before this verdict, the simulation must have lasted many times as long as volumes need to
+    contract and free vibrations to decay. It is then continued for another two million events, and other states
+    with impacts in the same places for as many again, so that no transient is mistaken for an attractor. All other
+    states remain undecided.
 
     Each state of a structure is simulated until it repeats to rounding near a motion that Newton's method confirms
     as admissible and stable, or for `settling` load cycles. If nothing is decided then, it is followed for longer:
     its largest Lyapunov exponent shows whether it is chaotic, quasi-periodic, or still settling. States with
-    events in the same places are then watched for two million events: if one of them settles, they are on a
-    transient, and those that do not settle remain undecided. Equal motions are one attractor, whichever impact
-    comes first. Without a load, or with a constant one, states settle on self-excited motions or in an
+    events in the same places are then watched for two million events: if one of them settles, all are on a
+    transient, and those that do not settle remain undecided. Equal motions count as one attractor, whichever
+    impact comes first. Without a load, or with a constant load, states settle on self-excited motions or in an
     equilibrium; those that do neither within 31 `settling` remain undecided.
 
     The system is `osc, r, clearance`, or `structure, load`, or a point from `Oscillator.at`.
@@ -436,9 +437,9 @@ def basins(
     osc : Oscillator
         The system: xi, mu and the coefficients of restitution of both walls.
     r, clearance : float
-        As in `simulate`; so is the number `load`.
+        As in `simulate`, like the number `load`.
     structure, load : Structure, Load
-        In place of them; `Load.none()`, None or a constant load for self-excited motions.
+        In place of `osc`, `r` and `clearance`; `Load.none()`, None or a constant load for self-excited motions.
     plane : ((name, (lo, hi)), (name, (lo, hi))), optional
         Two coordinates, each with a range, in which `points` values are taken, or with an array that rises or
         falls throughout; or (name, lo, hi, n). Names are "x", "x_dot", "y" (that is z - x), "z_dot" and "t"; for a
@@ -446,7 +447,7 @@ def basins(
         friction or stops are also "x", "z", "x_dot" and "z_dot".
     states : int or array_like (5, M), optional
         Instead of a plane: a number of random states, or for an oscillator an array with t, x, x', z, z' of each.
-        Random ones are at t = 0, uniform in a box: x, x' and z' from -s to s and y from wall to wall, where s is
+        Random states are at t = 0, uniform in a box: x, x' and z' from -s to s and y from wall to wall, where s is
         the amplitude of the motion without impacts, but at least half the clearance and at most three times the
         clearance. Random states of a structure are those of `find`; the first one is rest at q = 0.
     points : int or (int, int), optional
@@ -496,7 +497,7 @@ def basins(
 
     Examples
     --------
-    The unequispaced motion of Table 1's point and its mirror image take most of this plane:
+    The basins of the unequispaced motion at the point of Table 1 and of its mirror image cover most of this plane:
 
     >>> import vibroimpact as vi
     >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)

@@ -133,7 +133,7 @@ class BifurcationDiagram(
     values : ndarray (n,)
         Values of the parameter, rising; for a structure those that were reached.
     runs : list of str
-        "up", "down", or, of an oscillator, "state 1", ...: the first index of the arrays below.
+        "up", "down", or, for an oscillator, "state 1", ...: the first index of the arrays below.
     cycles, impacts, rests : ndarray (runs, n) of int
         Load cycles k of the shortest period of the stable motion that Newton's method confirms at the end of the
         simulation; 0 if there is none up to the longest period considered: chaotic, quasi-periodic, or not settled
@@ -155,17 +155,17 @@ class BifurcationDiagram(
     coexisting : ndarray (n,) of bool
         For an oscillator: whether the runs ended on different motions, as with hysteresis.
     points : structured ndarray
-        The impacts kept: ``run`` and ``index`` (of the value) and, of an oscillator, ``side`` ("R", "L"),
+        The impacts kept: ``run`` and ``index`` (of the value) and, for an oscillator, ``side`` ("R", "L"),
         ``phase``, ``x``, ``x_dot_before``, ``x_dot_after``, ``z_dot_before``, ``z_dot_after``; for a structure
         ``gap``, ``phase`` and ``speed`` of approach; with stops or friction all events except the beginning and
         the end of rests, and their ``kind`` as in `Trajectory`.
     strobes : structured ndarray
         For a structure: ``run``, ``index``, and coordinates ``q`` and velocities ``q_dot`` at the beginning of the
-        load cycles of a period, or of all that were examined.
+        load cycles of a period, or of all load cycles examined.
     case : str
         The case as a namelist.
     complete : bool
-        False if Ctrl-C stopped it early; `cut` then says how far it got.
+        False if Ctrl-C stopped the study early; `cut` then says how far it got.
     """
 
     __slots__ = ()
@@ -268,8 +268,8 @@ class BifurcationDiagram(
 
         This happens if there is hysteresis, or several attractors.
 
-        Labels and max |x| are compared, so that a motion and its mirror image count as equal; False where a run
-        was stopped early.
+        Labels and max |x| are compared, so that a motion and its mirror image count as equal. The result is False
+        where a run was stopped early.
         """
         reach = np.maximum(-self.x_min, self.x_max)
         different: NDArray[np.bool_] = np.ptp(reach, axis=0) > 1e-3 * reach.max(axis=0)
@@ -525,9 +525,9 @@ def bifurcation_diagram(
     """The impacts of the motions on which simulations settle, along a parameter.
 
     Sweeps carry the state from value to value, so that a motion is followed to the end of its stability; where the
-    sweeps up and down differ there is hysteresis. With "states", many initial states are simulated at each value
-    of an oscillator, which shows attractors that no sweep reaches. If the coordinates of a structure are not
-    admissible for a changed gap, they are moved towards q = 0.
+    upward and downward sweeps differ, there is hysteresis. With "states", many initial states are simulated at
+    each value of an oscillator, which shows attractors that no sweep reaches. If the coordinates of a structure
+    are not admissible for a changed gap, they are moved towards q = 0.
 
     The system is `osc`, with `r` and `clearance`, or `structure, load`, or a point from `Oscillator.at`. An
     oscillator whose restitution depends on the speed, or whose load is a `Load`, is treated as a structure: `r`
@@ -568,8 +568,8 @@ def bifurcation_diagram(
     impacts : int
         Largest number of impacts kept for each run and value.
     max_events : int
-        Events (impacts, rests, releases; for a structure those of stops and friction too) after which one
-        simulation is abandoned, one at each value of a run; the status says so.
+        Events (impacts, rests, releases; for a structure those of stops and friction too) after which the
+        simulation at a value of a run is abandoned; the status says so.
     threads : int, optional
         For an oscillator; one for each processor by default. The result does not depend on it.
     progress : callable, optional
@@ -591,8 +591,8 @@ def bifurcation_diagram(
 
     Examples
     --------
-    The sweep up stays on the two-impact motion up to a much larger clearance than the one at which the sweep down
-    reaches this motion:
+    The upward sweep stays on the two-impact motion up to a much larger clearance than that at which the downward
+    sweep reaches this motion:
 
     >>> import vibroimpact as vi
     >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)

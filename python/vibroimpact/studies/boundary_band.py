@@ -38,7 +38,7 @@ FOUND, DONE = 1, 0
 
 @dataclass(frozen=True, eq=False, repr=False)
 class BoundaryBand:
-    """The band in which a piece of a zone's boundary lies, at some of its vertices.
+    """The band in which a piece of the boundary of a zone lies, at some of its vertices.
 
     Displacements are along the normal of the nominal boundary, positive away from the zone. For a zone thinner
     than 1e-4 of the window the sign is arbitrary.
@@ -55,15 +55,15 @@ class BoundaryBand:
         Change of r and of the logarithm of the clearance for one unit of displacement.
     sensitivity : dict of ndarray (V,)
         First derivative of the displacement with respect to each uncertain parameter (for r, clearance and load:
-        to the factor).
+        with respect to the factor).
     first_order : ndarray (2, V)
         Displacements at both quantiles to first order in the parameters.
     sampled : ndarray (2, V)
         Displacements at both quantiles of the samples for which the displaced boundary was found; NaN if there
         are none.
     found : ndarray (V,)
-        Share of the samples for which it was found. For the others, the condition vanishes nowhere along the
-        normal, could not be followed there, or another condition bounds the zone.
+        Share of the samples for which it was found. For the other samples, the condition vanishes nowhere along
+        the normal or could not be followed there, or another condition bounds the zone.
     holds : ndarray (V,) of bool
         Whether first order is sufficient: the boundary was found for all samples, and the ends of the two bands
         differ by at most a tenth of the width of the sampled band.
@@ -128,11 +128,11 @@ def boundary_bands(
 ) -> list[BoundaryBand]:
     """The bands in which the boundary of a zone lies if parameters are uncertain.
 
-    At each vertex one condition holds: a multiplier on the unit circle, a graze, a vanishing approach speed. The
-    unknowns of the motion are eliminated from the equations of the motion and this condition; what remains gives
-    the displacement along the normal to first order. For every sample the displaced boundary is also found on the
-    normal by Newton's method. Both bands use the same samples, so that they differ only by the terms of higher
-    order.
+    At each vertex one condition holds: a multiplier on the unit circle, a grazing contact, or a vanishing approach
+    speed. The unknowns of the motion are eliminated from the equations of the motion and this condition; what
+    remains gives the displacement along the normal to first order. For every sample the displaced boundary is also
+    found on the normal by Newton's method. Both bands use the same samples, so that they differ only by the terms
+    of higher order.
 
     Parameters
     ----------

@@ -60,7 +60,7 @@ class SpecialPoint:
         falls to zero), and event_vanishes (the speed or the force that makes friction halt or slip only just
         reaches its limit).
     index : int
-        Its index among the points of the branch.
+        Index of the point in the branch.
     detail : str
         A text: which flight touches which wall or gap, which impact, or which bound.
     branch : Branch
@@ -220,14 +220,14 @@ class Followed(Noun, part=True):
 class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
     """A family of exact motions along one parameter, as columns; the last axis runs over the points.
 
-    An index returns the motion at a point, from the instants of its events, given which all else is linear. A
-    motion with rests, or a self-excited one, is simulated from the point instead and must be admissible. The
-    points are in order along the curve: the parameter turns back at folds.
+    Indexing returns the motion at a point, computed from the instants of its events: given these, everything else
+    follows from linear equations. A motion with rests, or a self-excited motion, is instead simulated from the
+    point and must be admissible. The points are in order along the curve: the parameter turns back at folds.
 
     Attributes
     ----------
     parameter : str
-        Its name; "function" for a function.
+        Name of the parameter; "function" for a function.
     values : ndarray (M,)
         The parameter.
     cycles : int
@@ -263,7 +263,8 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
     load : float, or Load
         1 for an oscillator; the load at the start for a structure.
     gaps : ndarray (N,)
-        For a structure: the gap of each impact, from 0. With rests, only the first impacts of each accumulation.
+        For a structure: the gap of each impact, from 0. With rests, only the first impacts of each accumulation
+        are listed.
     resting : ndarray (R,)
         For a structure: the gap of each rest, from 0, in the order in which they end.
     rests : ndarray (R, 2, M)
@@ -405,7 +406,7 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
         Parameters
         ----------
         value : float or str
-            Value of the parameter; at a point of an oscillator that knows M, K and F0 also with its unit.
+            Value of the parameter; for a point of an oscillator whose M, K and F0 are known, also with its unit.
 
         Returns
         -------
@@ -560,7 +561,7 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
         Raises
         ------
         ParameterError
-            If the branch has rests, or is along a parameter that is not one of an oscillator. For a structure: if
+            If the branch has rests, or its parameter is not one of an oscillator. For a structure: if
             `Motion.prove` rejects its motions, or the parameter is not "frequency", "load", "constant", "opening",
             "restitution", "opening_J" or "restitution_J".
         MissingExtraError
@@ -611,12 +612,12 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
 class Branches(Noun, study="branch"):
     """The branches of a case: one for each motion of its &motion that can be followed.
 
-    An index returns a `Branch`; the branches share the points of this result without copying.
+    Indexing returns a `Branch`; the branches share the points of this result without copying.
 
     Attributes
     ----------
     complete : bool
-        Whether all branches are complete; `cut` gives the reason if one is not.
+        Whether all branches are complete; if not, `cut` gives the reason.
     """
 
     __slots__ = ()
@@ -781,9 +782,9 @@ def branch(
     Pseudo-arclength continuation with Newton's method and the analytic derivative of the equations. Special points
     are located by Newton's method on the equations with one further condition: det(P - I) = 0 at a fold, det(P +
     I) = 0 at a flip, the product of all 1 - lambda_i lambda_j at a Neimark-Sacker point, a touch of a wall, or an
-    approach speed that is zero. A motion that is its own image half a period later (its mirror image or, for a
-    structure, by another symmetry such as an exchange of equal units) is followed as such, with the map over half
-    a period, so that the branch continues through a pitchfork. The unknowns for a structure are the approach
+    approach speed that is zero. A motion that is its own image half a period later (under reflection or, for a
+    structure, under another symmetry such as an exchange of equal units) is followed as such, with the map over
+    half a period, so that the branch continues through a pitchfork. The unknowns for a structure are the approach
     speeds and load phases of the impacts and the mean positions of modes of frequency 0; with rests, stops or
     friction, a state and the load phases of all events. Self-excited motions, which have no load, have the period
     as a further unknown, and their trivial multiplier 1 is left out.
@@ -802,10 +803,10 @@ def branch(
         "restitution_J" of gap J; "mass_I_J", "damping_I_J" or "stiffness_I_J", an entry and its mirror image;
         "slip" or "slip_J" of friction, with the stick level in the same ratio; "stick" or "stick_J"; "speed" or
         "speed_J" of belts; "contact" or "contact_J", the stiffness of stops; "wall" or "wall_J", a factor above 0
-        of the motions of walls; all numbers count from 0. Or a smooth function that returns (structure, load) for
-        a value of the parameter.
+        of the motions of walls; all indices start at 0. Or a smooth function that returns (structure, load) for a
+        value of the parameter.
     bounds : (float, float)
-        Lowest and highest value of the parameter; the motion's own value lies between.
+        Lowest and highest value of the parameter; its value at the motion lies in between.
     longest_step : float
         Longest step along the curve, relative to the range of the parameter.
     max_points : int
@@ -826,12 +827,12 @@ def branch(
     ParameterError, ParameterTypeError
         If an argument is not allowed.
     SingularError
-        If the motion cannot be followed. For a structure: if the motion repeats itself; if gaps close at one
-        instant that would separate for other values of the parameter, or that are coupled by damping; if, with
-        rests, two events occur at one instant, or an event of another gap within an accumulation; or if a gap
+        If the motion cannot be followed. For a structure: if the motion repeats itself; if gaps close at the same
+        instant and would separate for other values of the parameter, or are coupled by damping; if, with rests,
+        two events occur at the same instant, or an event of another gap occurs within an accumulation; or if a gap
         rests and the structure has stops or friction.
     StudyInterrupted
-        After Ctrl-C, with the points so far as its attribute `result`.
+        After Ctrl-C; its attribute `result` contains the points so far.
 
     Examples
     --------

@@ -60,7 +60,7 @@ class Chart(Followed, study="chart"):
     x, y : ndarray
         For a structure: the values of both parameters.
     variables : dict of Variable
-        The contents of the dataset without the need for xarray: (dims, values, attrs) by name.
+        The contents of the dataset, available without xarray: (dims, values, attrs) by name.
     attrs : dict
     """
 
@@ -240,7 +240,7 @@ class Chart(Followed, study="chart"):
         ax : matplotlib Axes, optional
             Axes to draw on; by default those of a new figure.
         color : {"multiplier", "attenuation"}, optional
-            A quantity whose size is drawn as shades of the stable motions.
+            The quantity by which stable motions are shaded.
         inverse : bool
             For an oscillator: draw F0/(d K) on the vertical axis instead of d K/F0.
         units : Units or str, optional
@@ -358,16 +358,16 @@ def chart(
         Frequency ratios and clearances d K/F0 that rise or fall throughout, at most 1000000 points altogether; d
         is the whole travel of m between the walls. With `points` each is a range (lo, hi), or one number.
     symmetric : bool, optional
-        True: only motions that are their own mirror image half a period later (of RL these are the
-        equispaced ones); False: only the others; None: both.
+        True: only motions that are their own mirror image half a period later (of RL these are the equispaced
+        ones); False: only the other motions; None: both.
     multipliers : bool
         Whether to compute the multipliers of the equispaced motions. If not, they are NaN; the verdict
         `stable` is the same, and the chart takes a fraction of the time.
     slots : int
         Number of slots for motions that have no closed form, 1 to 32.
     guesses, seeds : int
-        Guesses of the search at a point, and number of search points along each axis. A zone that contains none
-        of these points, and is not connected to one that does, is not found.
+        Number of guesses of the search at each point, and number of search points along each axis. A zone that
+        contains none of these points, and is not connected to one that does, is not found.
     threads : int, optional
         Default: one for each processor. The result is identical for any number.
     progress : callable, optional
@@ -389,7 +389,7 @@ def chart(
         - `found`: number of motions at the point, including those for which there was no slot.
 
         A slot is continuous over the grid. The equispaced pair has the slots 0 and 1, in the order of
-        `equispaced`: tau above and below the middle of the two. The others follow: motions that continue each
+        `equispaced`: tau above and below the mean of the two. The other motions follow: motions that continue each
         other from point to point share a slot. Slots go first to the motions with the most admissible and stable
         points, then to those with the most admissible ones. Where there are more motions than `slots`, a slot may
         change from one motion to another; an admissible and stable motion always takes precedence over one that is
@@ -397,8 +397,8 @@ def chart(
 
         For a structure, the dimensions are `motion`, `y` and `x`; in place of X, tau and so on there are `q_min`,
         `q_max` (first dimension `coordinate`), `phases` and `speeds` (first dimension `impact`), and `period` of
-        self-excited motions. At each point the
-        motion whose leading multiplier has the smallest modulus comes first.
+        self-excited motions. At each point, the motion whose leading multiplier has the smallest modulus comes
+        first.
 
     Raises
     ------

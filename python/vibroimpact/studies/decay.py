@@ -41,7 +41,7 @@ NAMES = (
 
 
 class Decay(Noun, study="decay"):
-    """The peaks of free vibrations, one run for each clearance, or one of a structure.
+    """The peaks of free vibrations: one run for each clearance, or one run of a structure.
 
     A peak is the greatest \\|x\\| between two zeros of x, the displacement of the primary mass or that of a
     structure in a direction. Runs are stored one after another; `run` gives the run of each peak.
@@ -57,13 +57,13 @@ class Decay(Noun, study="decay"):
     time, x : ndarray (n,)
         Time (in 1/omega for an oscillator) and displacement; its sign gives the side.
     decrement : ndarray (n,)
-        ln(x/x'), where x' is the next peak on the same side, one cycle later; NaN for the last two of a run.
+        ln(x/x'), where x' is the next peak on the same side, one cycle later; NaN for the last two peaks of a run.
         It is negative if other masses return energy.
     damping : ndarray (n,)
         decrement/sqrt(4 pi^2 + decrement^2): xi of a linear oscillator with this decrement.
     energy : ndarray (n,)
-        Energy of all masses, springs and pressed stops (over F0^2/K for an oscillator); after the impact, if the
-        peak is at an impact.
+        Energy of all masses, springs and compressed stops (over F0^2/K for an oscillator); after the impact, if
+        the peak is at an impact.
     impacts, rests : ndarray (n,) of int
         Number since the previous peak, or since the start; contacts with stops count as impacts, and halts by
         friction as rests.
@@ -72,7 +72,7 @@ class Decay(Noun, study="decay"):
     case : str
         The case as a namelist.
     complete : bool
-        False if Ctrl-C stopped it early; `cut` then says how far it got.
+        False if Ctrl-C stopped the study early; `cut` then says how far it got.
     """
 
     __slots__ = ()
@@ -107,7 +107,7 @@ class Decay(Noun, study="decay"):
         Parameters
         ----------
         ax : matplotlib Axes, optional
-            Axes for one panel, which alone is then drawn.
+            Axes for one panel; only this panel is then drawn.
         kind : {"peaks", "damping"}, optional
             The only panel to draw; "peaks" if only `ax` is given.
         units : Units or str, optional
@@ -116,7 +116,7 @@ class Decay(Noun, study="decay"):
         Returns
         -------
         Axes, or an array of Axes
-            Both Axes, or the one of the panel.
+            Both Axes, or the Axes of the panel.
         """
         return self._draw(ax, kind, units=units)
 
@@ -234,7 +234,7 @@ def decay(
     osc : Oscillator
         The system: xi, mu and the coefficients of restitution of both walls.
     structure, load : Structure, Load or None
-        In place of it, with gaps, stops and friction; the load may only have a `constant`.
+        In place of `osc`, with gaps, stops and friction; the load may only have a `constant`.
     clearance : float or array_like (runs,), or (float, float)
         Clearance d K/F0; d is the whole travel between the walls. With `points` a range (lo, hi).
     amplitude : float
@@ -270,9 +270,9 @@ def decay(
     Raises
     ------
     ParameterError, ParameterTypeError
-        The parameter, its value and what it must be.
+        If an argument is not allowed; the message names the parameter, its value and what is allowed.
     SingularError
-        If a structure has no peak: nothing pulls it back, or the simulation fails.
+        If the motion of a structure has no peak because nothing pulls it back, or if the simulation fails.
     StudyInterrupted
         After Ctrl-C; its attribute `result` contains the clearances whose runs were completed.
 

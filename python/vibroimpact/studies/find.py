@@ -100,7 +100,7 @@ class Search:
 class FoundMotions(Noun, Sequence[Any], study="find", formerly="StructureMotions"):
     """The admissible motions found by `find`, in order, and the extent of the search.
 
-    For an oscillator stable motions come first; for a structure, the motions on which simulations settle. An index
+    For an oscillator stable motions come first; for a structure, the motions on which simulations settle. Indexing
     returns a motion.
 
     Attributes
@@ -113,15 +113,16 @@ class FoundMotions(Noun, Sequence[Any], study="find", formerly="StructureMotions
         Amplitude of the load of an oscillator, or the load of a structure.
     motions : tuple of Motion
     without_impacts : int
-        Number of simulated states that end without further impacts; for a structure, also of those that stay in
-        contact. Without a periodic load, of those that end in an equilibrium, at rest or in steady sliding.
+        Number of simulated states that end without further impacts; for a structure, this includes states that
+        stay in contact. Without a periodic load: number of states that end in an equilibrium, at rest or in steady
+        sliding.
     search : Search
         For an oscillator: the extent of the search.
     settled : tuple of int
         For a structure: number of simulated states that settle on each motion.
     chaotic, quasi_periodic : int
         For a structure: number of simulated states whose largest Lyapunov exponent is positive by more than its
-        error, and of those for which it is zero within its error and no stable motion is near.
+        error, and number of those for which it is zero within its error and no stable motion is near.
     unsettled : int
         For a structure: number of simulated states for which none of this is decided within the limits of the
         search, or whose motion is not stable.
@@ -130,7 +131,7 @@ class FoundMotions(Noun, Sequence[Any], study="find", formerly="StructureMotions
     case : str
         The case as a namelist.
     complete : bool
-        False if Ctrl-C stopped it early; `cut` then says how far it got.
+        False if Ctrl-C stopped the study early; `cut` then says how far it got.
 
     Examples
     --------
@@ -227,7 +228,7 @@ class FoundMotions(Noun, Sequence[Any], study="find", formerly="StructureMotions
         Returns
         -------
         Axes, or an array of Axes
-            With `ax` this one; otherwise all Axes of a new figure.
+            `ax` if it is given; otherwise all Axes of a new figure.
         """
         return self._draw(ax, units=units)
 
@@ -378,7 +379,7 @@ def find(
     """Search for the periodic motions of a system: by orders of impacts, by releases, and by simulation.
 
     The system is `osc, r, clearance`, or `structure, load`, or a point from `Oscillator.at`. Only admissible
-    motions are kept. Simulations from a spread of initial states add the attractors.
+    motions are kept. Simulations from many different initial states add the attractors.
 
     For an oscillator: for each pattern of sides (up to rotation) with N <= max_impacts and k <= max_cycles,
     Newton's method starts from guesses whose phases fill the period evenly and whose positions solve the linear
@@ -394,10 +395,10 @@ def find(
     mirror images are added where the structure has them. Motions with accumulation and rest, and all motions of a
     structure with stops or friction, come from the simulations.
 
-    Without a load, or with a constant one, self-excited motions on which simulations from random states settle are
-    found, as of a mass on a belt; states that end in an equilibrium are counted. Each motion is confirmed as in
-    `exact`, with its period, and listed once, whatever its first event. A motion whose events do not repeat is not
-    found: `failures` says so, and its states are `unsettled`.
+    Without a load, or with a constant load, self-excited motions on which simulations from random states settle
+    are found, such as that of a mass on a belt; states that end in an equilibrium are counted. Each motion is
+    confirmed as in `exact`, with its period, and listed once, whatever its first event. A motion whose events do
+    not repeat is not found: `failures` says so, and its states are `unsettled`.
 
     Parameters
     ----------
@@ -406,12 +407,12 @@ def find(
     r, clearance : float
         As in `simulate`.
     structure, load : Structure, Load
-        In place of them; `Load.none()`, None or a constant load for self-excited motions.
+        In place of `osc`, `r` and `clearance`; `Load.none()`, None or a constant load for self-excited motions.
     max_impacts, max_cycles : int
         Limits of the patterns searched, 2 to 12 impacts and 1 to 8 cycles; for the orders of impacts of a
         structure, 0 to 8 impacts (2 by default; with 0 only simulations are made) and 1 to 16 cycles (4 by
-        default). Motions found by simulations and releases are listed with any number of impacts and cycles;
-        for a structure their period is at most `max_cycles`. Neither counts without a periodic load.
+        default). Motions found by simulations and releases are listed with any number of impacts and cycles; for a
+        structure their period is at most `max_cycles`. Neither limit applies without a periodic load.
     load : float
         Amplitude of the load of an oscillator.
     guesses : int
@@ -426,10 +427,9 @@ def find(
     settling : int
         Load cycles simulated before the attractor is examined; for a structure 0 to 10^6, by default 300, and
         without a periodic load natural periods of the lowest mode (with all gaps open and all friction slipping):
-        as long as no stable motion and no equilibrium is confirmed, four further simulations go on, each twice as
-        long as the one before. A state
-        of an oscillator that is then neither on a confirmed motion nor certainly chaotic is examined again up to
-        three times, after 3, 9 and 27 times as many.
+        as long as neither a stable motion nor an equilibrium is confirmed, up to four further simulations follow,
+        each twice as long as the previous one. A state of an oscillator that is then neither on a confirmed motion
+        nor certainly chaotic is examined again up to three times, after 3, 9 and 27 times as many load cycles.
     releases : int
         For an oscillator: number of releases from rest, for each wall and number of cycles, at which Newton's
         method is started on the return map; this also finds unstable motions with rest.
@@ -440,7 +440,7 @@ def find(
         Events (impacts, rests, releases; for a structure those of stops and friction too) after which the
         simulation of a state is abandoned; for an oscillator it then counts as one of `Search.unfinished`.
     threads : int, optional
-        For a structure: by default as many as there are processors. The result does not depend on it.
+        For a structure: one for each processor by default. The result does not depend on it.
     progress : callable, optional
         Called with the fraction done and the current task; an exception that it raises ends the search.
 
@@ -461,8 +461,8 @@ def find(
 
     Examples
     --------
-    Table 1's point: two unstable equispaced motions, the stable unequispaced one and its mirror image; and an
-    attractor of twelve impacts on which simulations settle.
+    At the point of Table 1 there are two unstable equispaced motions, the stable unequispaced motion and its
+    mirror image, and an attractor of twelve impacts on which simulations settle:
 
     >>> import vibroimpact as vi
     >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75)

@@ -34,7 +34,7 @@ class Lyapunov(Noun, study="lyapunov", formerly="StructureLyapunov"):
     state in independent directions. An oscillator has four (those of the map from impact to impact in (x, x', z',
     alpha), divided by the time), a structure with n coordinates has 2n. For a periodic motion they are the
     logarithms of the moduli of its multipliers divided by the period. A rest reduces two directions to zero: their
-    exponents are -inf. A structure whose load has no frequency has an exponent 0 along its motion, and its cycle
+    exponents are -inf. A structure whose load has no frequency has an exponent 0 along its motion, and its `cycle`
     is a unit of time.
 
     Attributes
@@ -71,7 +71,7 @@ class Lyapunov(Noun, study="lyapunov", formerly="StructureLyapunov"):
     case : str
         The case as a namelist.
     complete : bool
-        False if Ctrl-C stopped it early; `cut` then says how far it got.
+        False if Ctrl-C stopped the study early; `cut` then says how far it got.
     """
 
     __slots__ = ()
@@ -115,7 +115,7 @@ class Lyapunov(Noun, study="lyapunov", formerly="StructureLyapunov"):
         """Draw the exponents (extra `plot`).
 
         For an oscillator they are drawn against r or clearance, whichever varies; for a structure, against their
-        number.
+        index.
 
         Parameters
         ----------
@@ -214,21 +214,23 @@ def lyapunov(
     """Lyapunov exponents of a simulated motion, through impacts, accumulations and rests.
 
     Directions are carried from event to event by the exact derivatives of flights, impacts, accumulations and
-    releases ([P_i] from impact to impact of an oscillator), and made orthonormal after each. The averages have a
-    weight that rises smoothly from 0 and falls smoothly to 0, so that averages over periodic and quasi-periodic
-    motions converge faster than any power of the time. The standard error follows from batches of load cycles,
-    averaged in the same way. During one more batch, before the others, the directions settle.
+    releases ([P_i] from impact to impact of an oscillator), and orthonormalised after each event. The averages are
+    weighted by a function that rises smoothly from 0 and falls smoothly to 0, so that averages over periodic and
+    quasi-periodic motions converge faster than any power of the time. The standard error follows from batches of
+    load cycles, averaged in the same way. A further batch precedes the others, during which the directions settle.
 
     The system is `osc, r, clearance`, or `structure, load`, or a point from `Oscillator.at`.
 
     Parameters
     ----------
     osc, r, clearance : Oscillator, float or array_like, float or array_like
-        One point, or arrays of one shape. With `points`, r or clearance or both are ranges (lo, hi), along a line.
+        One point, or arrays of the same shape. With `points`, r or clearance or both are ranges (lo, hi), along a
+        line.
     structure, load : Structure, Load or None
-        In place of them; a load of None means free motion. Without a frequency, cycles are units of time.
+        In place of `osc`, `r` and `clearance`; a load of None means free motion. Without a frequency, cycles are
+        units of time.
     cycles : int
-        Load cycles averaged over, at least 2 per batch; for a structure 2000 by default.
+        Load cycles over which the exponents are averaged, at least 2 per batch; for a structure 2000 by default.
     state : mapping, or (array_like, array_like), optional
         As in `simulate`; at rest by default, the free mass in the middle.
     load : float
@@ -242,8 +244,8 @@ def lyapunov(
     directions : int, optional
         For a structure: number of exponents, the largest ones; by default all, two per coordinate.
     max_events : int
-        Events (impacts, rests, releases; for a structure those of stops and friction too) after which one
-        simulation is abandoned, one at each point; its status says so. Long averages need more than the default.
+        Events (impacts, rests, releases; for a structure those of stops and friction too) after which the
+        simulation of a point is abandoned; its status says so. Long averages need more than the default.
     points : int, optional
         For an oscillator: number of evenly spaced values of a range.
     threads : int, optional

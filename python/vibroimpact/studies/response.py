@@ -47,7 +47,7 @@ class Size(NamedTuple):
 
 
 class Response(SettledMotions, study="response", formerly="StructureResponse"):
-    """The size of settled motions along the frequency of the load.
+    """The size of settled motions as a function of the load frequency.
 
     Attributes
     ----------
@@ -62,10 +62,11 @@ class Response(SettledMotions, study="response", formerly="StructureResponse"):
     runs : list of str
         "state 1", ... for an oscillator, "up" or "down" for a structure: the last index of the arrays below.
     attenuation : ndarray (n, runs)
-        For an oscillator: max|X|/A of the motion on which each initial state settles; NaN where it failed.
+        For an oscillator: max|X|/A of the motion on which each initial state settles; NaN where the simulation
+        failed.
     lowest, highest : ndarray (n,)
         For an oscillator: the smallest and the largest attenuation over the attractors at each r; NaN where all
-        failed.
+        simulations failed.
     largest, rms : ndarray (k, n, runs)
         For a structure: greatest magnitude and root mean square of each of the k coordinates over the examined
         cycles.
@@ -88,7 +89,7 @@ class Response(SettledMotions, study="response", formerly="StructureResponse"):
     case : str
         The case as a namelist.
     complete : bool
-        False if Ctrl-C stopped it early; `cut` then says how far it got.
+        False if Ctrl-C stopped the study early; `cut` then says how far it got.
     """
 
     __slots__ = ()
@@ -283,11 +284,11 @@ def response(
     threads: int | None = None,
     progress: door.Progress | None = None,
 ) -> Response:
-    """The size of settled motions along the frequency of the load.
+    """The size of settled motions as a function of the load frequency.
 
-    For an oscillator, it is max|X|/A over all attractors that initial states reach, for a load or a clearance. A
-    is the amplitude without impacts: values below 1 mean that the impacts reduce the motion. The extreme positions
-    are those of the closed form over the period, or over the cycles kept if there is no period.
+    For an oscillator, it is max|X|/A over all attractors that initial states reach, for a given load or clearance.
+    A is the amplitude without impacts: values below 1 mean that the impacts reduce the motion. The extreme
+    positions are those of the closed form over the period, or over the cycles kept if there is no period.
 
     For a structure, it is the size of each coordinate and output, with and without impacts. The state is carried
     from frequency to frequency, up and then down. Extremes are those of the flights in closed form; mean squares
@@ -295,7 +296,7 @@ def response(
 
     The system is `osc`, with a clearance, or `structure, load`, or a point from `Oscillator.at`, whose clearance
     and load are used. An oscillator whose restitution depends on the speed, or whose load is a `Load`, is treated
-    as a structure: clearance is one number.
+    as a structure: the clearance is then a single number.
 
     Parameters
     ----------
@@ -341,7 +342,7 @@ def response(
     Raises
     ------
     ParameterError, ParameterTypeError
-        The parameter, its value and what it must be.
+        If an argument is not allowed; the message names the parameter, its value and what is allowed.
     StudyInterrupted
         After Ctrl-C; its attribute `result` contains the frequency ratios at which all states were completed, or
         the frequencies that the sweeps reached.

@@ -62,7 +62,7 @@ class Uncertainty:
     Attributes
     ----------
     osc : Oscillator
-        With the nominal values.
+        The oscillator with the nominal values.
     pattern : Pattern
     symmetric : bool or None
         As in `Zone`.
@@ -87,7 +87,7 @@ class Uncertainty:
     quantiles : (float, float)
         Quantiles at the ends of the bands.
     complete : bool
-        False after Ctrl-C: `samples` are then those that were finished.
+        False after Ctrl-C: `samples` is then the number of samples that were finished.
     """
 
     osc: Oscillator
@@ -239,16 +239,16 @@ def uncertainty(
     Parameters
     ----------
     osc : Oscillator
-        With the nominal values.
+        The oscillator with the nominal values.
     pattern : Pattern or str
-        The pattern; a str with one load cycle.
+        The pattern, or a str such as "RL" or "RL/2" (sides/cycles).
     r, clearance : array_like, or (float, float)
         Nominal frequency ratios and clearances d K/F0 that rise or fall throughout; d is the whole travel of m
         between the walls. With `points` each is a range (lo, hi), or one number. Bands require at least two values
         of each: the outermost ones define the window of the nominal zone.
     uncertain : dict
         Uncertain parameters by name: values of xi, mu, R1, R2 or restitution (equal on both walls); for r,
-        clearance and load, factors of their nominal values, above 0 and with 1 in their range, as in tolerances of
+        clearance and load, factors of the nominal values, above 0 and with 1 in their range, as in tolerances of
         `design`: a gap of 0.0105 +- 0.001 in is ``clearance=(0.0095 / 0.0105, 0.0115 / 0.0105)``. Deviations are
         rejected, since one deviation would not suit all clearances of a map. Where there is a single nominal
         value, a range with units, such as ("3.8 mm", "4.2 mm"), is converted to factors. Each is a pair (low,
@@ -467,27 +467,27 @@ def limit_probability(
     """The probability that a system with uncertain parameters stays within limits.
 
     Each sample is an independent system, simulated from random initial states until it settles. With one start,
-    the attractor of a sample is drawn as by a random disturbance; with more, all attractors that
-    the starts reach must be within the limits.
+    the attractor of a sample is chosen at random, as by a disturbance; with more, all attractors that the starts
+    reach must be within the limits.
 
     Parameters
     ----------
     osc : Oscillator
-        With the nominal values.
+        The oscillator with the nominal values.
     r, clearance : array_like
         Nominal frequency ratios and clearances d K/F0 (d is the whole travel of m) of the points, broadcast
         against each other. With `points` each is a range (lo, hi), or one number.
     uncertain : dict
         As in `uncertainty`; also values of ``friction`` in the slot (over F0), and of ``wall_stiffness`` and
-        ``wall_damping`` (over K and sqrt(K M)): of the walls that give, or of both if `stops` is left out. Samples
-        with these are simulated as structures.
+        ``wall_damping`` (over K and sqrt(K M)): of the compliant walls, or of both walls if `stops` is omitted.
+        Samples with any of these are simulated as structures.
     limit : dict
         Largest allowed attenuation (max|x|/A), displacement, rms, acceleration or force of the primary mass,
-        approach speed of impacts, or modulus of the multipliers (0 without impacts; a motion without a period does
-        not keep this limit), in the units of `Motion` at the nominal load, whatever the load of a sample is; or
+        approach speed of impacts, or modulus of the multipliers (0 without impacts; a motion without a period
+        violates this limit), in the units of `Motion` at the nominal load, whatever the load of a sample is; or
         smallest allowed distances to boundaries, least_speed and least_gap, as in `design`.
     friction, stops : float, tuple or None
-        Nominal friction in the slot and nominal walls, as in `Oscillator.at`; a point gives them.
+        Nominal friction in the slot and nominal walls, as in `Oscillator.at`; a `Point` provides both.
     samples : int
         Number of samples for each point, 1 to 1000000.
     points : int, optional

@@ -65,7 +65,7 @@ class Piece:
         For grazing: which flight touches which wall or gap; for window: which edge; for cut: which parameter is
         constant; for a structure also which impact.
     symmetric : bool
-        Whether it bounds motions that are their own image half a period later.
+        Whether the piece bounds motions that are their own image half a period later.
     r, clearance : ndarray (M,)
         For an oscillator: x and y.
     x_over_D, theta : ndarray (N, M)
@@ -162,7 +162,7 @@ class ZoneSearch:
     steps : int
         Number of steps along the lattice lines on all sheets of motions.
     untraced : int
-        Number of places on a boundary from which it could not be followed.
+        Number of points on boundaries from which the boundary could not be followed.
     lines : (int, int)
         Lattice lines of constant x and of constant y: parts of a zone between them that touch no line may
         have been missed.
@@ -252,8 +252,8 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
     r, clearance : (float, float)
         For an oscillator: x and y.
     symmetric : bool or None
-        For an oscillator: only motions that are their own mirror images (True), only others (False), or both
-        (None).
+        For an oscillator: only motions that are their own mirror images (True), only other motions (False), or
+        both (None).
     structure : Structure
         For a structure: the structure of the motion from which the search started.
     load : float, or Load
@@ -428,11 +428,11 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         return [piece for piece in self.boundary if piece.loop < 0]
 
     def undecided(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.bool_]:
-        """Whether an open boundary leaves open if there is a stable, admissible motion at points.
+        """Whether an open boundary leaves the existence of a stable, admissible motion at points undecided.
 
-        Undecided are points of the window outside all closed loops whose line of constant x or of constant y meets
-        an open piece or a seed that is not enclosed. If no part of the open boundary is known, all points outside
-        closed loops are undecided.
+        A point of the window is undecided if it lies outside all closed loops and its line of constant x or of
+        constant y meets an open piece or a seed that is not enclosed. If no part of the open boundary is known,
+        all points outside closed loops are undecided.
 
         Parameters
         ----------
@@ -482,7 +482,7 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         ]
 
     def motion(self, x: Any, y: Any) -> Any:
-        """The motion at a point, followed from the boundary; of an oscillator also at "19.5 Hz" and "4 mm".
+        """The motion at a point, followed from the boundary; for an oscillator, also at "19.5 Hz" and "4 mm".
 
         The motion is followed from the nearest vertex of each piece, then from other vertices, until a stable and
         admissible motion is found. If there is none, or no closed loop of an oscillator encloses the point, the
@@ -645,7 +645,7 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
 
     @property
     def area(self) -> float:
-        """Area in the plane (r, log D), or in that of both parameters of a structure.
+        """Area in the plane (r, log D), or for a structure in the plane of both parameters.
 
         Areas of coexisting motions are added.
         """
@@ -736,7 +736,7 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
             For an oscillator: draw F0/(d K) on the vertical axis, as in Figures 6 to 8 of the 1983 paper, instead
             of d K/F0.
         label : str, optional
-            Written into the zone; by default the pattern of an oscillator.
+            Text inside the zone; for an oscillator the pattern by default.
         units : Units or str, optional
             As in `Trajectory.plot`.
 
@@ -911,8 +911,8 @@ def zone(
         For a structure, in place of r and clearance: each a parameter, as in `branch`, with its lowest and highest
         value, or with an array, of which only the ends are used.
     symmetric : bool, optional
-        Only motions that are their own mirror image half a period later (True: the equispaced ones, of two
-        impacts), only others (False), or both (None).
+        Only motions that are their own mirror image half a period later (True; for two impacts these are the
+        equispaced motions), only other motions (False), or both (None).
     lines : int
         Number of lattice lines in each direction over a window like that of the 1983 charts (r 0.8 to 1.2, and a
         factor 100 in d K/F0), 5 to 129. A larger window gets more lines, in proportion to the logarithm of d K/F0
@@ -920,9 +920,9 @@ def zone(
         Parts of a zone that touch no line can be missed: more lines find more. For a structure, the number of
         lines in each direction for any window.
     guesses : int
-        Number of guesses for motions at every second node in each direction, and a quarter of it at the other
-        nodes. For motions of many impacts the search is repeated with further guesses as long as these find new
-        sheets. With 0, only the seeds are used.
+        Number of guesses for motions at every second node in each direction, and a quarter of this number at the
+        other nodes. For motions of many impacts the search is repeated with further guesses as long as these find
+        new sheets. With 0, only the seeds are used.
     seeds : sequence of Motion
         Known motions of the pattern that the search could miss. From each stable and admissible seed a line is
         followed to the boundary of its zone. If this boundary was not known, or the seed is not stable and
@@ -940,7 +940,7 @@ def zone(
     Returns
     -------
     Zone
-        Without loops if no stable, admissible motion was found.
+        The zone; it has no loops if no stable, admissible motion was found.
 
     Raises
     ------
