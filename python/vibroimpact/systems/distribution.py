@@ -84,12 +84,12 @@ class Uncertain:
         return nominal * values if self.low > 0 else nominal + values
 
     def require_around(self, name: str) -> None:
-        """Rejects values that are neither deviations from a nominal value nor factors of it.
+        """Reject values that are neither deviations from a nominal value nor factors of it.
 
         Raises
         ------
         ParameterError
-            With the name, the values and what they must be.
+            Gives the name, the values and what is allowed.
         """
         zero = 1.0 if self.low > 0 else 0.0
         if not (self.numbers[0] == zero if self.normal else self.low <= zero <= self.high):
@@ -116,7 +116,7 @@ def uncertain(value: Any, name: str) -> Uncertain:
     value : float, sequence or distribution
         A number, a range (low, high) in which all values are equally likely, three or more quantiles at evenly
         spaced probabilities, or a frozen distribution of scipy.stats. A distribution that is neither normal nor
-        uniform is represented by 1001 quantiles, of which the outermost are those at 1e-9 and 1 - 1e-9.
+        uniform is represented by 1001 quantiles, of which the outermost are at probabilities 1e-9 and 1 - 1e-9.
     name : str
         For messages.
 
@@ -164,8 +164,8 @@ def uncertain_parameters(
 ) -> dict[str, Uncertain]:
     """Uncertain parameters by name; `restitution` is one value that applies to both walls.
 
-    With `factors`, values of r, clearance and load are factors of their nominal values. With `elements`, those of
-    `ELEMENTS` may be among them; `stops` are then the nominal walls, as of `Point`.
+    With `factors`, values of r, clearance and load are factors of their nominal values. With `elements`,
+    parameters listed in `ELEMENTS` may be among them; `stops` are then the nominal walls, as in `Point`.
 
     Raises
     ------
@@ -207,7 +207,7 @@ def uncertain_parameters(
 
 
 def require_rigid(names: Iterable[str], name: str, stops: Stops | None = None) -> None:
-    """Rejects coefficients of restitution of walls that give, and the damping of walls that do not.
+    """Reject coefficients of restitution of compliant walls, and damping of rigid walls.
 
     Parameters
     ----------
@@ -216,12 +216,12 @@ def require_rigid(names: Iterable[str], name: str, stops: Stops | None = None) -
     name : str
         For messages.
     stops : tuple or None
-        As of `Point`.
+        As in `Point`.
 
     Raises
     ------
     ParameterError
-        With the parameter.
+        Names the parameter.
     """
     names = {*names}
     soft = [wall is not None for wall in stops] if stops else 2 * ["wall_stiffness" in names]
@@ -239,7 +239,7 @@ def require_rigid(names: Iterable[str], name: str, stops: Stops | None = None) -
 def shares(count: int, items: int, random: np.random.Generator) -> NDArray[np.float64]:
     """A Latin hypercube: (items, count) numbers between 0 and 1, one in each of `count` equal parts of each row.
 
-    The variance of a mean over its columns is at most count/(count - 1) times that over independent ones.
+    The variance of a mean over its columns is at most count/(count - 1) times that over independent samples.
     """
     order = random.permuted(np.tile(np.arange(count), (items, 1)), axis=1)
     return np.asarray((order + random.random((items, count))) / count)
@@ -253,7 +253,7 @@ def systems(
     Parameters
     ----------
     osc : Oscillator
-        With the nominal values.
+        The oscillator with the nominal values.
     parameters : dict of Uncertain
         As in `uncertain_parameters` with `factors`.
     where : ndarray (parameters, n)
@@ -296,23 +296,24 @@ def elements_of(
     friction: float = 0.0,
     stops: Stops | None = None,
 ) -> dict[str, NDArray[np.float64]]:
-    """Friction and walls that give of units, as `perform_points` takes them.
+    """Friction and compliant walls of units, in the form that `perform_points` takes.
 
     Parameters
     ----------
     values : mapping
-        Values (n,) by name; only those of `ELEMENTS` count.
+        Values (n,) by name; only parameters listed in `ELEMENTS` are used.
     load : ndarray (n,)
         The loads; friction is divided by them.
     friction : float
-        The nominal one.
+        The nominal friction.
     stops : tuple or None
-        The nominal walls, as of `Point`.
+        The nominal walls, as in `Point`.
 
     Returns
     -------
     dict of ndarray
-        Friction (n,), and stiffness and damping (2, n), NaN for a rigid wall; empty without any of these.
+        Friction (n,), and stiffness and damping (2, n), NaN for a rigid wall; empty if there is neither friction
+        nor a compliant wall.
     """
     soft = bool(stops) or "wall_stiffness" in values
     if not (soft or friction or "friction" in values):
@@ -368,12 +369,12 @@ def interval(holds: int, count: int, confidence: float = 0.95) -> tuple[float, f
 
 
 def in_range(key: str, low: float, high: float, name: str) -> None:
-    """Rejects values outside the range of a parameter.
+    """Reject values outside the range of a parameter.
 
     Raises
     ------
     ParameterError
-        With the parameter, the value and its range.
+        Names the parameter, the value and its range.
     """
     for value in (low, high):
         checks.number(value, RANGE_OF[key], name)

@@ -28,7 +28,7 @@ def half_sine(amplitude: float, duration: float, step: float, end: float | None 
     Parameters
     ----------
     amplitude : float
-        Peak: a force, or an acceleration of the base; not 0.
+        Peak value: a force, or an acceleration of the base; not 0.
     duration : float
         Duration of the pulse, at least two steps.
     step : float
@@ -89,8 +89,8 @@ def swept_sine(
     amplitude : float
         A force, or an acceleration of the base; not 0.
     f : (float, float)
-        Frequencies at the start and the end, cycles per unit of time (Hz), > 0; for a sweep down, the first is the
-        greater one.
+        Frequencies at the start and the end, cycles per unit of time (Hz), > 0; for a downward sweep, the first is
+        the greater one.
     duration : float
         Time of the last sample.
     step : float

@@ -73,19 +73,19 @@ class Oscillator:
     Between impacts ``x'' + 2 xi x' + x = sin(r t)`` and ``z'' = 0``, with time in 1/omega and
     length in F0/K (equations (1)-(4) of Popplewell, Bapat and McLachlan, 1983).
 
-    All parameters are keyword-only: three numbers between 0 and 1 are easily put in the wrong order.
+    All parameters are keyword-only, because three numbers between 0 and 1 are easily given in the wrong order.
 
     Parameters
     ----------
     xi : float or str
         Damping ratio C/(2 sqrt(K M)), ``0 <= xi < 1``, or a text such as "1.1 %".
     mu : float or str
-        Mass ratio m/M, ``0 <= mu <= 1e6``, or with M the free mass, such as "0.11 kg". With 0, the impacts do not
-        affect the primary mass (the impact pair).
+        Mass ratio m/M, ``0 <= mu <= 1e6``, or, if M is given, the free mass, such as "0.11 kg". With 0, the
+        impacts do not affect the primary mass (the impact pair).
     restitution : float, PowerLaw or TabulatedRestitution, or two of them
         Coefficients of restitution (R1 on the right wall, R2 on the left), each in [0, 1] or a law as a function
-        of the approach speed in F0 omega/K; a single value applies to both. An oscillator with a law is treated as
-        `Oscillator.structure`: `simulate`, `exact`, `find`, `lyapunov`, `basins`, `response` and
+        of the approach speed in F0 omega/K; a single value applies to both walls. An oscillator with a law is
+        treated as `Oscillator.structure`: `simulate`, `exact`, `find`, `lyapunov`, `basins`, `response` and
         `bifurcation_diagram` accept it and return the results of a `Structure`; all others require numbers.
     M, K, F0 : float, str or pint.Quantity, optional
         Primary mass, stiffness and load amplitude in physical units, for `units`; `from_dimensional` sets them.
@@ -97,7 +97,7 @@ class Oscillator:
     Raises
     ------
     ParameterError, ParameterTypeError
-        If a value is outside its range, is not a real number, or is given without its name.
+        If a value is outside its range, is not a real number, or is not given by keyword.
 
     Examples
     --------
@@ -105,7 +105,7 @@ class Oscillator:
     >>> vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
     Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))
 
-    With a law, the other arguments and the results are those of a structure:
+    With a law of restitution, the other arguments and the results are those of a structure:
 
     >>> osc = vi.Oscillator(xi=0.005, mu=0.042, restitution=vi.PowerLaw(0.75, speed=20, exponent=0.25))
     >>> vi.exact(osc, 0.94, 37.0, ([1.6, 6.0], [0, 1]))
@@ -287,9 +287,10 @@ class Oscillator:
         ----------
         clearance : float, optional
             Clearance d K/F0 > 0; d is the whole travel of the free mass between the walls. A length, such as
-            "4 mm", is converted to it: the structure stays dimensionless.
+            "4 mm", is converted to it, so that the structure stays dimensionless.
         restitution : float, PowerLaw or TabulatedRestitution, or two of them (right wall, left wall), optional
-            By default those of the oscillator. The speeds of a law are in F0 omega/K, or in the units of M and K.
+            By default those of the oscillator. The speeds of a law are in F0 omega/K or, with `d`, in the units of
+            M and K.
         d : float, optional
             The whole travel in the unit of length of M and K; give either this or `clearance`.
 
@@ -354,7 +355,7 @@ class Oscillator:
         f : float
             Frequency of the base in cycles per unit of time (Hz), or with a unit, such as "19.5 Hz".
         displacement, velocity, acceleration : float
-            Amplitude of one of these, in the units of M and K, or with a unit, such as "1 m/s^2".
+            Amplitude of one of these quantities, in the units of M and K, or with a unit, such as "1 m/s^2".
 
         Returns
         -------
@@ -364,8 +365,8 @@ class Oscillator:
         Raises
         ------
         ParameterError, ParameterTypeError
-            If M and K of the oscillator are not known, a value is not a positive number, or not exactly one
-            amplitude is given.
+            If M and K of the oscillator are not known, a value is not a positive number, or anything but exactly
+            one amplitude is given.
 
         Examples
         --------
@@ -395,7 +396,7 @@ class Oscillator:
         return amplitude * math.hypot(self.K, omega * 2 * self.xi * math.sqrt(self.K * self.M))
 
     def units(self, F0: float | None = None) -> Units:
-        """Physical units of length, time, velocity, … for a load amplitude F0; by default that of the oscillator.
+        """Physical units of length, time, velocity, … for a load amplitude F0, by default that of the oscillator.
 
         M and K of the oscillator must be known (see `from_dimensional`).
 
@@ -412,7 +413,7 @@ class Oscillator:
         Raises
         ------
         ParameterError, ParameterTypeError
-            If they are not known, or F0 is not a positive number.
+            If M and K are not known, or F0 is not a positive number.
         """
         if self.M is None or self.K is None:
             raise ParameterError(
@@ -448,8 +449,9 @@ class Oscillator:
             treated as a structure; functions that accept structures with friction accept it here too.
         stops : ((float, float) or None, (float, float) or None), optional
             Compliant walls: stiffness divided by K and damping divided by sqrt(K M), for the right wall and for
-            the left one; if M and K are known, also values with units, such as ("40 kN/m", "3 N s/m"). A wall with
-            None is rigid, with its coefficient of restitution. The oscillator is then treated as a structure.
+            the left one; if M and K are known, values with units are also accepted, such as ("40 kN/m",
+            "3 N s/m"). None stands for a rigid wall with its coefficient of restitution. The oscillator is then
+            treated as a structure.
 
         Returns
         -------
@@ -485,7 +487,7 @@ class Oscillator:
         >>> vi.exact(rough, vi.simulate(rough, cycles=400))
         <Motion of 4 events in 1 cycle: admissible, stable (max|lambda| = 0.9227)>
 
-        A left wall with tape, which gives, and a rigid right wall:
+        A left wall covered with compliant tape, and a rigid right wall:
 
         >>> taped = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
         >>> taped = taped.at(1.04, 25, stops=(None, (20.0, 0.2)))
@@ -539,8 +541,8 @@ class Oscillator:
 class Point:
     """An oscillator at a point: the same system as a structure with its load, and the scales of both.
 
-    It is made by `Oscillator.at`. Functions that take an oscillator, r and clearance accept it in place of these;
-    its structure and load can be used wherever a structure and its load can.
+    It is made by `Oscillator.at`. Functions that take an oscillator, r and clearance accept a point in place of
+    these; its structure and load can be used wherever a structure and its load can.
 
     Attributes
     ----------
@@ -552,8 +554,8 @@ class Point:
     friction : float
         Friction in the slot, divided by F0.
     stops : tuple, or None
-        Stiffness divided by K and damping divided by sqrt(K M) of the right and the left wall; None for a wall
-        that is rigid.
+        Stiffness divided by K and damping divided by sqrt(K M) of the right and the left wall; None for a rigid
+        wall.
     """
 
     osc: Oscillator
@@ -596,7 +598,7 @@ class Point:
         Raises
         ------
         ParameterError
-            If they are not known.
+            If M, K and F0 are not known.
         """
         if self.osc.M is None or self.osc.K is None or self.osc.F0 is None:
             raise ParameterError(f"{self.osc!r}: must know M, K and F0 to have scales")
@@ -692,7 +694,7 @@ class Pattern:
     Raises
     ------
     ParameterError, ParameterTypeError
-        If there can be no such pattern.
+        If no such pattern can exist.
 
     Examples
     --------
@@ -763,7 +765,7 @@ class Pattern:
         Returns
         -------
         Pattern
-            The pattern that stands for all its rotations.
+            The pattern that represents all its rotations.
 
         Examples
         --------
@@ -790,7 +792,7 @@ def of_numbers(osc: Any, name: str = "osc") -> None:
 
 
 def pattern_of(value: Any, name: str = "pattern") -> Pattern:
-    """A pattern, possibly given as a text: SIDES, or SIDES/CYCLES.
+    """A pattern, which may be given as a text: SIDES, or SIDES/CYCLES.
 
     Examples
     --------

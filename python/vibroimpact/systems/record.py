@@ -38,7 +38,8 @@ class Record(ByValue):
     constant : array_like (n,), optional
         A constant force to add, such as gravity. It continues after the end of the record.
     weights : array_like (columns, n), optional
-        The forces on the coordinates per unit of each column, for one signal that acts on many coordinates, say.
+        The forces on the coordinates per unit of each column, for example for one signal that acts on many
+        coordinates.
 
     Attributes
     ----------
@@ -172,13 +173,13 @@ def base_motion(
 ) -> Load:
     """The load due to a periodic motion y(t) of the base.
 
-    y is the sum of cosine_h cos(h Omega t) + sine_h sin(h Omega t). The springs and dampers between structure and
+    y is the sum of cosine_h cos(h Omega t) + sine_h sin(h Omega t). The springs and dashpots between structure and
     base are those that deform when all bodies are at rest and the base moves. In absolute coordinates they exert K
     d y + C d y', with d the `direction`. In coordinates relative to the base (``relative=True``) the load is -M d
     y''.
 
-    Both give the same gaps where ``gap.direction`` is 0 for a motion of all bodies with the base, as between two
-    bodies. A stop that is fixed to the base needs relative coordinates.
+    Both give the same gaps if ``gap.direction`` has no component along a motion of all bodies with the base, as
+    for a gap between two bodies. A stop that is fixed to the base needs relative coordinates.
 
     Parameters
     ----------
@@ -250,8 +251,8 @@ def base_record(
 ) -> Record:
     """The record of forces due to a sampled motion of the base, such as an earthquake or a shaking table.
 
-    From the acceleration y'' it is -M d y'', for coordinates relative to the base. From the displacement y and
-    the velocity y' it is K d y + C d y', for absolute coordinates; see `base_motion`.
+    Given the acceleration y'', the force is -M d y'', for coordinates relative to the base. Given the displacement
+    y and the velocity y', it is K d y + C d y', for absolute coordinates; see `base_motion`.
 
     Parameters
     ----------
@@ -260,7 +261,7 @@ def base_record(
     step : float
         Time between samples, > 0.
     acceleration : array_like (samples,), optional
-        Acceleration y'' of the base. Either this, or `displacement` and `velocity`.
+        Acceleration y'' of the base. Give either this, or `displacement` and `velocity`.
     displacement, velocity : array_like (samples,), optional
         Displacement y and velocity y' of the base.
     direction : array_like (n,), optional

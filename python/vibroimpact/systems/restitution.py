@@ -87,7 +87,7 @@ class Law(ABC):
 class PowerLaw(Law):
     """A coefficient of restitution that falls with the approach speed: R0 (1 + (v/speed)^k)^(-exponent/k).
 
-    It tends to `R0` far below `speed`, and to R0 (v/speed)^-exponent far above.
+    It tends to `R0` far below `speed`, and to R0 (v/speed)^-exponent far above it.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ class PowerLaw(Law):
     speed : float
         The speed > 0 at which the two asymptotes meet, such as the speed of first yield.
     exponent : float
-        >= 0; 1/4 for plastic contact of spheres.
+        Exponent >= 0; 1/4 for plastic contact of spheres.
     sharpness : float
         Exponent k > 0. A large value gives the smaller of R0 and R0 (v/speed)^-exponent, with a sharp corner at
         `speed`; 1/5 with ``R0=1`` gives 1 - R ~ v^(1/5) at low speeds, as for viscoelastic spheres.
@@ -142,8 +142,8 @@ class PowerLaw(Law):
 class TabulatedRestitution(ByValue, Law):
     """A coefficient of restitution tabulated over the approach speed.
 
-    Between its points R is a monotone cubic with continuous slope; below the first and above the last speed it is
-    constant.
+    Between the tabulated points R is a monotone cubic with continuous slope; below the first and above the last
+    speed it is constant.
 
     Parameters
     ----------

@@ -98,10 +98,10 @@ class Gap(ByValue):
     Parameters
     ----------
     direction : array_like (n,)
-        The direction in the coordinates that closes it, such as ``[-1, 1]`` for a stop of body 1 to the right of
-        body 2.
+        The direction in the coordinates that closes the gap, such as ``[-1, 1]`` for a stop of body 1 to the right
+        of body 2.
     opening : float
-        Its opening at q = 0; negative if it is closed there.
+        Opening at q = 0; negative if the gap is closed there.
     restitution : float, PowerLaw or TabulatedRestitution
         Coefficient of restitution, 0 to 1, or a law as a function of the approach speed.
     cosine, sine : float or array_like (H,), optional
@@ -168,15 +168,15 @@ class Stop(ByValue):
     Parameters
     ----------
     direction : array_like (n,)
-        The direction in the coordinates that compresses it, as in `Gap`.
+        The direction in the coordinates that compresses the stop, as in `Gap`.
     opening : float
-        Its opening at q = 0; negative if it is compressed there.
+        Opening at q = 0; negative if the stop is compressed there.
     stiffness, damping, preload : float
-        At least 0, and at least one of them above 0. With a preload, the force jumps when the stop is touched.
+        Each at least 0, and at least one above 0. With a preload, the force jumps when contact begins.
     release : "gap" or "force"
-        When contact ends. "gap": when d returns to 0; a dashpot may pull just before that. "force": the force is
-        never below 0, so contact ends when the force vanishes; it begins again when the force rises, even at a
-        depth d > 0.
+        When contact ends. "gap": when d returns to 0; a dashpot may pull just before. "force": the force is never
+        below 0, so contact ends when the force vanishes; it begins again when the force rises, even at a depth
+        d > 0.
     cosine, sine : float or array_like (H,), optional
         Amplitudes of the harmonics of the opening, as for a `Gap`.
 
@@ -187,7 +187,7 @@ class Stop(ByValue):
 
     Examples
     --------
-    A mass that meets a spring a hundred times as stiff as its own:
+    A mass on a spring that hits a stop a hundred times as stiff as its spring:
 
     >>> import vibroimpact as vi
     >>> stop = vi.Stop([1], 0.0, stiffness=1e6)
@@ -282,14 +282,14 @@ def opening_speed_at(part: Gap | Stop, t: Any, frequency: float) -> Any:
 class Friction(ByValue):
     """Dry friction along a direction, with a constant normal force.
 
-    With s = direction.q' - speed, the force `slip` acts against s while the contact slips (s != 0). While it
-    sticks (s = 0), it is held by a force of at most `stick`.
+    With s = direction.q' - speed, the force `slip` acts against s while the contact slips (s != 0). While the
+    contact sticks (s = 0), a force of at most `stick` holds it.
 
     Parameters
     ----------
     direction : array_like (n,)
-        The direction in the coordinates along which it acts, such as ``[-1, 1]`` for friction between bodies 1 and
-        2.
+        The direction in the coordinates along which friction acts, such as ``[-1, 1]`` for friction between bodies
+        1 and 2.
     slip : float
         Force while slipping, at least 0: the coefficient of friction times the normal force.
     stick : float, optional
@@ -420,19 +420,20 @@ class Structure(ByValue):
     gaps : sequence of Gap or Stop
         Rigid walls and elastic stops, numbered from 0 in this order.
     friction : sequence of Friction
-        All studies of motions accept stops and friction, and so do `gradient` and `quantities`.
+        Friction contacts, numbered after all gaps and stops. All studies of motions accept stops and friction, as
+        do `gradient` and `quantities`.
     outputs : mapping of str to array_like (n,), optional
         Displacements of interest by name, each as a row of coefficients of the coordinates. Trajectories and
-        motions are sampled at them; responses, bifurcation diagrams, plots and CSV files show them by name.
+        motions can be sampled at outputs; responses, bifurcation diagrams, plots and CSV files show them by name.
     base : array_like (n,), optional
         Displacement of each coordinate when the base moves by 1 and nothing is deformed: the direction of
         `base_motion` and `base_record`.
     simultaneous : "newton", "sequence" or None
-        What happens when coupled gaps (an impulse on one changes the speed of another) close at the same instant,
+        What happens when coupled gaps (an impulse at one changes the speed of another) close at the same instant,
         or when a gap closes while one coupled with it rests. None: a SingularError. "sequence": one impact after
-        the other, always on the gap that is closing fastest, until none is closing. "newton": impulses >= 0 at all
-        closed gaps at once, after which none is closing and those with an impulse separate at R times the approach
-        speed; see the how-to on structures.
+        another, always at the gap that is closing fastest, until none is closing. "newton": simultaneous impulses
+        >= 0 at all closed gaps, after which none is closing and the gaps with an impulse separate at R times the
+        approach speed; see the how-to on structures.
 
     Attributes
     ----------
@@ -533,12 +534,12 @@ class Structure(ByValue):
     ) -> Structure:
         """A structure given by its modes; the modal amplitudes are the coordinates.
 
-        Define the points of interest as `outputs`: a modal amplitude is not a displacement.
+        Define the points of interest as `outputs`, because a modal amplitude is not a displacement.
 
         Parameters
         ----------
         frequencies : array_like (n,)
-            Circular frequencies of the modes, 0 allowed.
+            Circular frequencies of the modes; 0 is allowed.
         damping_ratios : array_like (n,)
             Damping ratio of each mode, 1 for critical damping.
         shapes : array_like (points, n)
@@ -546,7 +547,7 @@ class Structure(ByValue):
         gaps : sequence of Gap or Stop
             Their directions refer to the points: `direction` has one number per point.
         friction : sequence of Friction
-            Likewise.
+            Their directions likewise.
         outputs : mapping of str to array_like (n,), optional
             Displacements of interest by name, each given by the mode shapes at its point, such as a row of
             `shapes`.
@@ -644,8 +645,8 @@ class Structure(ByValue):
     def _arrays(self) -> tuple[_Array, _Array, _Array]:
         """Matrices (n, n, 3), directions (n, gaps), and openings with coefficients of restitution.
 
-        The last array is (2, gaps), or with laws (3 or more, gaps): the opening, then kind and numbers of each
-        law.
+        The last array is (2, gaps), or with laws (3 or more, gaps): the opening, then the kind and the numbers of
+        each law.
         """
         matrices = np.stack([self.mass, self.damping, self.stiffness], axis=-1)
         # f2py refuses arrays with two rows and no column: without gaps, one that never closes is used
@@ -965,7 +966,7 @@ class Load(ByValue):
         return Load(frequency, **parts, constant=self.constant * units.F0)
 
     def __add__(self, other: Load) -> Load:
-        """The sum of two loads: of one frequency, unless one of them is constant.
+        """The sum of two loads, which must have the same frequency unless one of them is constant.
 
         Examples
         --------

@@ -249,7 +249,7 @@ class Units:
         Raises
         ------
         ParameterError, ParameterTypeError
-            If they are not known.
+            If a unit is not known.
         """
         new = checked_names(names, "names")
         length, force, time = (
@@ -271,12 +271,12 @@ class Units:
         Returns
         -------
         float
-            1 for quantities without a dimension.
+            The factor; 1 for dimensionless quantities.
 
         Raises
         ------
         ParameterError
-            If it is not a product of powers of F0, K and omega.
+            If `unit` is not a product of powers of F0, K and omega.
         """
         factors = {"F0": self.F0, "K": self.K, "omega": self.omega}
         return math.prod(factors[name] ** power for name, power in powers_of(unit).items())
@@ -292,7 +292,7 @@ class Units:
         Returns
         -------
         str
-            The name; a unit without a dimension is returned as it is.
+            The name; a dimensionless unit is returned unchanged.
         """
         powers = powers_of(unit)
         if not powers:
@@ -405,7 +405,7 @@ class Units:
         Raises
         ------
         ParameterTypeError
-            If it is not a Motion.
+            If `motion` is not a Motion.
 
         Examples
         --------
@@ -434,7 +434,7 @@ class Units:
 
 
 def powers_of(unit: str) -> dict[str, int]:
-    """The powers of F0, K and omega in a unit; empty for a unit without them.
+    """The powers of F0, K and omega in a unit; empty for a unit that contains none of them.
 
     Examples
     --------
@@ -610,7 +610,7 @@ def converted_each(value: Any, name: str, convert: Callable[[Any], Any]) -> Any:
     Raises
     ------
     ParameterError
-        If some items have a unit and others have none. 0 needs no unit.
+        If some items have a unit and others do not. 0 needs no unit.
     """
     items = value.tolist() if isinstance(value, np.ndarray) else value
     nested = any(isinstance(item, (list, tuple)) for item in items)
@@ -647,8 +647,8 @@ def number_of(value: Any, name: str, unit: str, units: Callable[[], Units]) -> A
     Raises
     ------
     ParameterError
-        If the unit is unknown or of another kind, or a frequency in 1/s leaves open whether it means cycles or
-        radians.
+        If the unit is unknown or of another kind, or a frequency is in 1/s, which does not say whether cycles or
+        radians are meant.
     """
     if not has_unit(value):
         return value
@@ -681,7 +681,7 @@ def argument(osc: Any, value: Any, name: str, unit: str) -> Any:
     Parameters
     ----------
     osc : Oscillator
-        The system of the result; a structure has the units of its user, and its values have none here.
+        The system of the result; a structure is in the units of the user, so its values have no units here.
     """
     if isinstance(value, PLAIN) or osc is None or not has_unit(value):
         return value
@@ -763,14 +763,14 @@ def given_and_used(given: Any, used: Any) -> Iterator[tuple[str, float]]:
 
 @contextmanager
 def shown_as_given(values: Iterable[tuple[Any, Any]], osc: Any = None) -> Iterator[None]:
-    """Errors within name the values of arguments as they were given, then as dimensionless numbers.
+    """Make errors raised within this context name the values of arguments as given, then as dimensionless numbers.
 
     The rest of a message, with what is allowed, refers to dimensionless numbers.
 
     Parameters
     ----------
     values : iterable of (given, used)
-        Arguments with units, and what replaced them.
+        Arguments with units, and the values that replaced them.
     osc : Oscillator, optional
         The system, for the value of a starting motion.
     """
@@ -817,12 +817,12 @@ def units_of_system(system: Any) -> Units | None:
 
 
 def chosen_units(result: Any, system: Any, units: Units | str | None) -> Units:
-    """The units of a system, or those that were asked for, in which a result is given.
+    """The units in which a result is given: the requested ones, or those of the system.
 
     Raises
     ------
     ParameterError, ParameterTypeError
-        If the system does not know M, K and F0, or a unit is not known.
+        If M, K and F0 of the system are not known, or a unit is not known.
     """
     known = units_of_system(system)
     if known is None and not hasattr(system, "F0"):
@@ -836,7 +836,7 @@ def chosen_units(result: Any, system: Any, units: Units | str | None) -> Units:
 
 
 def place_text(osc: Any, r: float, clearance: float, digits: int = 6) -> str:
-    """A point of r and clearance as a text: in the units of the system, if it has them, then dimensionless.
+    """A point (r, clearance) as a text: in the units of the system, if it has any, then dimensionless.
 
     Examples
     --------
@@ -889,8 +889,8 @@ def wanted_figure(name: str) -> str:
 
 
 def own_number(value: Any, name: str, names: str = SI, label: str = "") -> Any:
-    """A value of a rig with a unit, converted to the named units of length, force and time; a value without one is
-    unchanged.
+    """A value of a rig with a unit, converted to the named units of length, force and time; a value without a unit
+    is unchanged.
 
     Frequencies are in cycles, except `omega`, which is in radians; `label` is the name for messages.
     """

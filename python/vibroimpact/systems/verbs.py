@@ -79,7 +79,7 @@ def every_system(
     of_structure: Callable[..., Any], kind: type | None = None,
     of_law: Callable[[dict[str, Any]], None] | None = None, along: tuple[str, ...] = (), no_point: str = "",
 ) -> Callable[[Callable[..., Any]], Callable[..., Any]]:  # fmt: skip
-    """A decorator of a function for oscillators: calls with a structure go to `of_structure`.
+    """Decorate a function for oscillators so that calls with a structure go to `of_structure`.
 
     Parameters
     ----------
@@ -89,13 +89,13 @@ def every_system(
         The class of the first argument for which `of_structure` is called, if it is not `Structure`.
     of_law : callable, optional
         Oscillators whose restitution depends on the speed or whose load is a `Load`, and points with friction or
-        stops, also go to `of_structure`. This function converts the arguments, by name, to those of a point and
-        those for structures. For such a point there is also the argument "point".
+        stops, also go to `of_structure`. `of_law` converts the arguments, by name, to those of a point and those
+        for structures. For such a point, the arguments also contain "point".
     along : tuple of str
         The parameter that the function varies, and others that a point makes superfluous. A point replaces the
         oscillator and the other arguments that it contains.
     no_point : str
-        What to give instead of a point, for functions that accept none.
+        What to give instead of a point, for functions that do not accept points.
     """
 
     def decorate(of_oscillator: Callable[..., Any]) -> Callable[..., Any]:
@@ -255,7 +255,8 @@ def of_plain_point(
 
 
 def factors_of(given: Mapping[str, Any], before: Mapping[str, Any]) -> dict[str, Any]:
-    """Uncertain parameters, with values of r, clearance and load that had a unit as factors of the nominal ones.
+    """Uncertain parameters, in which values of r, clearance and load that had a unit are factors of the nominal
+    values.
 
     Raises
     ------
@@ -278,9 +279,9 @@ def factors_of(given: Mapping[str, Any], before: Mapping[str, Any]) -> dict[str,
 
 
 def check_deviations(given: Mapping[str, Any], before: Mapping[str, Any]) -> None:
-    """Raises an error for a tolerance of a free parameter with a dimension that does not include 0.
+    """Raise an error for a tolerance, given in units, of a free parameter if its range does not include 0.
 
-    Its dimensionless numbers might include 1, and would then be factors.
+    Its dimensionless numbers might include 1, and would then be taken as factors.
     """
     free: Any = given.get("free") or {}
     for name, unit in PARAMETERS.items():
