@@ -51,7 +51,7 @@ def reached_figures(
     settling, keep : int
         Load cycles simulated before the evaluation, and load cycles evaluated; a record is evaluated as a whole.
     max_events : int
-        Events after which the simulation is given up; all figures are then inf.
+        Events after which the simulation is abandoned; all figures are then inf.
 
     Raises
     ------

@@ -36,27 +36,27 @@ def run(
     parameters: Mapping[str, str] | None = None, start: Mapping[str, Any] | None = None,
     little: bool = False,
 ) -> Found:  # fmt: skip
-    """Runs a study in the core and returns its result object.
+    """Run a study in the core and return its result object.
 
     Parameters
     ----------
     noun : class
         Class of the result; its `study` names the group.
     keys : mapping
-        Keys of the group; None for a key that is left out. `r` is that of &system.
+        Keys of the group; None for a key that is omitted. `r` belongs to &system.
     parameters : mapping, optional
-        The caller's names of keys and of words of the core, where they differ from those of the core.
+        The caller's names for keys and words of the core, where they differ.
     start : mapping, optional
         Keys of the &motion that the study starts from.
     little : bool
-        Whether the study takes so little time that it needs neither progress nor Ctrl-C.
+        Whether the study takes so little time that neither progress nor Ctrl-C needs handling.
 
     Raises
     ------
     ParameterError, ParameterTypeError
         With the message of the core and the caller's name of the parameter.
     OutOfMemoryError
-        The case needs more memory than is available.
+        If the case needs more memory than is available.
     StudyInterrupted
         After Ctrl-C, with the part that was finished.
     """
@@ -71,20 +71,20 @@ def run_structure(
     threads: int | None = None, progress: Progress | None = None,
     parameters: Mapping[str, str] | None = None, needs_frequency: bool = True, stops: bool = False,
 ) -> Found:  # fmt: skip
-    """Runs a study of a structure in the core and returns its result object.
+    """Run a study of a structure in the core and return its result object.
 
     Parameters
     ----------
     noun : class
         Class of the result; its `study` names the group.
     keys : mapping
-        Keys of the group; None for a key that is left out.
+        Keys of the group; None for a key that is omitted.
     threads, progress, parameters
         As in `run`.
     needs_frequency : bool
         Whether the load must have a frequency.
     stops : bool
-        Whether the study takes stops and friction.
+        Whether the study accepts stops and friction.
     """
     kinds = (Load,) if needs_frequency else (Load, type(None))
     check_load(structure, load, frequency=needs_frequency, kinds=kinds, stops=stops)
@@ -136,7 +136,8 @@ def run_text(
 ) -> Found:  # fmt: skip
     """The result object of the study whose case is `text`; errors as in `run`, in the terms of a namelist.
 
-    With `counters` the call runs in this thread, and another thread can stop it by setting their flag.
+    With `counters` the call runs in this thread, and another thread can stop it by setting the stop flag among the
+    counters.
     """
     study: str = noun.study  # type: ignore[attr-defined]
     checks.progress(progress)

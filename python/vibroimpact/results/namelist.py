@@ -87,10 +87,10 @@ def has_scales(text: str) -> bool:
 
 
 def keys_of(text: str) -> dict[str, Any]:
-    """The keys of a case with one `key = value` a line, and its kind.
+    """The keys of a case with one `key = value` per line, and its kind.
 
-    The kind is that of a &motion, else the name of the group that asks for the result; `motion_kind` is that of a
-    &motion before this group.
+    The kind is that of a &motion, otherwise the name of the group that requests the result; `motion_kind` is the
+    kind of a &motion before this group.
     """
     keys: dict[str, Any] = {}
     of_sweep = False

@@ -46,8 +46,8 @@ def result_class(study: str) -> type[Noun]:
 
 
 class column:  # noqa: N801 (a descriptor, written as property is)
-    """A column of a table as a read-only attribute; with `first` the column's own dimension comes first, else
-    last.
+    """A column of a table as a read-only attribute; with `first` the dimension of the column comes first,
+    otherwise last.
 
     `of_structure` names the table, and the column if it differs, in results of structures: "table" or
     "table.column". If results of the system lack the column, an AttributeError is raised.
@@ -148,7 +148,7 @@ class Savable:
 
     @classmethod
     def of_result(cls: type[Self], result: Result) -> Self:
-        """The object with these tables.
+        """The object that contains the given tables.
 
         Parameters
         ----------
@@ -208,7 +208,7 @@ class Savable:
         Raises
         ------
         errors.ParameterError, errors.ParameterTypeError
-            If the oscillator does not know M, K and F0, or a unit is not known.
+            If M, K and F0 of the oscillator are not known, or a unit is not known.
         """
         return ACTIONS["physical"](self, units)
 
@@ -307,7 +307,8 @@ class Savable:
         Raises
         ------
         errors.ParameterError, errors.ParameterTypeError
-            If the path does not end with a known extension, or the oscillator or a unit is not known.
+            If the path does not end with a known extension, or M, K and F0 of the oscillator or a unit are not
+            known.
         """
         ACTIONS["save"](self, path, units)
 
@@ -420,7 +421,7 @@ class Noun(Savable):
 
     @classmethod
     def of_result(cls: type[Self], result: Result) -> Self:
-        """The object with these tables.
+        """The object that contains the given tables.
 
         Parameters
         ----------
@@ -502,7 +503,7 @@ class Noun(Savable):
     def keys(self) -> dict[str, Any]:
         """The keys of the study and of &system with their values.
 
-        A key that the case of a file lacks raises an error that names it.
+        If the case of a file lacks a key, reading the key raises an error that names it.
         """
         if self.of_structure:
             groups = parts_of(self.case) or [("", {})]
@@ -553,7 +554,7 @@ class Noun(Savable):
         return ", ".join(own or dict.fromkeys(name for _, name in known))
 
     def to_namelist(self) -> str:
-        """The case as a namelist; from it the program, the command and Python compute identical digits.
+        """The case as a namelist, from which the program, the command and Python compute identical digits.
 
         Returns
         -------

@@ -32,10 +32,10 @@ LEAST = ("least_speed", "least_gap")
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Performance:
-    """Figures of many systems, each on the attractor that one initial state reaches.
+    """Performance figures of many systems, each on the attractor that one initial state reaches.
 
-    Lengths are in F0/K and times in 1/omega. Forces and accelerations are those between the impacts and at their
-    instants, without the impulses.
+    Lengths are in F0/K and times in 1/omega. Forces and accelerations are those between impacts and just before
+    and after them, without the impulses.
 
     Attributes
     ----------
@@ -86,7 +86,7 @@ def perform(
     max_events: int = 1_000_000, threads: int | None = None, progress: door.Progress | None = None,
     note: str = "", wanted: Iterable[str] = FIGURES,
 ) -> Performance:  # fmt: skip
-    """The figures of many systems.
+    """The performance figures of many systems.
 
     Parameters
     ----------
@@ -98,13 +98,13 @@ def perform(
         Load cycles after which a simulation without a period counts as settled, and the number of load cycles
         examined after that.
     max_events : int
-        Events after which a simulation is given up.
+        Events after which a simulation is abandoned.
     threads : int, optional
         Default: one for each processor. The result does not depend on it.
     progress : callable, optional
-        As for the studies; `note` is the text that it receives.
+        As for the studies; it receives `note` as its text.
     wanted : iterable of str
-        The figures that are computed, keys of `FIGURES`; the others are NaN.
+        The figures to compute, keys of `FIGURES`; the other figures are NaN.
 
     Raises
     ------

@@ -48,7 +48,7 @@ def later(values: NDArray[np.float64], cycles: float) -> tuple[float, float]:
 
 
 def state_of(system: System, now: Moment, begun: Moment) -> State:
-    """A moment as a dictionary.
+    """The state at a moment as a dictionary.
 
     `since` identifies the system and the state to which it belongs, and contains the start of the flight or rest.
     A simulation of the same system that starts from the unchanged state therefore continues bit for bit.
@@ -111,8 +111,8 @@ def as_numbers(state: Mapping[str, Any] | None) -> dict[str, float] | None:
 def completed_state(state: Mapping[str, Any]) -> dict[str, Any]:
     """A state of five numbers; missing ones are 0.
 
-    The keys that a `final_state` adds are valid only with all the others; if they are present, no key may be
-    missing.
+    The keys that a `final_state` adds are valid only together with all other keys: if they are present, no key may
+    be missing.
     """
     missing = [name for name in NEEDED if name not in state]
     unknown = [name for name in state if name not in (*NEEDED, *EXTRA, "since")]

@@ -170,7 +170,7 @@ def declared(
 ) -> dict[tuple[str, str], dict[str, Any]]:
     """The declarations of the columns of a study of oscillators, or of structures, by table and name.
 
-    A structure has the units of its user, so its columns have dimensionless units only if it is `scaled`.
+    A structure is in the units of the user, so its columns have dimensionless units only if it is `scaled`.
     """
     columns = language()["results"][study]["columns"]
     own = {(item["table"], item["name"]): item for item in columns if is_for(item, of_structure)}
@@ -295,7 +295,7 @@ def made(
     study: str, case: str, tables: Mapping[str, tuple[Sequence[str], Mapping[str, Any]]],
     remarks: tuple[str, ...] = (), cut: str = "", notes: Sequence[tuple[bool, str]] = (),
 ) -> Result:  # fmt: skip
-    """A result from arrays that the core has not computed.
+    """A result made from arrays that were not computed by the core.
 
     Parameters
     ----------
@@ -304,7 +304,7 @@ def made(
     case : str
         A namelist that gives the result, or "" if none does.
     tables : mapping
-        For each table the names of its dimensions, and its columns; columns that are None are omitted.
+        For each table, the names of its dimensions and its columns; columns that are None are omitted.
     notes : sequence of (bool, str)
         Lines for the user, each with a flag (True for a fault) and a text.
     """
