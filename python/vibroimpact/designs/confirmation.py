@@ -88,9 +88,9 @@ def edges_of(problem: Problem) -> _Array:
 
 
 def holds(problem: Problem, order: Order, values: Mapping[str, float]) -> bool:
-    """Whether in each part of the band a few samples meet all limits as often as the quantile asks.
+    """Whether, in each part of the band, a few samples meet all limits as often as the quantile requires.
 
-    It ends as soon as too many of a part do not.
+    The test ends as soon as too many samples of a part do not.
     """
     samples = Samples.drawn(problem, order, values, FEW, np.random.default_rng(CHECK))
     count = np.bincount(samples.part, minlength=len(edges_of(problem)) - 1)
@@ -152,9 +152,9 @@ def confirmed(
 
 
 def firmer(problem: Problem, order: Order, archive: Archive) -> tuple[Archive, Order]:
-    """The candidates judged by more units, frequencies and states, if those of the search were too few.
+    """The candidates, evaluated again with more units, frequencies and states if the search used too few.
 
-    They were too few if the chosen candidate meets the limit in the search, but too few samples meet it.
+    The search used too few if the chosen candidate meets the limit in the search but not in enough samples.
     """
     for _ in range(ROUNDS):
         best = archive.best

@@ -64,16 +64,18 @@ class Design(Noun, study="design", example=EXAMPLE):
         The same quantile of the largest ratio of a quantity to its limit; above 1, no candidate met all limits.
     converged : bool or None
         Whether the three best of the independent searches ended at the same level within 2 %; None with fewer than
-        three searches, or if samples contradicted the searches and candidates were judged again by more units.
+        three searches, or if samples contradicted the searches and candidates were evaluated again with more
+        units.
     searches : dict of ndarray
-        For each search: the number of its ``candidates`` judged by all units, and the best ``level``.
+        For each search: the number of its ``candidates`` that were evaluated for all units, and the best
+        ``level``.
     worst : float
         The worst target among all samples of the confirmation and all units of the search.
     samples, failed : int
-        Number of samples of the confirmation, and of those whose simulation was abandoned; the latter count as
-        bad.
+        Number of samples of the confirmation, and number of samples whose simulation was abandoned; the latter
+        count as violating the limits.
     probability : float
-        Share of the samples within the limit and all other limits; NaN without samples.
+        Share of the samples that meet all limits; NaN without samples.
     interval : (float, float)
         The 95 % confidence interval of the probability (Clopper–Pearson).
     bands : dict of ndarray
@@ -81,16 +83,17 @@ class Design(Noun, study="design", example=EXAMPLE):
         intervals hold for all parts simultaneously at 95 %. Shares of parts without samples are NaN.
     feasible : bool or None
         True if the lower ends of `interval` and of the intervals of all parts of the band are at least `quantile`,
-        False if one of the upper ends is below it, None if the samples do not decide.
+        False if one of the upper ends is below `quantile`, None if the samples do not decide.
     spread : dict
         Smallest, median and largest clearance, xi, mu, R1 and R2 of the units, and friction and properties of the
-        walls if they vary; an error for a host that is a function.
+        walls if they vary; it raises an error for a host that is a function.
     sensitivity : dict
         Derivatives of the target of the worst unit with respect to its parameters; empty if it has no periodic
         motion.
     candidates, front : ndarray
-        Structured arrays of all candidates that were judged by all units, and of the Pareto front: those that no
-        other candidate beats both in ``nominal`` (level of the unit without deviations) and in ``level``.
+        Structured arrays of all candidates that were evaluated for all units, and of the Pareto front: the
+        candidates that no other candidate beats both in ``nominal`` (level of the unit without deviations) and in
+        ``level``.
     case : str
         The case as a namelist; empty for a host that is a function.
     """
@@ -312,10 +315,10 @@ class Design(Noun, study="design", example=EXAMPLE):
 
     @property
     def asked(self) -> list[str]:
-        """The requirements besides the limit of the target, as sentences.
+        """The requirements other than the limit of the target, as sentences.
 
-        These are the band, the tolerances and the limits; only the band for a host that is a function and was read
-        from a file.
+        These are the band, the tolerances and the limits; for a host that is a function and a design that was read
+        from a file, only the band.
         """
         first, last = self.ends
         along = "Initial displacements" if self.target == "damping" else "Frequency ratios"
@@ -356,7 +359,7 @@ class Design(Noun, study="design", example=EXAMPLE):
     def confirm(
         self, samples: int = 100_000, rng: Rng = 1, progress: door.Progress | None = None
     ) -> Design:
-        """The same design judged by new samples: each is a unit at a random frequency and load.
+        """The same design confirmed by new samples: each is a unit at a random frequency and load.
 
         Parameters
         ----------
@@ -377,8 +380,8 @@ class Design(Noun, study="design", example=EXAMPLE):
         Raises
         ------
         ParameterError, ParameterTypeError
-            If an argument is not allowed, or the host, a function, is not known since the design was read from a
-            file.
+            If an argument is not allowed, or the host is a function that is not known because the design was read
+            from a file.
         KeyboardInterrupt
             After Ctrl-C.
         """
@@ -421,19 +424,19 @@ class Design(Noun, study="design", example=EXAMPLE):
         Parameters
         ----------
         ax : matplotlib Axes, optional
-            Axes for the share of good samples along the band, which alone is then drawn.
+            Axes for the share of samples that meet all limits along the band; only this panel is then drawn.
         units : Units or str, optional
             As in `Trajectory.plot`.
 
         Returns
         -------
         Axes, or an array of Axes
-            The five Axes; with `ax` this one.
+            All five Axes, or `ax` if it is given.
         """
         return self._draw(ax, units=units)
 
     def report(self, path: Any) -> None:
-        """Write a page with the answer, the chosen values and the pictures (extra `plot`).
+        """Write a page with the verdict, the chosen values and the pictures (extra `plot`).
 
         Parameters
         ----------
@@ -542,18 +545,18 @@ def design(
 ) -> Design:  # fmt: skip
     """The clearance, mass and restitution for which an impact damper works best over a band, including tolerances.
 
-    A candidate is judged by the `quantile` of the target over uncertain units, at the worst frequency of the band
-    and over the attractors that initial states reach. Global searches find the region, and steps down the
-    gradients of the worst units refine it (extra `design`); the searches end when three of them agree. The result
+    A candidate is evaluated by the `quantile` of the target over uncertain units, at the worst frequency of the
+    band and over the attractors that initial states reach. Global searches find the region, and descent along the
+    gradients of the worst units refines it (extra `design`); the searches end when three of them agree. The result
     is then confirmed by independent samples: each is a unit with random parameters at a random frequency and load
     of the band.
 
     Parameters
     ----------
     host : Oscillator or callable
-        An oscillator gives all parameters that are neither free nor uncertain. A function
-        ``host(r=..., load=..., **parameters)`` returns a Structure and its Load or Record; its parameters have the
-        names of `free` and `tolerance`.
+        An oscillator provides all parameters that are neither free nor uncertain. A function
+        ``host(r=..., load=..., **parameters)`` returns a Structure and its Load or Record; its parameters are
+        those named in `free` and `tolerance`.
     r : float or (float, float)
         The band of frequency ratios (for a function: of its argument r).
     free : dict
@@ -561,7 +564,7 @@ def design(
         travel of the free mass), ``mu`` (m/M, or the free mass, such as "0.05 kg"), ``xi``, ``restitution`` (the
         same on both walls), ``R1``, ``R2``; ``friction`` in the slot (over F0), ``wall_stiffness`` and
         ``wall_damping`` of both walls (over K and sqrt(K M)), with which units are simulated as structures. For a
-        function, any names; a ``range`` of whole numbers is for a number of units.
+        function, any names; a ``range`` stands for a whole number, such as a number of units.
     clearance : float, optional
         The clearance d K/F0, if it is not free.
     load : float, range, quantiles or distribution
@@ -574,25 +577,26 @@ def design(
     target : {'attenuation', 'displacement', 'rms', 'acceleration', 'force', 'damping'}
         The quantity to minimise: max|X|/A, max|X|, root mean square of X, greatest acceleration of the primary
         mass between impacts, greatest force on the base; all but the first in F0/K, omega^2 F0/K and F0. The
-        damping ratio of free vibration is maximised instead. A function supports all but the damping, for one
-        coordinate: the force is that of springs and dashpots on it.
+        target 'damping', the damping ratio of free vibration, is maximised instead. A function supports all
+        targets but this one, for one coordinate; the force is then that of springs and dashpots on this
+        coordinate.
     limit : float, optional
         Value of the target that must be reached.
     quantile : float
-        Share of the units that must reach it, 0.5 to 1. With 1 the search judges by the worst unit.
+        Share of the units that must reach it, 0.5 to 1. With 1, the worst unit counts in the search.
     limits : dict, optional
         Largest allowed ``speed`` of an impact, ``displacement``, ``rms``, ``acceleration``, ``force``, or modulus
         of the ``multiplier``; a simulation without a period violates a limit of the multiplier. Smallest allowed
         distances to boundaries: ``least_speed`` at an impact, and ``least_gap``, the distance from a wall that the
         free mass approaches without an impact; a simulation with rest violates both. A function supports all but
-        the last one, and under a Record no limit of the multiplier.
+        ``least_gap``, and under a Record no limit of the multiplier.
     over : {'worst', 'basins'}
         Whether the worst attractor of a unit counts, or each attractor weighted by the share of initial states
         that reach it.
     amplitude : float or (float, float), optional
         For the damping: displacements from which free vibration starts, instead of `r`.
     cycles : int
-        Oscillations over which that damping is averaged.
+        Oscillations over which this damping is averaged.
     coordinate : int or str
         For a structure: the coordinate whose motion counts, or the name of one of its outputs.
     states : int
@@ -605,7 +609,7 @@ def design(
         Largest number of independent global searches. They end when the best levels of three of them differ by at
         most 2 %; otherwise `Design.converged` is False.
     specimens, nodes : int
-        Numbers of units and frequencies by which the best candidates are judged.
+        Numbers of units and frequencies for which the best candidates are evaluated.
     settling, keep : int
         Load cycles after which a simulation without a period counts as settled, and load cycles then examined.
     rng : int, numpy.random.Generator or None
@@ -625,12 +629,12 @@ def design(
     Raises
     ------
     ParameterError, ParameterTypeError
-        The parameter, its value and what it must be.
+        If an argument is not allowed; the message names the parameter, its value and what is allowed.
     MissingExtraError
         If SciPy is not installed.
     KeyboardInterrupt
         After Ctrl-C, once candidates were judged: its attribute `result` is the best design so far, without
-        samples; if the first search was stopped, this design is judged by few units only.
+        samples; if the first search was stopped, this design was evaluated for few units only.
 
     Examples
     --------

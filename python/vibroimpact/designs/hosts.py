@@ -37,9 +37,9 @@ class StructureHost:
     target : str
         One of `TARGETS`; the attenuation is the greatest displacement over that of the structure without gaps.
     limits : mapping
-        Largest allowed figures, as `reached_figures` returns them. The least speed is a smallest allowed value.
+        Largest allowed figures, named as in `reached_figures`; for the least speed, the smallest allowed value.
     settling, keep : int
-        Load cycles before the evaluated ones, and evaluated load cycles; a record is evaluated as a whole.
+        Load cycles simulated before the evaluation, and load cycles evaluated; a record is evaluated as a whole.
     threads : int or None
     """
 
@@ -153,7 +153,7 @@ class StructureHost:
 
 @dataclass(frozen=True)
 class DecayHost:
-    """The oscillator in free vibration; its band is that of initial displacements, and its target -damping.
+    """The oscillator in free vibration; the band consists of initial displacements, and the target is -damping.
 
     Attributes
     ----------

@@ -21,7 +21,7 @@ NAMES = ("clearance", "mu", "xi", "restitution", "R1", "R2", *ELEMENTS)
 
 @dataclass(frozen=True)
 class Order:
-    """The settings of a design besides the problem.
+    """The settings of a design other than the problem.
 
     Attributes
     ----------

@@ -28,10 +28,10 @@ class Grid:
 
 
 class Pool:
-    """Candidates, and their targets and excesses for the pairs of a frequency and a unit that were simulated.
+    """Candidates, and their targets and excesses for the (frequency, unit) pairs that were simulated.
 
-    The quantile with targets of -inf and excesses of 0 for the other pairs is a lower bound of the level. Pairs
-    are simulated in the order of their risk: their targets at other candidates.
+    With targets of -inf and excesses of 0 for the other pairs, the quantile is a lower bound of the level. Pairs
+    are simulated in order of risk, that is, of their targets for other candidates.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class Pool:
     known : ndarray of bool (candidates, nodes, units)
         Which pairs were simulated; these arrays have room for further candidates.
     bounds : ndarray (candidates,)
-        Levels of complete candidates, and lower bounds of those of others.
+        Levels of complete candidates, and lower bounds of the levels of other candidates.
     risk : ndarray (nodes, units)
     """
 
@@ -100,9 +100,9 @@ class Pool:
         return np.flatnonzero(self.known[: len(self.values)].all(axis=(1, 2)))
 
     def order(self) -> _Indices:
-        """All pairs, as indices into (nodes, units), in the order of falling risk.
+        """All pairs, as indices into (nodes, units), in order of decreasing risk.
 
-        The units that together decide the level at a frequency follow each other.
+        Units that together determine the level at a frequency are adjacent.
         """
         falling = -np.sort(-self.risk, axis=1)
         key = np.minimum(self.risk, falling[:, [self.spare]])
@@ -128,10 +128,11 @@ class Pool:
     def race(
         self, some: _Indices, limits: _Array | float, within: _Mask | None = None, least: int = 1
     ) -> _Array:  # fmt: skip
-        """Judges candidates by pairs until these are exhausted or a level is certainly above its limit; returns
+        """Evaluate candidates pair by pair until no pair is left or a level is certainly above its limit; return
         their `bounds`.
 
-        The parts that are simulated at once grow from `least` pairs threefold; without limits there is one.
+        The batches that are simulated together start with `least` pairs and triple in size; without limits there
+        is a single batch.
         """
         order, begin = self.order(), 0
         if within is not None:

@@ -60,7 +60,7 @@ class Host(Protocol):
 
 @dataclass(frozen=True)
 class OscillatorHost:
-    """The oscillator of 1983 under a harmonic load.
+    """The oscillator of the 1983 paper under a harmonic load.
 
     Attributes
     ----------
@@ -187,7 +187,7 @@ class Problem:
     load : Uncertain
         Amplitude of the load.
     quantile : float
-        The quantile over the units by which the design is judged; 1 for the worst unit.
+        The quantile over the units by which a design is evaluated; 1 for the worst unit.
     weighted : bool
         Whether each initial state counts separately (by basins), or only the worst state of a unit.
     limited : bool
@@ -212,7 +212,7 @@ class Problem:
         return len(self.tolerance) + 1
 
     def units(self, candidate: _Array, shares: _Array) -> tuple[dict[str, _Array], _Array]:
-        """Parameters (n,) by name and loads (n,) of units of a candidate.
+        """Parameters (n,) by name, and loads (n,), of units of a candidate.
 
         Parameters
         ----------
@@ -240,7 +240,8 @@ class Problem:
         Parameters
         ----------
         pairs : ndarray (candidates, nodes, units), optional
-            Which pairs of a frequency and a unit are simulated; the targets of others are -inf, their excesses 0.
+            Which (frequency, unit) pairs are simulated; the targets of the other pairs are -inf, and their
+            excesses 0.
         """
         shape = len(candidates), len(nodes), shares.shape[1]
         states = places.shape[1]

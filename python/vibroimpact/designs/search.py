@@ -32,23 +32,23 @@ MANY = 256
 
 @dataclass
 class Archive:
-    """All candidates that were judged by all units of the search.
+    """All candidates that were evaluated for all units of the search.
 
     Attributes
     ----------
     values : list of ndarray (free,)
     nominal, level : list of float
-        Level of the unit without deviations, and level of all units; a design above its limits has a penalty.
+        Level of the unit without deviations, and level of all units, with a penalty for a design above its limits.
     excess, worst : list of float
         Level of the largest ratio of a figure to its limit, and the largest target.
     tried, bounds : list of ndarray (free,), and of float
-        All candidates that were judged by some of these units, and lower bounds of their levels.
+        All candidates that were evaluated for some of these units, and lower bounds of their levels.
     searches : list of (int, float)
-        For each search: the number of its candidates here, and the best level.
+        For each search: the number of its candidates in this archive, and the best level.
     stopped : bool
         Whether Ctrl-C ended the searches.
     judged_again : bool
-        Whether the candidates are those of searches by fewer units.
+        Whether the candidates come from searches with fewer units.
     grid, targets : Grid, ndarray (nodes, units, states)
         Of the best candidate.
     """
@@ -114,7 +114,7 @@ class Archive:
 def grid(problem: Problem, units: int, nodes: int, states: int) -> Grid:
     """Units from a Sobol sequence, the first without deviations, and frequencies including both ends of the band.
 
-    They do not depend on the seed of a design: levels of designs with different seeds can be compared.
+    They do not depend on the seed of a design, so that the levels of designs with different seeds can be compared.
     """
     qmc = scipy("stats", "a design", "design").qmc
 
@@ -157,16 +157,16 @@ def levels_of(problem: Problem, target: _Array, excess: _Array) -> tuple[_Array,
 
 
 def search(problem: Problem, order: Order, progress: door.Progress | None) -> Archive:
-    """Run the searches; returns the candidates judged by all units. The best one has the lowest level.
+    """Run the searches; return the candidates evaluated for all units. The best one has the lowest level.
 
     Independent global searches are run one after another until the best levels of three of them agree: searches
-    that missed the best region are unlikely to end at one level.
+    that missed the best region are unlikely to end at the same level.
 
     Parameters
     ----------
     order : Order
-        Units, nodes and initial states by which the best candidates are judged, see `grid`; the global search uses
-        few units.
+        Units, nodes and initial states for which the best candidates are evaluated, see `grid`; the global search
+        uses few units.
     """
     fine, coarse = grids(problem, order)
     archive = Archive()
@@ -194,8 +194,8 @@ def search(problem: Problem, order: Order, progress: door.Progress | None) -> Ar
 def explored(pool: Pool, order: Order, number: int, progress: door.Progress | None) -> None:
     """One global search by differential evolution.
 
-    Each candidate takes the place of an earlier one if it is not worse: it is judged until its level is certainly
-    above the level of that one. The random numbers depend only on the seed of the order and the number of the
+    Each candidate replaces an earlier candidate if it is not worse: it is evaluated until its level is certainly
+    above that of the earlier one. The random numbers depend only on the seed of the order and the number of the
     search.
     """
     problem = pool.problem
@@ -268,12 +268,12 @@ def foreseen(known: Grid, target: _Array, grid: Grid) -> _Array:
 
 
 def refined(pool: Pool, candidates: _Array, levels: _Array, progress: door.Progress | None) -> None:
-    """Find the best candidate, and descend from there; at least one is judged by all pairs of a frequency and a
-    unit.
+    """Find the best candidate, and descend from it; at least one candidate is evaluated for all (frequency, unit)
+    pairs.
 
-    More units and frequencies hardly lower a level: the known levels of candidates count as lower bounds. Steps
-    are made by the active pairs alone, those of the greatest risk. The best candidates are then judged by all, and
-    pairs that raise a level become active.
+    More units and frequencies hardly lower a level, so the known levels of candidates count as lower bounds. Steps
+    use only the active pairs, which are those of the greatest risk. The best candidates are then evaluated for all
+    pairs, and pairs that raise a level become active.
     """
     low, high = np.array(list(pool.problem.free.values()), dtype=float).T
     pool.add(*_promising(candidates, levels, high - low, 64))
@@ -314,12 +314,12 @@ def _least(pool: Pool, pairs: _Mask) -> int:
 
 
 def descended(pool: Pool, here: int, active: _Mask, steps: int = 8) -> int:
-    """Steps from a candidate that reduce the largest of the linearized targets, within a trust region; returns the
-    best one by the active pairs.
+    """Step from a candidate so as to reduce the largest of the linearized targets, within a trust region; return
+    the candidate that is best for the active pairs.
 
     Each step is a linear program over the worst units. The level jumps where motions appear or vanish: after the
-    best point of the linear program, some others are tried at which the linearized targets are lower, too; without
-    derivatives random points alone.
+    optimum of the linear program, some other points are tried at which the linearized targets are also lower;
+    without derivatives, only random points are tried.
     """
     linprog = scipy("optimize", "a design", "design").linprog
 
@@ -365,9 +365,9 @@ def gradients(
     problem: Problem, grid: Grid, here: _Array, target: _Array, most: int = 6
 ) -> list[tuple[float, dict[str, float]]]:
     """Targets of the worst units of a candidate (free,), and their derivatives with respect to the parameters;
-    those to the free ones are finite.
+    derivatives with respect to free parameters are finite.
 
-    Empty if they have no periodic motions that can be followed.
+    Empty if the units have no periodic motions that can be followed.
 
     Parameters
     ----------

@@ -23,12 +23,12 @@ def asked_of(
     host: Any, r: Any, free: Mapping[str, Any], tolerance: dict[str, Uncertain], limits: Mapping[str, Any],
     load: Uncertain, coordinate: int | str, keys: Mapping[str, Any], threads: int | None,
 ) -> tuple[Problem, Order]:  # fmt: skip
-    """The problem and the order, after all checks that need no structure.
+    """The problem and the settings of the design, after all checks that need no structure.
 
     Raises
     ------
     ParameterError, ParameterTypeError
-        The argument, its value and what it must be.
+        If an argument is not allowed; the message names the argument, its value and what is allowed.
     """
     if not callable(host):
         raise ParameterTypeError(
