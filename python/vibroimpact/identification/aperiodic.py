@@ -1,8 +1,8 @@
-"""The parameters of a rig from the single flights of a record that is not periodic: chaos, transients, rests.
+"""The parameters of a rig from the individual flights of a record that is not periodic: chaos, transients, rests.
 
-The laws of momentum and restitution at each impact, between two flights of the free mass, are equations between
-measured quantities: the states of the flights of the primary mass just before and after the impact, and of the
-neighbouring ones. The parameters must satisfy these equations within the errors of the measured quantities.
+The laws of momentum and restitution at each impact, between two flights of the free mass, relate measured
+quantities: the states of the flights of the primary mass just before and after this impact and the neighbouring
+impacts. The parameters must satisfy these equations within the errors of the measured quantities.
 """
 
 from __future__ import annotations
@@ -258,7 +258,7 @@ class Impacts:
 
     @np.errstate(all="ignore")
     def settled(self, change: _Array, eta: _Array, g: _Array, judge: bool) -> Minimum:
-        """The minimum reached by steps from given parameters and states.
+        """The minimum reached by iteration from given parameters and states.
 
         With `judge`, impacts that do not follow the laws are discarded during the iteration.
         """
@@ -334,12 +334,12 @@ class Impacts:
             )
 
     def minima(self) -> list[Minimum]:
-        """The minima, the lowest first.
+        """The minima, lowest first.
 
-        Within the errors of the states, the equations of an impact that hardly changes its flights, or is just
-        before or after another impact, are not linear: a gap that closes slowly may close at two times. The time
-        of each such impact is moved in both directions (impacts far enough apart are moved together), and states
-        near it are replaced if they then fit better.
+        If an impact hardly changes the flights that it separates, or is just before or after another impact, its
+        equations are not linear within the errors of the states: a gap that closes slowly may close at two times.
+        The time of each such impact is moved in both directions (impacts far enough apart are moved together), and
+        states near the impact are replaced if they then fit better.
         """
         N = self.flown.times.size
         best = self.settled(np.zeros(self.flown.free.size), np.zeros((N + 1, 2)), self.g, True)
@@ -505,10 +505,10 @@ def by_laws(
 
 
 def possible(found: Fit, count: int) -> None:
-    """Raises an error if parameters are outside their possible range by more than their errors; otherwise limits
-    them to it.
+    """Raise an error if parameters are outside their possible range by more than their errors; otherwise limit
+    them to this range.
 
-    The equations of a few similar impacts also have solutions that are physically impossible.
+    The equations for a few similar impacts also have solutions that are physically impossible.
     """
     bounds = {"xi": (0.0, 0.9), "mu": (0.0, LARGEST_MASS), "d": (0.0, math.inf)}
     bounds |= {name: (0.0, 1.0) for name in found.values if name[0] == "R"}

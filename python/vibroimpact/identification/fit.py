@@ -80,9 +80,9 @@ def fit(
 ) -> Fit:  # fmt: skip
     """Fit exact motions to the flights of one or more records.
 
-    `known` are the shared parameters that are not fitted; `M` or `K` and the load of a record determine its F0/K.
-    `near` contains motions to start from; by default the fit starts from the picked impacts. A `rough` fit, from
-    which another one starts, need not converge.
+    `known` are the shared parameters that are not fitted; `M` or `K`, together with the load of a record,
+    determine its F0/K. `near` contains motions to start from; by default the fit starts from the picked impacts. A
+    `rough` fit, which only provides a start for another fit, need not converge.
     """
     law = law or Law()
     count = len(records)

@@ -1,9 +1,9 @@
 """The flights of the primary mass between impacts, from a periodic record.
 
-Between impacts the primary mass is a damped oscillator under the load, for any shape of the contact pulses.
-Therefore the record, folded over its period, is compared with exact flights outside the pulses; the lengths of the
-pulses are determined from the data. Modes that ring after the impacts, and an offset of the sensor, are fitted and
-projected out.
+Between impacts the primary mass is a damped oscillator under the load, whatever the shape of the contact pulses.
+The record is therefore folded over its period and compared with exact flights outside the pulses; the lengths of
+the pulses are determined from the data. Modes that ring after the impacts, and an offset of the sensor, are fitted
+and projected out.
 """
 
 from __future__ import annotations
@@ -133,10 +133,10 @@ def since(places: _Array, angles: _Array, data: Measured) -> _Array:
 
 
 def faded(pole: complex, places: _Array, angles: _Array, data: Measured) -> tuple[_Array, _Complex]:
-    """Times from the latest impacts at some angles to some places, and exp(pole t) of them (n, N).
+    """Times since the latest impacts, as from `since`, and exp(pole t) at these times (n, N).
 
-    The exponential of a sum is a product, so that few have to be computed, unless one of its factors would
-    overflow.
+    The exponential of a sum is a product, so that few exponentials have to be computed, unless one of the factors
+    would overflow.
     """
     whole = 2 * math.pi * data.k
     tau = places[:, None] - angles
@@ -289,7 +289,7 @@ def medians(values: _Array, place: NDArray[np.int64], numbers: NDArray[np.int64]
 
 
 def unpredicted(values: _Array, past: int) -> _Array:
-    """The error of predicting a periodic sequence from its past, relative to the scatter.
+    """The error in predicting a periodic sequence from its past, relative to the scatter.
 
     Flights and ringing are damped waves, in which each value is a linear combination of earlier values; only an
     impact cannot be predicted.

@@ -1,8 +1,9 @@
 """Exact motions of a rig with dry friction in its slot, and the effect of friction on a record.
 
-Friction pushes the free mass against its slip, and the primary mass along with it. The force is constant between
+Friction opposes the slip of the free mass and drags the primary mass along with it. The force is constant between
 impacts and reversals of the slip, at which it changes its sign. The response of the primary mass to such a force
-is a sum of closed forms, as that to impulses: the derivative of its response to a step is that to an impulse.
+is a sum of closed forms, like its response to impulses: the derivative of the response to a step is the response
+to an impulse.
 """
 
 from __future__ import annotations
@@ -34,8 +35,8 @@ LEAST = 1e-9
 class Rubbing(System):
     """The data shared by all motions of a record with friction in the slot.
 
-    Their last parameter is the friction over F0. Where the slip reverses is unknown, as are angles and jumps of
-    the impacts; the slip is zero there.
+    The last parameter is the friction over F0. The angles at which the slip reverses are unknown, like the angles
+    and jumps of the impacts; the slip is zero there.
     """
 
     def steps(self, flight: _Ints) -> tuple[_Array, _Array]:

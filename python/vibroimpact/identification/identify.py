@@ -55,7 +55,7 @@ class Boundary(NamedTuple):
     parameter : str
         "r" or "clearance".
     value, distance : float
-        Value of the parameter at the boundary, and its relative distance from that of the motion.
+        Value of the parameter at the boundary, and its relative distance from the value at the motion.
     """
 
     type: str
@@ -65,7 +65,7 @@ class Boundary(NamedTuple):
 
 
 class Identification(Noun, study="identify"):
-    """The parameters of a rig that are determined by its records, and the steps that lead to them.
+    """The parameters of a rig that its records determine, and the steps that lead to them.
 
     All values are in SI units. With several records, attributes of a single record refer to the first one;
     `records` is the number of records.
@@ -78,13 +78,13 @@ class Identification(Noun, study="identify"):
         impacts, as far as possible.
     values, errors : dict
         The parameters by name (M, K, omega, xi, mu, R1, R2, d, F0, F0/K), and the standard errors of those that
-        were fitted; infinite if the records do not determine a parameter. Laws of restitution add their own
-        parameters.
+        were fitted; infinite if the records do not determine a parameter. Laws of restitution add parameters of
+        their own.
     undetermined : list of str
-        Names of the parameters that the records do not determine. Their values only complete the fitted motion:
+        Names of the parameters that the records do not determine. Their values only complete the fitted motion;
         other values fit equally well.
     oscillator : Oscillator or None
-        The identified system, with its units if M and K are among the values. With a law its coefficients of
+        The identified system, with its units if M and K are among the values. With a law, its coefficients of
         restitution are those at the speed v0.
     restitution : (Restitution, Restitution) or None
         Restitution of the right and of the left wall; a law is a `PowerLaw`, limited to 1, or a
@@ -98,11 +98,12 @@ class Identification(Noun, study="identify"):
         The exact motion with these parameters, with its multipliers and verdicts; with a law, or under a load
         with harmonics, it is a motion of ``oscillator.structure``.
     impact_times : ndarray (impacts,)
-        Times of all impacts that were picked in the record, s.
+        Times of all impacts that were detected in the record, s.
     impact_sides : ndarray (impacts,) of str
-        Their walls.
+        Walls of these impacts.
     impact_phases, impact_phase_errors : ndarray (N,)
-        Load phases of the impacts of a period, refined below the sample, and their standard errors (radians).
+        Load phases of the impacts of a period, resolved to less than a sampling interval, and their standard
+        errors (radians).
     misfit : float
         Sum of squares of the weighted residuals over the degrees of freedom; about 1 if the model holds. If it is
         larger, errors are multiplied by its square root.
@@ -112,7 +113,7 @@ class Identification(Noun, study="identify"):
         Effects that the stated errors do not include: the changes of parameters with a known value or with the
         load phase, if they exceed two errors.
     good : bool
-        Whether parameters were fitted and there is no doubt about them. If not, the errors are not valid, and
+        Whether parameters were fitted and there are no doubts about them. If not, the errors are not valid, and
         `identify` warns with a `PoorFitWarning`.
     """
 
@@ -364,7 +365,7 @@ class Identification(Noun, study="identify"):
     def nearest_boundary(self, record: int = 0) -> Boundary | None:
         """The nearest boundary of the zone of the identified motion, along r or along the clearance.
 
-        The motion is followed in both directions over half and twice the clearance, and over 0.9 and 1.1 r.
+        The motion is followed in both directions, to half and twice the clearance, and to 0.9 r and 1.1 r.
 
         Parameters
         ----------
@@ -408,7 +409,7 @@ class Identification(Noun, study="identify"):
         Returns
         -------
         Axes, or an array of Axes
-            The Axes of the panel, or those of all panels.
+            The Axes of the panel, or of all panels.
         """
         return self._draw(ax, kind, record)
 
@@ -536,33 +537,33 @@ def identify(
 ) -> Identification:
     """Identify the parameters of a rig from records of its load and of the motion of its primary mass.
 
-    The load gives frequency, phase and amplitude. The record is folded over the least number k of load cycles that
-    its scatter from period to period does not reject. An impact is detected where the motion differs from the
-    prediction from its past. Between impacts the primary mass is a damped oscillator under the load. Such flights,
-    with jumps of the velocity at fitted instants, and modes that ring after the impacts, are fitted outside the
-    pulses, whose lengths are determined from the data. Neither the shape of the contact pulse nor a delay of the
-    motion sensor therefore matters. Exact motions are then fitted to the same data, weighted by the scatter of the
-    samples. If the record is not periodic, each flight has its own state, and the parameters follow from momentum
-    and restitution at the impacts between flights.
+    The load gives frequency, phase and amplitude. The record is folded over the smallest number k of load cycles
+    that is consistent with the scatter from period to period. An impact is detected where the motion differs from
+    the prediction from its past. Between impacts the primary mass is a damped oscillator under the load. Flights
+    of this form, with velocity jumps at fitted instants, and modes that ring after the impacts are fitted outside
+    the pulses, whose lengths are determined from the data. Therefore neither the shape of the contact pulse nor a
+    delay of the motion sensor matters. Exact motions are then fitted to the same data, weighted by the scatter of
+    the samples. If the record is not periodic, each flight has its own state, and the parameters follow from
+    momentum and restitution at the impacts between flights.
 
     Parameters
     ----------
     record : SensorRecord, path, or list of them, optional
-        One or several records of one rig, fitted together; without it, a record is made from the following
+        One or several records of the same rig, fitted together; without it, a record is made from the following
         arguments.
     rate : float
         Sampling rate, Hz.
     load, acceleration, velocity, displacement : array_like (n,)
         The load, and one quantity of the motion of the primary mass.
     units : mapping, optional
-        Unit by channel, as in `SensorRecord`.
+        Units by channel, as in `SensorRecord`.
     bandwidth, delay, range, noise : float or mapping, optional
         As in `SensorRecord`: a number for the motion channels, or a mapping with values by channel.
     impact_times : array_like (impacts,)
-        Times of impacts (s), instead of records of the motion; with `frequency`, `load_phase` if it is known, and
-        known M and K, or omega.
+        Times of impacts (s), instead of records of the motion; with `frequency`, with `load_phase` if it is known,
+        and with known M and K, or omega.
     impact_sides : str or sequence of str
-        Walls of these impacts, R or L each; by default they alternate, from the right wall on.
+        Walls of these impacts, each R or L; by default they alternate, starting with the right wall.
     frequency : float, optional
         Load frequency (Hz); by default it is determined from the load or, without a load channel, from the motion.
     load_phase : float, optional
@@ -570,55 +571,60 @@ def identify(
     known : mapping, optional
         Known values, in SI units: M, K, C, m, d (the whole travel of the free mass), F0, omega, xi, mu, R1, R2,
         and for a law exponent and knee (m/s), or exponent1, exponent2, knee1 and knee2. A value that is not known
-        exactly has a standard error, as in ``K=(42e3, 420)`` or ``K=("42 kN/m", "1 %")``; its effect, by two
-        further fits with the value one standard error higher and lower, becomes part of all errors. Near a
-        resonance, a stiffness that is 1 % wrong may change xi by many times its statistical error unnoticed.
+        exactly has a standard error, as in ``K=(42e3, 420)`` or ``K=("42 kN/m", "1 %")``; its effect, obtained
+        from two further fits with the value one standard error higher and lower, becomes part of all errors. Near
+        a resonance, a stiffness that is wrong by 1 % may change xi by many times its statistical error without
+        being noticed.
     start : Oscillator, optional
-        Starting values of the fit for what the records do not give; xi = 0.01, mu = 0.05 and R = 0.7 by default.
+        Starting values of the fit for parameters that the records do not give; xi = 0.01, mu = 0.05 and R = 0.7 by
+        default.
     law : {"constant", "power", "powers", "knee", "knees", "table", "tables"}
-        The law of the coefficients of restitution over the approach speed v; in the plural each wall has its own
-        law. "power": R1 (v/v0)^-exponent and R2 (v/v0)^-exponent, a `PowerLaw` far above its knee. "knee": a
-        `PowerLaw` of sharpness 2, which is R1 and R2 at the speed v0, with its `exponent` and its speed `knee`.
-        "table": linear between knots, R[1] at the speed v[1] and so on, and constant beyond them. Plurals:
-        exponent1, knee1 and R1[1] on the right wall, exponent2, knee2 and R2[1] on the left one. A law requires
-        impacts of different speeds, from records at different loads or within one period. Parameters that they do
-        not determine are listed in `undetermined`.
+        The law of the coefficients of restitution as a function of the approach speed v; with a name in the
+        plural, each wall has its own law. "power": R1 (v/v0)^-exponent and R2 (v/v0)^-exponent, a `PowerLaw` far
+        above its knee. "knee": a `PowerLaw` of sharpness 2, with the values R1 and R2 at the speed v0, the
+        `exponent` and the speed `knee`. "table": linear between knots, R[1] at the speed v[1] and so on, and
+        constant beyond them. With plurals, the parameters are exponent1, knee1 and R1[1] on the right wall, and
+        exponent2, knee2 and R2[1] on the left one. A law requires impacts of different speeds, from records at
+        different loads or within one period. Parameters that the impacts do not determine are listed in
+        `undetermined`.
     law_speed : float, optional
         Speed v0 in m/s; by default the geometric mean of the approach speeds of all impacts.
     law_knots : int, optional
-        Number of knots of a table, 3 by default, 20 at the most. They are quantiles of the approach speeds; the
-        outer ones lie a little beyond the range of the speeds.
+        Number of knots of a table, 3 by default, at most 20. The knots are quantiles of the approach speeds; the
+        outermost knots lie slightly beyond the range of the speeds.
     friction : float, str or True, optional
         Known dry friction of the free mass in its slot, as a fraction of F0 or a force such as "0.3 N"; True: it
-        is fitted, and an error is raised if the record does not determine it. Either requires one periodic record
-        and constant coefficients of restitution. By default there is none, which is tested.
+        is fitted, and an error is raised if the record does not determine it. Both require a single periodic
+        record and constant coefficients of restitution. By default no friction is assumed, and this assumption is
+        tested.
     calibration : float
-        Relative standard error of the calibration of each sensor, 1 % by default; 0 if they are exact. It is part
-        of all errors: gain errors of load and motion change xi at a resonance, and a gain error of the motion
-        changes lengths.
+        Relative standard error of the calibration of each sensor, 1 % by default; 0 if the calibrations are exact.
+        It is part of all errors: gain errors of load and motion change xi at a resonance, and a gain error of the
+        motion changes lengths.
     progress : callable, optional
-        Called with the share of the work that is done and the next task; by default a bar shows them on a terminal
-        or in a notebook if the call takes more than two seconds.
+        Called with the fraction done and the next task; by default, if the call takes more than two seconds, a bar
+        shows them on a terminal or in a notebook.
 
     Returns
     -------
     Identification
-        The parameters with their errors, the fitted motions, and doubts if there are any.
+        The parameters with their errors, the fitted motions, and any doubts.
 
     Raises
     ------
     ParameterError, ParameterTypeError
-        If an argument is not allowed, or a record is unusable: clipped, samples missing, too short, channels
-        in the wrong order, units that do not agree.
+        If an argument is not allowed, or a record is unusable: it is clipped or too short, samples are missing,
+        channels are in the wrong order, or units do not agree.
     SingularError
-        If there is no motion near the picked impacts.
+        If there is no motion near the detected impacts.
     MissingExtraError
         If SciPy is not installed (extra `identify`).
 
     Warns
     -----
     PoorFitWarning
-        If the fit does not describe the records to within their noise, or they contradict the known values.
+        If the fit does not describe the records to within their noise, or if the records contradict the known
+        values.
 
     Examples
     --------

@@ -40,7 +40,7 @@ class Doubted(NamedTuple):
     value, error : float
         In SI units.
     scale, shared : dict of str to float
-        The derivatives of the values that `known_values` returns with respect to it.
+        The derivatives of the values that `known_values` returns with respect to this value.
     """
 
     name: str

@@ -32,7 +32,7 @@ CORNER = 1e-5
 
 @dataclass(frozen=True)
 class Law:
-    """The law of the coefficients of restitution over the approach speed v.
+    """The law of the coefficients of restitution as a function of the approach speed v.
 
     constant: R1 and R2. power: R1 (v/v0)^-p and R2 (v/v0)^-p. knee: R1 ((v^2 + w^2)/(v0^2 + w^2))^(-p/2), a
     `PowerLaw` with the knee w. table: linear between knots, and constant beyond them. impacts: one number for each
@@ -145,11 +145,11 @@ class Law:
     def restitution(
         self, values: Mapping[str, float], unit: float = 1.0
     ) -> tuple[Restitution, Restitution]:
-        """Restitution of the right and of the left wall, over speeds in a given unit (m/s).
+        """Restitution of the right and of the left wall, as a function of speeds in a given unit (m/s).
 
-        A power law is returned as a `PowerLaw` whose knee is the speed where it is 1 or, if it is nearly constant,
-        a thousandth of v0. A law that is not a `PowerLaw` (R grows with the speed, or is above 1 at low speeds) is
-        returned as a table from v0/100 to 100 v0.
+        A power law is returned as a `PowerLaw` whose knee is the speed at which the power law is 1 or, if it is
+        nearly constant, a thousandth of v0. A law that is not a `PowerLaw` (R grows with the speed, or is above 1
+        at low speeds) is returned as a table from v0/100 to 100 v0.
         """
         right, left = (
             self._wall(wall, [values[name] for name in self.of_wall(wall)], unit) for wall in (0, 1)

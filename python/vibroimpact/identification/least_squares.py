@@ -19,13 +19,13 @@ def levenberg(
     accepted: Callable[[], None] = lambda: None, low: float | _Array = -math.inf, high: float | _Array = math.inf,
     most: int = MOST_ITERATIONS,
 ) -> tuple[_Array, _Array, _Array, bool]:  # fmt: skip
-    """The Levenberg–Marquardt method: returns the point, its residuals and their derivatives, and whether it
-    converged.
+    """The Levenberg–Marquardt method; return the point, its residuals and their derivatives, and whether the
+    iteration converged.
 
     `function` returns residuals and derivatives, or raises an error of the package where they do not exist.
     Directions along which the residuals change by less than `weak` over a step of `scales` are not changed.
-    `accepted` is called after each accepted step, at the point where the function was evaluated last. No point is
-    below `low` or above `high`; the number of steps is limited.
+    `accepted` is called after each accepted step, at the point where the function was last evaluated. All points
+    lie between `low` and `high`; the number of steps is limited.
     """
     x = start.copy()
     f, J = function(x)

@@ -75,7 +75,7 @@ def factor_of(channel: str, unit: str) -> float:
 def unit_named(unit: object, known: Iterable[str]) -> str | None:
     """The known unit that a text names, in any spelling; None if there is none.
 
-    Capital and small letters count only if they distinguish two of the units, such as mN and MN.
+    Case matters only where it distinguishes two of the units, such as mN and MN.
 
     Examples
     --------
@@ -102,11 +102,11 @@ class SensorRecord:
     Parameters
     ----------
     rate : float or str
-        Sampling rate, samples a second; or with a unit, such as "10 kHz".
+        Sampling rate, samples per second; or with a unit, such as "10 kHz".
     load : array_like (n,), optional
         The load on the primary mass.
     acceleration, velocity, displacement : array_like (n,), optional
-        The motion of the primary mass: one or several of the three.
+        The motion of the primary mass: one or several of these three quantities.
     units : mapping, optional
         Units of the channels by name, such as ``{"load": "lbf", "acceleration": "g"}``; N, m/s^2, m/s and m by
         default. The arrays are converted to these.
@@ -116,13 +116,14 @@ class SensorRecord:
         only. A channel that is not named is not filtered. Here and below, values may have units, such as
         "600 Hz", "2 ms" or "50 m/s^2".
     delay : float or mapping, optional
-        Delay of a channel (s) in addition to that of its low-pass, for example of a separate clock, by channel.
+        Delay of a channel (s) in addition to that of its low-pass, for example due to a separate clock, by
+        channel.
     range : float or mapping, optional
         Largest magnitude that a channel can show, in its unit, by channel. `identify` rejects a record with a
         sample at or beyond it.
     noise : float or mapping, optional
         Root mean square of the noise of a channel, in its unit, by channel. In fits of periodic motions, the
-        errors of samples are at least this.
+        errors of samples are at least this large.
     start : float
         Time of the first sample, s.
     name : str
@@ -131,7 +132,8 @@ class SensorRecord:
     Raises
     ------
     ParameterError, ParameterTypeError
-        If an argument is not allowed: samples are missing (NaN), lengths differ, a unit is unknown.
+        If an argument is not allowed, for example because samples are missing (NaN), lengths differ, or a unit is
+        unknown.
 
     Examples
     --------
@@ -234,7 +236,7 @@ class SensorRecord:
         Returns
         -------
         ndarray of complex
-            Measured over true value, in the shape of the frequencies.
+            Ratio of measured to true value, in the shape of the frequencies.
         """
         late = np.exp(-2j * math.pi * self.delay.get(channel, 0.0) * np.asarray(frequency))
         response: NDArray[np.complex128] = (
@@ -243,7 +245,7 @@ class SensorRecord:
         return response
 
     def lowpass_lag(self, channel: str) -> float:
-        """Delay of a channel by its low-pass (s), far below its -3 dB frequency.
+        """Delay of a channel due to its low-pass (s), far below its -3 dB frequency.
 
         Parameters
         ----------
@@ -259,7 +261,7 @@ class SensorRecord:
         return 0.0 if bandwidth is None else delay_of(bandwidth)
 
     def lag(self, channel: str) -> float:
-        """Total delay of a channel (s), as far as its low-pass and its delay are known.
+        """Total delay of a channel (s), as far as its low-pass and its additional delay are known.
 
         Parameters
         ----------

@@ -1,9 +1,9 @@
-"""Exact motions of a rig under a load with harmonics, with coefficients of restitution by a law, and their
-derivatives.
+"""Exact motions of a rig under a load with harmonics, with coefficients of restitution that follow a law, and
+their derivatives.
 
 With the angles and jumps of the impacts given, the motion of the primary mass is a sum of closed forms: the steady
 motion under the load, and the periodic response to impulses. Momentum and restitution at each impact are then two
-equations, which Newton's method solves. All derivatives are computed by complex steps, which have no difference
+equations, which Newton's method solves. All derivatives are computed by complex steps, which have no cancellation
 errors.
 """
 
@@ -41,8 +41,8 @@ FARTHEST = 0.3
 class Impacting(NamedTuple):
     """The impacts of a period: angles Omega t, jumps of the velocity of the primary mass, approach speeds,
     coefficients of restitution; derivatives of angles and jumps with respect to all parameters (2, N, P). With
-    friction in the slot also the angles at which the slip reverses, the impacts before these, and the response to
-    friction at the places of the record with its derivatives (n, P), and as a function of angles."""
+    friction in the slot, also the angles at which the slip reverses, the impacts before these reversals, and the
+    response to friction at the samples of the record with its derivatives (n, P), and as a function of angles."""
 
     angles: _Array
     jumps: _Array
@@ -74,8 +74,8 @@ class System:
     ) -> tuple[Any, Any, Any]:
         """Both equations of each impact (..., 2N), approach speeds and coefficients of restitution.
 
-        The parameters `p` (P, ...), angles and jumps (..., N) may be complex. Of several points `rows` are those
-        with different angles, omega or xi, and `of` is the place among them of each point.
+        The parameters `p` (P, ...), angles and jumps (..., N) may be complex. Among several points, `rows` selects
+        those with different angles, omega or xi, and `of` is the index in `rows` for each point.
         """
         omega, xi, mu, d, static, phase, *walls = (value[..., None] for value in p)
         X, V = self.loaded(omega, xi, static, phase, angles)

@@ -112,21 +112,22 @@ def read_record(
 
     Channels are recognised by their names (load or force, acceleration, velocity, displacement and common short
     forms), or by their units. A name may end with its unit: ``acc (g)``, ``acc_g``, ``time_ms``, ``shaker_N``. A
-    warning names the channels that are not read, and endings that are no known unit.
+    warning names the channels that are not read, and endings that are not known units.
 
     Parameters
     ----------
     path : path, dict or list of dict
         A file: .csv or .txt (columns, with a header such as ``time (s), load (N), acceleration (g)``), .wav and
         .mat (extra `identify`), .nc (extra `data`), .json (SEP005), .uff, .unv, .uf (universal files, sets 58;
-        extra `uff`). Or signals in memory by SDyPy's SEP005: dicts with name, data, unit_str, and fs or time.
+        extra `uff`). Or signals in memory in the form of SDyPy's SEP005: dicts with name, data, unit_str, and fs
+        or time.
     rate : float, optional
         Sampling rate (Hz) of a file that has neither times nor a rate; a value that differs from the rate of the
         file is rejected.
     channels : str or sequence of str, optional
-        The channels in their order: load, acceleration, velocity, displacement, time, or none.
+        The channels in order: load, acceleration, velocity, displacement, time, or none.
     units : str or sequence of str, optional
-        Their units, in their order; by default those of the file, else SI.
+        The units of the channels, in the same order; by default those of the file, otherwise SI.
     bandwidth : float, mapping or sequence of float, optional
         As in `SensorRecord`: a number for the motion channels, values by channel, or one value for each channel of
         the file, in order (0: not known).
@@ -144,8 +145,8 @@ def read_record(
     Raises
     ------
     ParameterError, ParameterTypeError
-        If there is no such file, it is not of its format, samples are missing or irregular, a channel is not
-        known, or channels have different rates or are not sampled at the same times.
+        If there is no such file, its content does not match its format, samples are missing or irregular, a
+        channel is not known, or channels have different rates or are not sampled at the same times.
     MissingExtraError
         If the library that reads the format is not installed.
 
@@ -403,12 +404,12 @@ def endings(name: str) -> list[str]:
 
 
 def unit_in(name: str, label: str) -> str:
-    """The unit with which the name of a channel ends, as in acc_g; "" without one.
+    """The unit with which the name of a channel ends, as in acc_g; "" if it ends with none.
 
     Raises
     ------
     ParameterError
-        If the name ends with a unit of something else.
+        If the name ends with a unit of another quantity.
     """
     known = SECONDS if label == "time" else UNITS[label]
     ends = endings(name)

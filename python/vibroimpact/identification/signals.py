@@ -172,8 +172,9 @@ def spikes(
 ) -> tuple[_Array, _Array]:
     """Times (0 in the middle) and signs of the spikes of an acceleration, accurate to about one sample.
 
-    A high-pass filter at a share of the bandwidth removes load, motion and most of the ringing. If the bandwidth
-    is not known, contacts may last for many samples: then spikes in means over several samples are looked for.
+    A high-pass filter at a fraction of the bandwidth removes load, motion and most of the ringing. If the
+    bandwidth is not known, contacts may last for many samples: spikes are then sought in means over several
+    samples.
     """
     signal = scipy("signal", "the picking of impacts")
     each = 1 if bandwidth else max(1, round(rate * SHORT))
@@ -216,7 +217,8 @@ class Repetition(NamedTuple):
     """The periodicity of a signal: the number of load cycles of a period (0: not periodic), the scatter of a
     sample about the periodic mean, the factor by which the noise is stronger at low frequencies, and the factor by
     which parts of the record differ beyond that, both as ratios of variances; and a number of load cycles after
-    which differences between periods repeat, as if the record were too short to show its period (0: none)."""
+    which differences between periods repeat, which suggests that the record is too short to show its period (0:
+    none)."""
 
     cycles: int
     noise: float
@@ -229,10 +231,10 @@ def period_of(values: _Array, rate: float, omega: float) -> Repetition:
     """The number of load cycles after which a signal repeats, and its scatter.
 
     It is the smallest k that no other number of cycles rejects, at a confidence of seven standard deviations: the
-    residual of the mean over periods of k cycles has no mean over other periods that its scatter does not explain.
-    If all are rejected, as by noise that is not white, it is the smallest k whose scatter is close to the smallest
-    one. A period of which the record has fewer than LEAST_PERIODS must also leave clearly less scatter, and that
-    nearly white, as chaos does not.
+    residual of the mean over periods of k cycles has no mean over other periods that the scatter does not explain.
+    If all k are rejected, for example because the noise is not white, it is the smallest k whose scatter is close
+    to the smallest scatter. If the record contains fewer than LEAST_PERIODS periods, the period must also leave
+    much less scatter, and this scatter must be nearly white, which is not so for chaos.
     """
     turns, part, cycle = places_of(values.size, rate, omega)
     most, longest, compared = (

@@ -33,10 +33,11 @@ def with_friction(
     found: tuple[list[Step], Fit | None, Law], scale: Mapping[str, float], shared: Mapping[str, float],
     guess: Mapping[str, float], friction: float | None,
 ) -> tuple[list[Step], Fit, Law]:  # fmt: skip
-    """The fit with a known friction over F0, or (None) with a fitted one, from a fit without friction.
+    """The fit with a known friction over F0, or with a fitted friction (None), starting from a fit without
+    friction.
 
     Friction acts between the impacts, where the primary mass would fly freely. Flights are therefore fitted to the
-    record without the response to friction of the motion fitted before, and so on until it does not change.
+    record minus the response to friction of the previously fitted motion, until this response no longer changes.
     """
     (step, *_), plain, law = found
     given = "friction = True" if friction is None else f"friction = {friction:g}"

@@ -122,8 +122,8 @@ def alone(
     """The fit to one record.
 
     Near a fold or a pitchfork, beyond which no exact motion exists, a fit may stop before it reaches the values
-    from the flights alone. It is then repeated with other damping ratios, for which the linear equations give
-    other starting parameters.
+    obtained from the flights alone. It is then repeated with other damping ratios, for which the linear equations
+    give other starting parameters.
     """
     M, K = scale.get("M"), scale.get("K")
     best: Fit | None = None
@@ -160,10 +160,10 @@ def from_phases(
     step: Step, data: Measured, scale: Mapping[str, float], constant: dict[str, float],
     guess: Mapping[str, float], law: Law, rough: bool,
 ) -> Fit | None:  # fmt: skip
-    """The fit to a record for which Newton's method fails, or finds another motion, if it starts from the flights.
+    """The fit to a record for which Newton's method, started from the flights, fails or finds another motion.
 
     Each start uses the linear equations for the phases of the impacts, which need no guess, with several damping
-    ratios and coefficients of restitution. The result is None if none leads to a motion.
+    ratios and coefficients of restitution. The result is None if no start leads to a motion.
     """
     assert step.free is not None
     own = law if law.kind == "constant" else Law("impacts", data.angles.size)
@@ -186,8 +186,8 @@ def halved(
 ) -> tuple[list[Step], Fit] | None:  # fmt: skip
     """The fit of motions of half the period, started from a motion of the whole period; None if there is none.
 
-    A fit with twice the period has more freedom and may succeed where the other fails. If the shorter period
-    describes the record equally well, it is the right one.
+    A fit with twice the period has more freedom and may succeed where the fit with the true period fails. If the
+    shorter period describes the record equally well, it is the right one.
     """
     others = [copy(step) for step in steps]
     try:
@@ -215,8 +215,8 @@ def twice_as_long(
     steps: Sequence[Step], single: tuple[list[Step], Fit | None, Law], scale: Mapping[str, float],
     shared: dict[str, float], guess: dict[str, float], law: Law, law_speed: float | None,
 ) -> tuple[list[Step], Fit, Law] | None:  # fmt: skip
-    """The fit of motions of twice the period to a record whose impacts, by its single flights, repeat, although no
-    motion of the period that was found describes it; None if there is none.
+    """The fit of motions of twice the period to a record whose impacts repeat according to its individual flights,
+    although no motion of the period that was found describes it; None if there is none.
 
     Where the two halves of a period are nearly equal, only the flights of a short record distinguish them.
     """
@@ -272,11 +272,11 @@ def from_single(
     steps: list[Step], single: tuple[list[Step], Fit | None, Law], scale: Mapping[str, float],
     shared: Mapping[str, float],
 ) -> tuple[list[Step], Fit, Law] | None:  # fmt: skip
-    """The fit of motions started from the parameters of the single flights; None if it does not describe the
+    """The fit of motions started from the parameters of the individual flights; None if it does not describe the
     record.
 
-    Near a pitchfork or a flip a fit may have reached the motion of which the right one branches off, and stay on
-    it.
+    Near a pitchfork or a flip, a fit may have reached the motion from which the correct motion branches off, and
+    may stay on it.
     """
     data, (_, near, law) = steps[0].data, single
     assert data is not None
@@ -308,10 +308,11 @@ def identified_by(
     steps: list[Step], scale: Mapping[str, float], shared: dict[str, float], guess: dict[str, float],
     law: Law, law_speed: float | None, progress: Callable[[float, str], None] | None = None,
 ) -> tuple[list[Step], Fit | None, Law]:  # fmt: skip
-    """The steps with their flights and the fit of exact motions or, for records that have none, of single flights.
+    """The steps with their flights and the fit of exact motions or, for records without exact motions, of
+    individual flights.
 
-    If there is no exact motion, the weakest impact may not be an impact, or the motion may not be quite periodic,
-    or the period may be twice as long. `progress` receives the share of all possible attempts, most of which are
+    If there is no exact motion, the weakest impact may be spurious, or the motion may not be quite periodic, or
+    the period may be twice as long. `progress` receives the share of all possible attempts, most of which are
     seldom needed.
     """
     given = scale, shared, guess, law, law_speed

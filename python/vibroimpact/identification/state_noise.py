@@ -22,9 +22,9 @@ def noise_information(equations: Any, here: _Array, spread: _Array, seed: int) -
     """The spurious information that errors of the states add to the information on the parameters.
 
     The derivatives of the constraints are evaluated at states with errors, so that they vary from impact to impact
-    even if the true states do not, as for a periodic motion. Adding errors of the same size once more adds the
-    same amount again; this measures the effect. The errors are drawn from the remaining errors of the states under
-    the constraints.
+    even if the true states do not, as for a periodic motion. Adding errors of the same size a second time adds the
+    same amount again, which measures the effect. The errors are drawn from the remaining errors of the states
+    under the constraints.
     """
     banded_solve = scipy("linalg", "the fit of impacts").solveh_banded
     random = np.random.default_rng(seed)
@@ -57,8 +57,8 @@ def noise_information(equations: Any, here: _Array, spread: _Array, seed: int) -
 def without_noise(information: _Array, of_noise: _Array) -> _Array:
     """Derivatives J such that J'J is the information on the parameters without the part that noise adds.
 
-    With the information I, of which I - N is that of states without errors, the covariance of the parameters is
-    (I - N)^-1 I (I - N)^-1. Directions for which the share of noise exceeds MOST_NOISE are not determined.
+    With the information I, of which I - N remains for states without errors, the covariance of the parameters is
+    (I - N)^-1 I (I - N)^-1. Directions in which the share of noise exceeds MOST_NOISE are not determined.
     """
     size, axes = np.linalg.eigh(information)
     size = np.maximum(size, 1e-14 * max(float(size[-1]), 1e-300))

@@ -57,8 +57,8 @@ def held_strains(
 
     `by` (equations, names) are derivatives of the constraints with respect to known values; `multiplier` are the
     residuals of the constraints over their covariance `cov` (bands); `B` are their derivatives with respect to the
-    fitted parameters, whose covariance without `spread` is `covariance`; `change` is the difference of the common
-    parameters from those of the flights alone.
+    fitted parameters, whose covariance without `spread` is `covariance`; `change` is the difference between the
+    common parameters and their values from the flights alone.
     """
     F, H = flown.free.size, len(flown.held)
     slope, own = np.zeros(len(names)), np.zeros((len(names), len(names)))

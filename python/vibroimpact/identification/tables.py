@@ -595,13 +595,13 @@ def widened(
     parameters: dict[str, list[Any]], steps: list[Step], found: Fit | None, scale: Mapping[str, float],
     doubted: Mapping[str, tuple[Doubted, Mapping[str, float]]],
 ) -> Fit | None:  # fmt: skip
-    """Adds the errors of known values to those of all parameters that depend on them: `doubted` has the changes of
-    all values over a standard error of each.
+    """Add the errors of known values to those of all parameters that depend on them: `doubted` contains the
+    changes of all values when each known value changes by one standard error.
 
     Returns
     -------
     Fit or None
-        The fit without doubts and remarks about differences that these errors explain.
+        The fit without those doubts and remarks that concern differences explained by these errors.
     """
     variances = np.square(parameters["error"])
     of_known: dict[str, float] = {}

@@ -40,7 +40,7 @@ GRAVITY = 9.80665
 
 @dataclass(frozen=True, kw_only=True)
 class VirtualRig:
-    """A rig on a shaker; its records are made from the simulated motion as sensors would make them.
+    """A rig on a shaker, whose records are made from the simulated motion as sensors would record it.
 
     The primary mass M on spring K and dashpot C is driven by ``F0 sin(2 pi frequency t)`` with harmonics; the free
     mass m travels d between two walls. All values are in SI units, or in any consistent units whose unit of time
@@ -63,7 +63,7 @@ class VirtualRig:
     rate : float
         Sampling rate, Hz.
     snr : float or None
-        Ratio of signal to white noise in each channel, dB, of rms values; None: no noise.
+        Ratio of the rms values of signal and white noise in each channel, dB; None: no noise.
     bandwidth : float
         -3 dB frequency (Hz) of the sensors of load and motion, which are Butterworth low-passes of order 4.
     ring_frequency, ring_damping, ring_share : float
@@ -296,11 +296,11 @@ class VirtualRig:
             Seed of the noise, the initial load phase and the load amplitude, or a generator from which a seed is
             drawn; None: another seed in each call.
         quantity : {"acceleration", "velocity", "displacement"}
-            The quantity that the sensor of the motion measures.
+            The quantity that the motion sensor measures.
         settle : float
             Load cycles before the record begins.
         motion : Motion, optional
-            A motion of the rig with which the record begins; by default the simulation begins at rest.
+            A motion of the rig from which the record begins; by default the simulation begins at rest.
 
         Returns
         -------

@@ -1,8 +1,8 @@
-"""The single flights of a record that is not periodic, between the impacts that its spikes show.
+"""The individual flights of a record that is not periodic, between the impacts that its spikes indicate.
 
 During each flight between two impacts the primary mass is a damped oscillator under the load, with its own state.
 Therefore each flight is fitted separately, outside the pulses, and the shared parameters (natural frequency,
-damping, load, ringing) are fitted to all flights together. An impact is where two flights meet.
+damping, load, ringing) are fitted to all flights together. An impact is the point where two flights meet.
 """
 
 from __future__ import annotations
@@ -178,10 +178,10 @@ class Windows:
         return rows.T
 
     def basis(self, common: _Array) -> _Array:
-        """At the used samples, rows of the basis motions of each flight (2 + 2 modes), of these multiplied by the
-        time since the impact (as many; that of the primary mass is the derivative with respect to its pole), of
-        the derivatives with respect to omega, xi, static and phase under the load alone, of the offset, and of
-        the record without the load."""
+        """At the samples used, rows of the basis motions of each flight (2 + 2 modes), of these multiplied by the
+        time since the impact (the same number; for the primary mass this is the derivative with respect to its
+        pole), of the derivatives with respect to omega, xi, static and phase under the load alone, of the offset,
+        and of the record without the load."""
         poles, (omega, xi, static, phase, offset) = self.poles(common), common[:5].tolist()
         since, q = self.since[self.used], len(poles)
         rows = np.empty((4 * q + 6, since.size))
@@ -499,11 +499,11 @@ class Windows:
         return both[0], both[1], both[2]
 
     def crowded(self, states: _Array) -> _Bool:
-        """Impacts whose pulse, relative to the jump, differs from the others, so that another impact is hidden in
-        it.
+        """Impacts whose pulse, relative to the jump, differs from that of the others, so that another impact is
+        hidden in it.
 
-        No flight shows such an impact. It would change the equations of its neighbours by less than their random
-        errors, but would still shift the parameters by several errors.
+        No flight shows such a hidden impact. It would change the equations of its neighbours by less than their
+        random errors, but would still shift the parameters by several errors.
         """
         jumps = self.jumps_of(states)
         # the contact itself may look different in each sample
