@@ -1,9 +1,9 @@
 """Proofs for all parameters in a box: unknowns as Taylor models, Krawczyk's operator around them, verdicts.
 
 Given the phase theta of the steady motion A sin(theta) at an impact of a motion with one flight in half a period,
-everything else, including the clearance, follows from linear equations. In units of A cos(theta) all lengths,
-speeds and [Q] are polynomials of tan(theta). So `tangent` may be a parameter, with the clearance in these units
-as an unknown.
+everything else, including the clearance, follows from linear equations. In units of A cos(theta), all lengths,
+speeds and [Q] are polynomials in tan(theta). Therefore `tangent` may be a parameter, with the clearance in these
+units as an unknown.
 """
 
 from __future__ import annotations
@@ -52,9 +52,9 @@ NO_REBOUND = "R = 0: the masses do not separate after an impact"
 
 
 def sizes_of(states: _Array) -> _Array:
-    """The size of each unknown of an impact: 1 for the phases, the largest magnitude for the others.
+    """The size of each unknown of an impact: 1 for the phases, the largest magnitude for the other unknowns.
 
-    One that vanishes in the motion, as X' without losses, still needs room.
+    An unknown that vanishes in the motion, such as X' without losses, still needs a nonzero size.
     """
     largest = np.abs(states).max(axis=0)
     largest[1:] = np.maximum(largest[1:], LEAST * largest[1:].max())
@@ -76,11 +76,11 @@ class Family:
     Attributes
     ----------
     values : dict of str
-        The texts of xi, mu, r, clearance, load; for those that vary, the initial value.
+        The texts of xi, mu, r, clearance, load; for parameters that vary, the initial value.
     walls : tuple of str
         The texts of the coefficients of restitution of all impacts.
     sides, cycles, symmetric
-        As of a certificate. The impacts of symmetric motions are those of half a period.
+        As in a certificate. The impacts of symmetric motions are those of half a period.
     """
 
     values: Mapping[str, str]
@@ -96,7 +96,7 @@ class Family:
         Raises
         ------
         ParameterError
-            If the equations do not apply: the motion is of a structure, has rest, or has no load.
+            If the equations do not apply because the motion belongs to a structure, has rest, or has no load.
         """
         if motion.of_structure:
             raise ParameterError(
@@ -168,7 +168,7 @@ class Box:
     radii : list of list of float
         All such distances that are proven, in ascending order.
     error : list
-        Balls; the distance within which that motion lies.
+        Balls that bound the distance within which this motion lies.
     middle : ndarray (4 impacts, 1 + parameters)
         The unknowns at the middle and their change to the upper end of each parameter.
     effects : ndarray
@@ -426,9 +426,9 @@ def cover(
     start: Callable[[Box], _Array] | None = None,
     told: Callable[[float], None] | None = None,
 ) -> list[Box]:
-    """Proven boxes in order, and those not proven after the given numbers of halvings and boxes.
+    """Proven boxes in order, and boxes not proven after the given numbers of halvings and boxes.
 
-    `told` is called with the share of the box that is done.
+    `told` is called with the fraction of the box that is done.
     """
     found, waiting = [], [box]
     tried, done = 0, 0.0

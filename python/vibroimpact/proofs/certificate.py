@@ -25,12 +25,12 @@ FORMAT = 1
 
 @dataclass(frozen=True, repr=False)
 class Certificate:
-    """What is proven about motions: one, or those for all parameters of some boxes.
+    """What is proven about one motion, or about the motions for all parameters in some boxes.
 
     Certificates come from `Motion.prove`, `Branch.prove`, `Zone.prove`, `prove_box` and `prove_all`. They hold for
     the decimal texts of the parameters: 0.028 is the rational number 28/1000 and not the nearest double. All
-    numbers in the JSON are exact, and every rounding of the computation is in the bounds (ball arithmetic of
-    FLINT).
+    numbers in the JSON are exact, and the bounds include every rounding error of the computation (ball arithmetic
+    of FLINT).
 
     Attributes
     ----------
@@ -38,32 +38,32 @@ class Certificate:
         "motion", "branch", "box", "zone" or "all".
     sides : str
     cycles : int
-        The word of the motion and the load cycles in its period; for "all" the words, and the most load cycles.
-        For a motion of a structure the numbers of the gaps of all impacts.
+        The word of the motion and the load cycles in its period; for "all", the words and the largest number of
+        load cycles. For a motion of a structure, the word consists of the numbers of the gaps of all impacts.
     symmetric : bool
-        Whether the motions are their own mirror images half a period later, and proven by that half.
+        Whether the motions are their own mirror images half a period later, and are proven over that half.
     system : dict
-        The texts of xi, mu, r, clearance, load, and of restitution, a list with one for each impact; for "all"
-        those of the right and of the left wall. For a structure mass, damping, stiffness, gaps (direction,
-        opening, restitution), frequency, sine, cosine and constant of the load, and impacts: the gap of each.
+        The texts of xi, mu, r, clearance and load, and of restitution, a list with one text for each impact; for
+        "all", one for the right and one for the left wall. For a structure: mass, damping, stiffness, gaps
+        (direction, opening, restitution), frequency, sine, cosine and constant of the load, and impacts: the gap
+        of each.
     sheets : list of dict
-        The regions that the boxes cover: (lowest, highest) of each parameter that varies, as texts. For a motion
-        one that is empty; for a branch one for each part between folds. For a zone r and
-        tan(theta), for cos(theta) > 0 and < 0, where A sin(theta) is the steady motion at an impact on the right.
-        For "all" the ``sides`` and ``cycles`` of each word.
+        The regions that the boxes cover: (lowest, highest) of each parameter that varies, as texts. For a motion,
+        one empty region; for a branch, one for each part between folds. For a zone, r and tan(theta), for
+        cos(theta) > 0 and for cos(theta) < 0, where A sin(theta) is the steady motion at an impact on the right
+        wall. For "all", the ``sides`` and ``cycles`` of each word.
     boxes : list of dict
-        ``sheet``, the number of the region, and ``parameters``, the part of it; ``centre``, psi, X, X', Z' just
-        after each impact (for a structure t, q, q'), as coefficients of polynomials of the parameters on [-1, 1],
-        and ``radius``, around it, in which there is one and only one motion (with `symmetric` one and only one
-        symmetric motion);
-        ``exists, admissible, stable``, True, False or None; bounds ``multipliers_below`` or
-        ``multipliers_above``, of max|lambda|, and ``attenuation_below``, of max|x|/A; None where they are not
-        proven.
+        ``sheet``, the number of the region, and ``parameters``, the part of the region; ``centre``, psi, X, X', Z'
+        just after each impact (for a structure t, q, q'), as coefficients of polynomials in the parameters on [-1,
+        1], and ``radius``, the distance from the centre within which there is one and only one motion (with
+        `symmetric` one and only one symmetric motion); ``exists, admissible, stable``, True, False or None;
+        ``multipliers_below`` or ``multipliers_above``, bounds of max|lambda|, and ``attenuation_below``, a bound
+        of max|x|/A; None where they are not proven.
     undecided : list of dict
-        ``reason``: what is not proven, and why; ``parameters`` where it is so. For "all" the ``times`` between
-        impacts, as parts of the period, with which there may be other motions of the word ``sheet``.
+        ``reason``: what is not proven, and why; ``parameters``: where this is so. For "all", the ``times`` between
+        impacts, as fractions of the period, for which there may be other motions of the word ``sheet``.
     seconds : float
-        Time of the computation.
+        Computing time.
 
     Examples
     --------
@@ -142,26 +142,26 @@ class Certificate:
         Returns
         -------
         bool or None
-            True if one is proven to exist, False if it is proven that there is none; None if neither is proven,
-            and outside the window.
+            True if such a motion is proven to exist, False if it is proven that there is none; None if neither is
+            proven, and outside the window.
         """
         place = checks.finite(r, "r"), checks.finite(clearance, "clearance")
         found: bool | None = self._plane.decide(*place)
         return found
 
     def shares(self) -> dict[str, float]:
-        """For a zone: the parts of the window (r, log D) "inside", "outside" and "undecided", summed on lines.
+        """For a zone: the fractions of the window (r, log D) "inside", "outside" and "undecided".
 
         Returns
         -------
         dict of float
-            The three parts by name; their sum is 1.
+            The three fractions by name, summed along lines; together they are 1.
         """
         found: dict[str, float] = self._plane.shares()
         return found
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw a certificate of a zone: proven inside, proven outside, and not decided areas.
+        """Draw a certificate of a zone: areas proven to be inside, proven to be outside, and undecided.
 
         Parameters
         ----------
@@ -247,7 +247,7 @@ class Certificate:
         return facts_html(repr(self), facts)
 
     def to_dict(self) -> dict[str, Any]:
-        """Everything as plain Python values, ready for JSON; exact numbers are strings.
+        """All attributes as plain Python values, ready for JSON; exact numbers are strings.
 
         Returns
         -------

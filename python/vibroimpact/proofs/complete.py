@@ -70,10 +70,10 @@ def prove_all(
     osc: Oscillator, r: float, clearance: float, max_impacts: int = 3, max_cycles: int = 1, *,
     progress: Callable[[float, str], None] | None = None,
 ) -> Certificate:  # fmt: skip
-    """Prove which are all motions at a point, of all orders of a few impacts (extra `proof`).
+    """Find all motions of a few impacts at a point, and prove that there are no others (extra `proof`).
 
     Given the times between the impacts, everything else follows from linear equations. Boxes of these times are
-    halved until each is proven to hold no motion, or one that is proven to exist and to be the only one in it.
+    halved until each is proven to contain no motion, or exactly one motion, which is proven to exist.
 
     Parameters
     ----------
@@ -86,13 +86,13 @@ def prove_all(
     max_cycles : int, optional
         Load cycles in a period, 1 to 4.
     progress : callable, optional
-        Called with the share done and the word; by default a bar on a terminal or in a notebook.
+        Called with the fraction done and the word; by default a bar on a terminal or in a notebook.
 
     Returns
     -------
     Certificate
-        `boxes` holds the motions, and `complete` says whether no other motion of these words with an approach at
-        each impact exists. If it is False, `undecided` says where there may be others.
+        `boxes` contains the motions. `complete` is True if no other motion of these words with an approach at each
+        impact exists; if it is False, `undecided` says where there may be others.
 
     Raises
     ------
@@ -238,13 +238,13 @@ class Found:
 
 @dataclass
 class Search:
-    """The results of a search of all times of a word.
+    """The results of a search over all times of a word.
 
     Attributes
     ----------
     found : list of Found
     open : list
-        Boxes of times that are not decided.
+        Boxes of times that are undecided.
     boxes : int
     """
 
@@ -298,8 +298,8 @@ def ends_of(ball: Any) -> tuple[float, float]:
 
 
 def reduced(word: Word, box: list[Any], found: list[Found]) -> tuple[list[Any] | None, bool]:
-    """The part of a box that contains all of its motions not found so far, and whether the linear equations may
-    be singular in it; None if there are none.
+    """The part of a box that contains all of its motions not found so far, and whether the linear equations may be
+    singular in this part; None if there are no such motions.
 
     Motions that are found are added to the search.
     """
@@ -461,8 +461,8 @@ def dot(one: Sequence[Any], two: Sequence[Any]) -> Any:
 def fixed_bound(matrix: Sequence[Sequence[Any]], right: Sequence[Any]) -> list[Any] | None:
     """A bound of |y| for all y = right - matrix y; None if there may be no bound.
 
-    |y| <= |right| + |matrix| |y| and a bound that exceeds |right| + |matrix| bound: the spectral radius of
-    |matrix| is then below 1, and |y| <= bound.
+    Since |y| <= |right| + |matrix| |y|, a bound that exceeds |right| + |matrix| bound suffices: the spectral
+    radius of |matrix| is then below 1, and |y| <= bound.
     """
     module = flint()
     sizes = [[abs(one).upper() for one in row] for row in matrix]

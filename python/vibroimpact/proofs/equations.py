@@ -1,4 +1,4 @@
-"""The equations of a periodic motion in balls.
+"""The equations of a periodic motion in ball arithmetic.
 
 The unknowns are, at each impact, the load phase psi and, just after it, X, X' and Z'. Between impacts the
 motion is known in closed form. A motion that is its own mirror image half a period later is described by the
@@ -28,13 +28,13 @@ class System:
     xi, mu, r, clearance, load
         Balls.
     restitution : list
-        Of each impact.
+        For each impact.
     signs : list of int
         +1 for the right wall, -1 for the left one.
     cycles : int
     mirrored : bool
         Whether the impacts are those of half a period, which ends in the mirror image of its beginning: X, X', Z'
-        with the other sign, on the other wall.
+        with opposite sign, on the other wall.
     steady : (sine, cosine), optional
         The steady motion without impacts, if it is not computed from r and the load.
     """

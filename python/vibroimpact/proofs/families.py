@@ -1,7 +1,7 @@
-"""Proofs for all values of one parameter of a structure: the equations of `structures` for Taylor models.
+"""Proofs for all values of one parameter of a structure: the equations of `structures` in Taylor models.
 
 The difference between a motion and the steady vibration, together with a constant, obeys u' = A u with the same A
-for all values, so exp(A t) is a Taylor polynomial of the duration t alone.
+for all values, so that exp(A t) is a Taylor polynomial in the duration t alone.
 """
 
 from __future__ import annotations
@@ -56,14 +56,14 @@ def solved(matrix: Sequence[Sequence[Any]], right: Sequence[Any]) -> list[Any]:
 
 @dataclass(frozen=True)
 class StructureFamily:
-    """The motions of a structure on a branch; as `boxes.Family`.
+    """The motions of a structure on a branch, like `boxes.Family`.
 
     Attributes
     ----------
     system : dict
         The system of a certificate, in which the factors of the load are 1.
     cycles : int
-        As of a certificate.
+        As in a certificate.
     mirror : list of int, or None
         For symmetric motions, the gap that -q closes for each gap that q closes.
     """
@@ -95,12 +95,12 @@ class StructureFamily:
 
     @property
     def symmetric(self) -> bool:
-        """As of a certificate."""
+        """As in a certificate."""
         return self.mirror is not None
 
     @property
     def sides(self) -> str:
-        """As of a certificate."""
+        """As in a certificate."""
         return " ".join(map(str, self.system["impacts"]))
 
     @property
@@ -362,11 +362,11 @@ class VariedFlight:
     Attributes
     ----------
     begin, duration
-        Its time and length.
+        Its beginning and length.
     free : list
-        The difference from the steady vibration at its beginning, and the factor of the constant forces.
+        The difference from the steady vibration at the beginning, and the factor of the constant forces.
     matrix, landing
-        exp(A t) over it, and q, q' at its end.
+        exp(A t) over the flight, and q, q' at its end.
     leaving, arriving
         q', q'' at both ends.
     speed

@@ -38,7 +38,7 @@ def check_form(data: dict[str, Any]) -> None:
     Parameters
     ----------
     data : dict
-        As from `Certificate.to_dict`.
+        As returned by `Certificate.to_dict`.
     """
     for name, kind in ITEMS.items():
         value = data.get(name)

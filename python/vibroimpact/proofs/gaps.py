@@ -1,10 +1,11 @@
-"""All motions of a word at a point, by the times between their impacts.
+"""All motions of a word at a point, from the times between their impacts.
 
-Given these times, everything is linear: the primary mass moves as the steady motion A sin(r t + theta) and the
-periodic responses to the impulses J of the impacts, the free mass with the velocity W in each flight, and
-J = mu (W before - W after). With p = sin(theta), q = cos(theta) the flights and the impact law of N impacts are
-2 N linear equations for W_1 ... W_N, p and q, and p^2 + q^2 = 1 is one more. So N - 1 times, as parts u of the
-period, are to be searched, and the interval [0, 1] of each holds all motions. Lengths are in units of A.
+Given these times, everything is linear: the primary mass moves as the sum of the steady motion A sin(r t + theta)
+and the periodic responses to the impulses J of the impacts, the free mass moves with the velocity W in each
+flight, and J = mu (W before - W after). With p = sin(theta), q = cos(theta), the flights and the impact law of N
+impacts are 2 N linear equations for W_1 ... W_N, p and q, and p^2 + q^2 = 1 is one more equation. Therefore N - 1
+times, as fractions u of the period, have to be searched, and the interval [0, 1] of each contains all motions.
+Lengths are in units of A.
 """
 
 from __future__ import annotations
@@ -62,7 +63,7 @@ class Word:
     xi, mu, r, clearance, load
         Balls.
     restitution : sequence
-        Of each impact.
+        For each impact.
     """
 
     def __init__(
@@ -87,10 +88,11 @@ class Word:
         self.shortest = self._shortest(xi, load, eta)
 
     def _shortest(self, xi: Any, load: Any, eta: Any) -> Any:
-        """A lower bound of the duration of a flight from wall to wall, as a part of the period.
+        """A lower bound of the duration of a flight from wall to wall, as a fraction of the period.
 
-        The work of the load in a period is at most f^2 T/(16 xi) more than damping takes, and each impact takes
-        mu (1 - R^2) e^2/(2 (1 + mu)) with its approach speed e. That bounds e, W (of mean 0) and x'.
+        The work of the load in a period exceeds the energy dissipated by damping by at most f^2 T/(16 xi), and
+        each impact dissipates mu (1 - R^2) e^2/(2 (1 + mu)), where e is its approach speed. This bounds e, W
+        (which has mean 0) and x'.
         """
         mu, module = self.mu, flint()
         largest = self.R[0]

@@ -1,6 +1,6 @@
-"""Taylor models: polynomials of parameters in [-1, 1] whose coefficients are balls.
+"""Taylor models: polynomials in parameters on [-1, 1] whose coefficients are balls.
 
-The remainder of a polynomial of low degree is a ball in its constant coefficient.
+The remainder of the truncated polynomial is included in the ball of its constant coefficient.
 """
 
 from __future__ import annotations

@@ -276,25 +276,25 @@ def prove_box(
     restitution: Interval | None = None, most_boxes: int = 2000,
     progress: Callable[[float, str], None] | None = None,
 ) -> Certificate:  # fmt: skip
-    """Prove that a motion is stable and admissible for all parameters of a box, as tolerances (extra `proof`).
+    """Prove that a motion is stable and admissible for all parameters in a box of tolerances (extra `proof`).
 
-    The box is halved until each part is proven, or cannot be. The motion is the stable, admissible one of the
-    pattern that is found at the middle of the box.
+    The box is halved until each part is proven or no proof is possible. The motion is the stable, admissible
+    motion of the pattern that is found at the middle of the box.
 
     Parameters
     ----------
     osc : Oscillator
-        Its values apply to the parameters that are not given as an interval.
+        Provides the values of the parameters that are not given here.
     pattern : Pattern or str
-        The word of the motion; a str with one load cycle.
+        The pattern of the motion, or a str such as "RL" or "RL/3" (sides/cycles).
     r, clearance : (lowest, highest) or float
         Frequency ratio r, and clearance d K/F0.
     xi, mu, R1, R2 : (lowest, highest) or float, optional
         Damping ratio, mass ratio, and restitution of the right and of the left wall.
     restitution : (lowest, highest) or float, optional
-        R1 = R2, in place of both: it keeps symmetric motions symmetric, which is much easier to prove.
+        R1 = R2, in place of both; symmetric motions then remain symmetric, for which proofs are much easier.
     most_boxes : int, optional
-        Boxes that are tried, at least 1.
+        Largest number of boxes to try, at least 1.
     progress : callable, optional
         Called with the share done and ""; by default a bar on a terminal or in a notebook.
 
@@ -302,7 +302,7 @@ def prove_box(
     -------
     Certificate
         `proven` says whether a stable, admissible motion exists for all parameters. `undecided` contains the parts
-        of the box where this is not so, or not known, with reasons.
+        of the box where this is false or unknown, with reasons.
 
     Raises
     ------

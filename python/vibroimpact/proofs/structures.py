@@ -1,7 +1,8 @@
 """Proofs of single motions of structures.
 
-The coordinates and velocities, 1, and the cosines and sines of the load follow z' = A z, so a flight is exp(A t) z
-for any damping, and no modes are needed. The unknowns are, at each impact, its time t and q, q' just after it.
+The vector z of the coordinates and velocities, 1, and the cosines and sines of the load obeys z' = A z, so that a
+flight is exp(A t) z for any damping, and no modes are needed. The unknowns are, at each impact, its time t and q,
+q' just after it.
 """
 
 from __future__ import annotations

@@ -30,10 +30,10 @@ def approximate_inverse(matrix: Any) -> Any:
 def krawczyk(
     system: System, centre: Sequence[State], radii: Sequence[Sequence[Any]]
 ) -> list[list[Any]] | None:
-    """The states of the one motion within `radii` of `centre`; None if nothing is proven.
+    """The states of the unique motion within `radii` of `centre`; None if nothing is proven.
 
-    K = c - C F(c) + (I - C F'(B)) (B - c) in the interior of B = c + radii proves one and only one zero in B,
-    which lies in K.
+    If K = c - C F(c) + (I - C F'(B)) (B - c) lies in the interior of B = c + radii, there is one and only one zero
+    in B, and it lies in K.
     """
     module = flint()
     around = [
@@ -60,10 +60,10 @@ def krawczyk(
 
 
 def inside(coefficients: Sequence[Any], radius: Any = 1) -> bool | None:
-    """Whether all zeros of a real polynomial c_0 + c_1 x + ... lie inside a circle; False: one lies outside.
+    """Whether all zeros of a real polynomial c_0 + c_1 x + ... lie inside a circle; False if one lies outside.
 
     By the recursion of Schur and Cohn: p has all zeros inside the unit circle where |c_0| < |c_n| and the
-    polynomial (c_n p(x) - c_0 x^n p(1/x))/x has.
+    polynomial (c_n p(x) - c_0 x^n p(1/x))/x has all its zeros inside it, too.
     """
     power: Any = 1
     rest = []
@@ -85,10 +85,10 @@ def inside(coefficients: Sequence[Any], radius: Any = 1) -> bool | None:
 def inside_all(coefficients: Sequence[Any]) -> bool | None:
     """Whether all zeros of a polynomial of even degree lie inside the unit circle for all of its parameters.
 
-    False: one lies outside for each. The number inside changes only where p(1), p(-1) or the product of
-    1 - x_i x_j over all pairs of zeros vanishes; where none of them does, one set of parameters decides for all.
-    If one of them is negative, not all zeros are inside. Above degree 4 that product has too many terms, and the
-    recursion of `inside` is proven for all parameters instead.
+    False if one lies outside for each set of parameters. The number of zeros inside changes only where p(1), p(-1)
+    or the product of 1 - x_i x_j over all pairs of zeros vanishes; where none of these vanishes, one set of
+    parameters decides for all. If one of them is negative, not all zeros are inside. Above degree 4 this product
+    has too many terms, and the recursion of `inside` is proven for all parameters instead.
     """
     if len(coefficients) > 5:
         return inside_recursively(coefficients)
@@ -209,11 +209,11 @@ def above(value: float) -> float:
 
 
 def flight_between_walls(system: System, flight: Flight) -> tuple[bool | None, Any]:
-    """The same for one flight.
+    """As `between_walls`, for one flight.
 
-    It is divided into pieces; within h of a midpoint, Taylor's polynomial of order 2 holds up to third h^3/6. A
-    piece is good if |Y| < d/2 on it, or if Y' has one sign on it and Y is within the walls at both ends. The first
-    and the last piece end at a wall.
+    The flight is divided into pieces; within h of a midpoint, the error of the Taylor polynomial of degree 2 is at
+    most third h^3/6. A piece is good if |Y| < d/2 on it, or if Y' has one sign on it and Y is within the walls at
+    both ends. The first and the last piece end at a wall.
     """
     module = flint()
     path, duration = Path(system, flight), span(flight.tau)

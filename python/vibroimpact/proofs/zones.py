@@ -1,6 +1,7 @@
-"""Proofs of zones of symmetric motions with two impacts: where a stable, admissible one exists, where none does.
+"""Proofs of zones of symmetric motions with two impacts: where a stable, admissible motion exists, and where none
+does.
 
-In the plane of r and tan(theta), d K/F0 is an explicit function, so that boxes which fill the plane cover all
+In the plane of r and tan(theta), d K/F0 is an explicit function, so that boxes that fill the plane cover all
 motions.
 """
 
@@ -148,7 +149,7 @@ def cover_zone(
 
 
 class Window:
-    """The window of a zone in one sheet, in doubles, which only determine where boxes are cut.
+    """The window of a zone in one sheet, in double precision, which only determines where boxes are cut.
 
     Parameters
     ----------
@@ -156,7 +157,7 @@ class Window:
     facing : int
         The sign of cos(theta).
     box : Box
-        All of the sheet.
+        The whole sheet.
     window : (lowest, highest)
         Texts of d K/F0.
     tolerance : float
@@ -419,9 +420,10 @@ def halves(box: Box, name: str) -> list[Box]:
 def judge_in_zone(
     family: Family, box: Box, facing: int, plane: Window, walls: bool = False
 ) -> list[Any] | None:
-    """The verdicts on the motions of a box whose clearance lies in the window; with `walls` of admissibility.
+    """The verdicts on the motions of a box whose clearance lies in the window; with `walls`, on admissibility
+    only.
 
-    Where stability is open, the conditions of stability and the polynomial.
+    Where stability is undecided, return the conditions of stability and the polynomial.
     """
     tangent = max(abs(float(end)) for end in box.span["tangent"])
     box.start, sizes = np.zeros(4), np.full(4, 1 + tangent)
