@@ -43,7 +43,7 @@ def animate(
     seconds: float = 3.0,
     units: Units | None = None,
 ) -> Any:
-    """Animate the masses, and write the animation to a file.
+    """Animate the masses, and write the animation to a file if a path is given.
 
     Parameters
     ----------
@@ -53,15 +53,15 @@ def animate(
     cycles : float
         Load cycles shown: for a motion, from its first impact on; for a trajectory, the last ones.
     window : (float, float), optional
-        The interval of time of a trajectory to show, in place of `cycles`.
+        The time window of a trajectory to show, in place of `cycles`.
     seconds : float
         Duration of a load cycle on the screen; for a structure, of the whole animation.
     units : Units, optional
-        Physical units of the axes and numbers; without them they are dimensionless.
+        Physical units of the axes and numbers; dimensionless without them.
 
     Returns
     -------
-    Path, or matplotlib's FuncAnimation if there is no path.
+    Path, or matplotlib's FuncAnimation if no path is given.
     """
     seconds = _positive(seconds, "seconds")
     target, writer = (None, "") if path is None else _writer(path)
@@ -200,9 +200,9 @@ class Glow(NamedTuple):
 
 
 def glow(events: NDArray[Any], time: float, flash: float, resting: int = 0) -> Glow:
-    """The walls at a time: a flash fades from 1 at the impact to 0 after the time `flash`.
+    """The brightness of the walls at a time: a flash fades from 1 at the impact to 0 after the time `flash`.
 
-    `resting` is the side of rest before the first event.
+    `resting` is the wall on which the free mass rests before the first event.
     """
     past = events[events["time"] <= time]
     bright = []

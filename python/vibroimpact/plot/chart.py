@@ -54,13 +54,12 @@ def draw_chart(
         From `vibroimpact.chart`.
     ax : matplotlib Axes, optional
     color : {"multiplier", "attenuation"}, optional
-        Colour the stable zone by the modulus of the leading multiplier, or by max|x|/A, of its most
-        stable motion.
+        Colour the stable zone by the modulus of the leading multiplier, or by max|x|/A, of the most stable motion.
     inverse : bool
         Whether the axis is F0/(d K), as in Figures 6 to 8, instead of d K/F0.
     units : Units or str, optional
-        Physical units of the axes. By default those of the oscillator, if it knows M, K and F0; "dimensionless"
-        for none.
+        Physical units of the axes. By default those of the oscillator, if its M, K and F0 are known;
+        "dimensionless" for none.
 
     Returns
     -------

@@ -27,7 +27,7 @@ STABILITY = (
 
 
 def draw_found(found: FoundMotions, ax: Any = None, units: Units | None = None) -> Any:
-    """A panel for each motion over its period, and a last one with the multipliers of all.
+    """A panel for each motion over its period, and a final panel with the multipliers of all motions.
 
     The motions are numbered as in the table; only the first eight are drawn. With `ax`, and for a structure, only
     the multipliers are drawn.
@@ -85,7 +85,8 @@ def draw_multipliers(motions: Sequence[Any], ax: Any) -> None:
     """All multipliers with the unit circle; the leading one of each motion has the number of the motion.
 
     The distance from the origin is |lambda| up to 1, and 1 + log10 |lambda| beyond. The numbers of motions whose
-    leading multipliers coincide are written together; of a complex pair, the upper one is numbered.
+    leading multipliers coincide are written together; of a complex pair, the multiplier in the upper half-plane is
+    numbered.
     """
     turn = np.linspace(0, 2 * np.pi, 201)
     ax.plot(np.cos(turn), np.sin(turn), color=style.LOAD, lw=0.7)

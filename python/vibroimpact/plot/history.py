@@ -63,7 +63,7 @@ SAMPLE_UNITS = (
 class History(NamedTuple):
     """The data of the panels: times in load cycles, the samples, and the events in the window.
 
-    In physical units all numbers have their units, and times are measured from the start of the window.
+    In physical units, all numbers are in these units, and times are measured from the start of the window.
     """
 
     cycles: NDArray[np.float64]
@@ -90,7 +90,7 @@ def draw(
     thing : Motion or Trajectory
         For a structure, a trajectory.
     ax : matplotlib Axes, optional
-        Without it, a new figure with all panels is made, or with one if `kind` is given.
+        Without it, a new figure is made with all panels, or with a single panel if `kind` is given.
     kind : str, optional
         Which panel: "history", "load", "acceleration" or "portrait"; for a structure "sketch", "history",
         "impacts" or "energy". "history" if only `ax` is given.
@@ -98,7 +98,7 @@ def draw(
         For an oscillator, the load cycles shown: for a motion, from its first impact on; for a trajectory, the
         last ones.
     window : (float, float), optional
-        The interval of time of a trajectory to draw; by default, for a structure, the whole trajectory.
+        The time window of a trajectory to draw; by default, for a structure, the whole trajectory.
 
     Returns
     -------
@@ -318,7 +318,7 @@ def times_of(run: Trajectory, begin: float, end: float) -> NDArray[np.float64]:
 
 
 def spans_of(run: Trajectory) -> dict[str, NDArray[np.float64]]:
-    """Beginnings and ends (M, 2) of the times of contact (with stops, and rests on gaps), and of stick.
+    """Beginnings and ends (M, 2) of contacts (with stops, and rests on gaps), and of sticking.
 
     Before its first event, the state of an element follows from the motion halfway to that event.
     """

@@ -64,12 +64,12 @@ def units_of_picture(result: Any, units: Units | str | None) -> Units | None:
     result
         What is drawn.
     units : Units or str, optional
-        By default those of its oscillator, if it knows M, K and F0; "dimensionless" for none.
+        By default those of its oscillator, if M, K and F0 are known; "dimensionless" for none.
 
     Raises
     ------
     ParameterError, ParameterTypeError
-        If a unit is not known, or units are given for a result that has none.
+        If a unit is not known, or units are given for a result that has no units.
     """
     system: Any = getattr(result, "_system", None)
     if units is None:

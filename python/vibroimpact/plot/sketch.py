@@ -42,15 +42,15 @@ def draw_system(
 ) -> Any:  # fmt: skip
     """Draw an oscillator, or a structure with its load.
 
-    Of an oscillator: the primary mass M on its spring K and dashpot C, the free mass m in the slot, and the
+    For an oscillator: the primary mass M on its spring K and dashpot C, the free mass m in the slot, and the
     clearance d, the whole travel of m between the walls, with d/2 on each side of its middle position.
 
     Parameters
     ----------
     system : Oscillator, Point or Structure, optional
-        Without it the picture has the symbols of an oscillator alone. The values of an oscillator, or of an
-        oscillator at a point, are listed above the picture, in its units if it knows M and K. A structure, and a
-        point with friction or stops, is drawn with its bodies, springs, dashpots and gaps.
+        Without it, the picture shows an oscillator with symbols only. The values of an oscillator, or of an
+        oscillator at a point, are listed above the picture, in its units if its M and K are known. A structure, or
+        a point with friction or stops, is drawn with its bodies, springs, dashpots and gaps.
     load : Load or Record, optional
         The load on a structure.
     ax : matplotlib Axes, optional

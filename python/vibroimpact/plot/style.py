@@ -75,10 +75,10 @@ ABOVE = {
 
 
 def add_legend(ax: Any, *entries: Any, **options: Any) -> Any:
-    """Adds a legend that is not clipped when the figure is saved at its size.
+    """Add a legend that is not clipped when the figure is saved at its own size.
 
-    If it does not fit in the figure it gets fewer columns; if that does not help it is placed within the axes. A
-    layout engine makes room above and beside the axes, but not for a legend wider than the figure.
+    A legend that does not fit in the figure gets fewer columns; if that is not enough, it is placed within the
+    axes. A layout engine makes room above and next to the axes, but not for a legend wider than the figure.
     """
     figure = ax.get_figure()
     laid_out = getattr(figure, "get_layout_engine", lambda: None)() is not None

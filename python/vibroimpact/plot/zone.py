@@ -76,7 +76,7 @@ def draw_zone(
     Each further zone in the same axes is filled with another colour.
 
     A boundary shared with another zone of the same figure, contained in `drawn`, is not drawn again: a second
-    dashed line would fill the gaps of the first.
+    dashed line would fill the gaps of the first one.
     """
     if zone.of_structure and inverse:
         raise ParameterError("inverse = True: must be False for a zone of a structure")
@@ -124,8 +124,8 @@ def draw_atlas(
 ) -> Any:
     """Draw all zones of an atlas, each filled in a colour and named.
 
-    The region where the motion without impacts exists is hatched; marks are the points of the survey that lie in
-    no zone.
+    The region where the motion without impacts exists is hatched; markers show the survey points that lie in no
+    zone.
     """
     if atlas.of_structure and inverse:
         raise ParameterError("inverse = True: must be False for an atlas of a structure")
