@@ -39,7 +39,7 @@ class Campaign:
     study : str
         The study of its cases.
     sweep : Sweep or None
-        None if the cases were given one by one.
+        None if the cases were given individually.
     size : int
         The number of its cases.
 
@@ -156,11 +156,11 @@ class Campaign:
         Parameters
         ----------
         table, column : str
-            A column of the results, as in `to_xarray` of one of them; its values must be real numbers, whole
-            numbers, verdicts or logical values.
+            A column of the results, as in the `to_xarray` of a single result; its values must be real numbers,
+            whole numbers, verdicts or logical values.
         reduce : str
             How several rows of a case are reduced: "first", "min", "max", "sum", "mean", or "count" for their
-            number. NaN is left out.
+            number. NaN is ignored.
         where : mapping, optional
             Columns of the same table with the value that a row must have to be counted: {"stable": True}.
 
@@ -172,7 +172,7 @@ class Campaign:
         Raises
         ------
         ParameterError
-            For a column that the study does not have.
+            If the study has no such column.
         """
         checks.choice(reduce, "reduce", ("first", *REDUCTIONS, "mean", "count"))
         known = [f"{one}.{name}" for one, name in self._declared]
@@ -233,14 +233,14 @@ class Campaign:
 
         Without a column: a dataset of all rows of the table, for all finished cases one after the other, where
         `case` is the case of each row and `owner` is the row of the parent table within this case. Shorter lists
-        are filled with NaN, -1 (verdicts) or 0.
+        are padded with NaN, -1 (verdicts) or 0.
 
         Parameters
         ----------
         table : str
             Name of a table of the results.
         column : str, optional
-            A column of it, as in `values`; without it, all rows of the table.
+            A column of the table, as in `values`; without it, all rows of the table.
         reduce : str
             How several rows of a case are reduced, as in `values`.
         where : mapping, optional

@@ -38,12 +38,12 @@ class Chunk:
     study : str
         The study, the same for all cases.
     heads : list of dict
-        For each case its text and the parts of its result that are not tables; `error` if it was rejected.
+        For each case, its text and the parts of its result that are not tables; `error` for a rejected case.
     arrays : dict
-        For each table the columns by name, with all rows of all cases; `case` is the case of each row (from 0
-        within the chunk), and `owner` the row of the parent within this case.
+        For each table, the columns by name, with all rows of all cases; `case` is the case of each row (from 0
+        within the chunk), and `owner` the row of the parent table within this case.
     words : dict
-        The words of a column (table, name), in the order of their codes from 1.
+        The words of each column (table, name), in the order of their codes, which start at 1.
     """
 
     study: str
@@ -92,7 +92,8 @@ def compute(
 ) -> Chunk:  # fmt: skip
     """The results of some cases; `digest` identifies the caller's core.
 
-    Another thread can stop it by the flag of the progress counters; it then raises KeyboardInterrupt.
+    Another thread can stop the computation with the flag of the progress counters; KeyboardInterrupt is then
+    raised.
     """
     counters = new_counters() if counters is None else counters
     if digest and core_digest() != digest:

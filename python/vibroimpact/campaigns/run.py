@@ -86,17 +86,17 @@ def campaign(
     Parameters
     ----------
     cases : Sweep or iterable of str or Case
-        The cases; all must be of one study.
+        The cases, all of the same study.
     store : path
         A folder: a new one, an empty one, or that of this campaign.
     client : distributed.Client or str, optional
         Where the cases are computed: a client of dask, the address of its scheduler, or "local" for as many
         processes as this machine has processors. By default threads of this process compute them.
     chunk : int, optional
-        Cases that are computed and written together. By default there are at most 100 chunks, of 4 to
+        Number of cases that are computed and written together. By default there are at most 100 chunks, of 4 to
         10,000 cases. A chunk should take a second or longer.
     threads : int, optional
-        Number of threads without a client; by default that of the processors.
+        Number of threads without a client; by default one for each processor.
     progress : callable, optional
         Called with the fraction done and a text; by default a bar on a terminal or in a
         notebook.
@@ -111,7 +111,7 @@ def campaign(
     ParameterError, ParameterTypeError
         If the store contains something else, or another process is writing to it, or a case is invalid.
     MissingExtraError
-        If zarr is not installed, or with a client, distributed.
+        If zarr or, with a client, distributed is not installed.
     StudyInterrupted
         After Ctrl-C, with the results so far.
     ClusterError

@@ -49,10 +49,10 @@ TYPES: dict[str, tuple[str, Any]] = {
 
 
 class Store:
-    """A folder with the chunks of one campaign: each is a Zarr group in results.zarr, with its checksums in sums.
+    """A folder with the chunks of a campaign: each is a Zarr group in results.zarr, with its checksums in sums.
 
-    A chunk is written into a temporary folder, which is renamed after the checksums are written: a chunk exists
-    completely or not at all. Its name contains a hash of its cases and of the core.
+    A chunk is written into a temporary folder, which is renamed after the checksums are written, so that a chunk
+    exists completely or not at all. Its name contains a hash of its cases and of the core.
     """
 
     def __init__(self, folder: str | os.PathLike[str]) -> None:
@@ -356,8 +356,8 @@ def codecs(kind: str) -> list[dict[str, Any]]:
 def files_of(chunk: Chunk) -> Iterator[tuple[str, bytes]]:
     """The files of a chunk as a Zarr group, in which each table is a group.
 
-    They are written here and not by the zarr library: its files depend on its release, and it takes 0.2 s for
-    these small arrays.
+    They are written here rather than by the zarr library, whose files depend on its release and which takes 0.2 s
+    for these small arrays.
     """
     group = json.dumps(GROUP).encode()
     heads = json.dumps({

@@ -41,25 +41,26 @@ class Sweep:
         their values.
     values : mapping
         The values of each key: numbers, texts, or tuples for a key with several values. A key is named as in the
-        namelist, such as "xi", or with its group if two groups have it: "system.r". With `samples`, the lowest and
-        the largest value of each key.
+        namelist, such as "xi", or with its group if two groups have the key: "system.r". With `samples`, the
+        lowest and the largest value of each key.
     samples : int, optional
         Number of points in the box between these values: at most 2^30, or 2^20 for a Latin hypercube. Without it
-        the cases are all combinations of the values, in the order of a C array.
+        the cases are all combinations of the values, in C order (last key fastest).
     method : str
-        How the points are chosen: "sobol" (scrambled; use a power of 2 of samples) or "latin_hypercube".
+        How the points are chosen: "sobol" (scrambled; the number of samples should be a power of 2) or
+        "latin_hypercube".
     rng : int, numpy.random.Generator or None
         Seed of the points, or a generator from which a seed is drawn; None: another seed in each call. The same
         seed gives the same points.
     geometric : sequence of str
-        Keys whose logarithm is spread evenly.
+        Keys whose logarithms are evenly distributed.
 
     Raises
     ------
     ParameterError, ParameterTypeError
-        For a key that the case does not have, or values that it cannot take.
+        If the case does not have a key, or a key cannot take a value.
     MissingExtraError
-        If scipy is not installed, for points in a box.
+        If points in a box are requested and scipy is not installed.
 
     Examples
     --------
@@ -141,12 +142,12 @@ class Sweep:
         Returns
         -------
         Sweep
-            The cases that its lists define.
+            The cases that the lists of the &sweep define.
 
         Raises
         ------
         ParameterError
-            If it has none, or its lists are inconsistent.
+            If the case has no &sweep, or the lists of its &sweep are inconsistent.
         """
         checks.instance(case, "case", Case)
         parts = dict(namelist.parts_of(case.text))
@@ -195,7 +196,7 @@ class Sweep:
         return f"<Sweep of {len(self)} cases over {', '.join(self.keys)}>"
 
     def point(self, number: int) -> dict[str, Any]:
-        """The values of the keys in a case, by number from 0.
+        """The values of the swept keys in a case, given by its number.
 
         Parameters
         ----------
@@ -205,7 +206,7 @@ class Sweep:
         Returns
         -------
         dict
-            The value of each key that is swept.
+            The value of each swept key.
         """
         number = checks.integer(number, "number", 0, len(self) - 1)
         if self._points is not None:
@@ -214,7 +215,7 @@ class Sweep:
         return {key: axis[i] for key, axis, i in zip(self.keys, self.axes, places, strict=True)}
 
     def text(self, number: int) -> str:
-        """A case as a namelist, by number from 0.
+        """A case as a namelist, given by its number.
 
         Parameters
         ----------
