@@ -53,7 +53,7 @@ class Case(NamedTuple):
         All other keys of its groups, with defaults filled in; for a branch also motion_kind, the kind of its
         &motion. For a structure, the keys of the study and of &output.
     text : str
-        The complete case as a namelist, as the header of its result has it.
+        The complete case as a namelist, as in the header of its result.
     structure : Structure or None
         The structure of a &structure, with its gaps.
     load : Load, Record or None
@@ -89,7 +89,7 @@ class Case(NamedTuple):
     def compute(self, progress: Callable[[float, str], None] | None = None) -> Noun:
         """The result of the case as one object.
 
-        It includes motions that do not exist or failed.
+        It includes motions that do not exist or whose computation failed.
 
         Parameters
         ----------
@@ -99,7 +99,7 @@ class Case(NamedTuple):
         Returns
         -------
         a result of the study
-            Such as a Branch, a Zone or an Atlas.
+            A Branch, a Zone or an Atlas, for example.
         """
         noun = result_class(self.study)
         if self.in_python:
@@ -129,7 +129,7 @@ class Case(NamedTuple):
         Returns
         -------
         str
-            Its groups; the same as `text`.
+            The groups of the case; the same as `text`.
         """
         return self.text
 
@@ -139,7 +139,7 @@ class Case(NamedTuple):
         Returns
         -------
         list of Motion
-            Empty if there is no such motion.
+            Empty if the case defines no motion.
         """
         system, motion, *_, output = re.findall(r"(?ms)^&.*?^/$\n?", self.text)
         found = door.run_text(MotionSet, system + motion + output)
@@ -169,13 +169,13 @@ def read_namelist(path: str | os.PathLike[str]) -> list[Case]:
     Returns
     -------
     list of Case
-        Their method `run` returns the motions, branches, trajectory, zone, atlas or chart with the digits that
-        `run_namelists` writes.
+        The method `run` of each case returns its motions, branches, trajectory, zone, atlas or chart, with the
+        same digits that `run_namelists` writes.
 
     Raises
     ------
     ParameterError
-        If the file is wrong: file, line, key, value and what is allowed.
+        If the file is invalid; the message names file, line, key, value and what is allowed.
 
     Examples
     --------

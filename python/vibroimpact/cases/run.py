@@ -25,7 +25,7 @@ class RunLog(NamedTuple):
     lines : list of (bool, str)
         Whether the line reports an error, and the line.
     status : int
-        0 done; 1 ran, but a motion failed or does not exist; 2 an input is wrong.
+        0: done; 1: ran, but a motion failed or does not exist; 2: an input is invalid.
     results : list of Path
         The tables (CSV) that were written.
     """
@@ -52,7 +52,7 @@ def run_namelists(
     only : str, optional
         The kind of cases to run; a file without such a case is then an invalid input.
     progress : callable, optional
-        Called a few times per second with the fraction done of the cases begun so far.
+        Called a few times per second with the completed fraction of the cases begun so far.
 
     Returns
     -------

@@ -1,8 +1,8 @@
 """The subcommands of `vibroimpact`, one module each.
 
-A module has DESCRIPTION, EXAMPLE (which works as pasted, in the folder of the project), `arguments(parser)`, which
-adds its arguments, and `run(options)`, which returns the exit status; `HELPS` describes each command in one line.
-A study whose command needs no text or option of its own needs no module, see `study.py`.
+A module has DESCRIPTION, EXAMPLE (which works when pasted into a shell in the project folder),
+`arguments(parser)`, which adds its arguments, and `run(options)`, which returns the exit status; `HELPS` describes
+each command in one line. A study whose command needs no specific text or options needs no module; see `study.py`.
 """
 
 from __future__ import annotations
@@ -180,8 +180,8 @@ def ready(folder: Path) -> Iterator[None]:
 def name_file(options: argparse.Namespace) -> None:
     """Split `-o DIR/NAME.json` into the folder, the format and the name of the single result.
 
-    Any other name that looks like a file name is rejected, unless a folder of this name exists, or it ends with a
-    slash.
+    Any other name that looks like a file name is rejected, unless a folder of this name exists, or the name ends
+    with a slash.
     """
     options.stem = ""
     folder = getattr(options, "folder", None)

@@ -30,7 +30,7 @@ Details = Callable[[Any], list[str]]
 
 
 def run_kind(options: argparse.Namespace, request: Request, details: Details | None = None) -> int:
-    """Run all cases of a kind (or of any kind), write and draw the results; returns the exit status.
+    """Run all cases of a kind (or of any kind), write and draw the results; return the exit status.
 
     If only tables of cases of any kind are requested, the compiled program does everything; its messages and
     tables are the same.

@@ -96,7 +96,7 @@ def title_of(kind: str) -> str:
 
 
 def key_lines(keys: Sequence[Mapping[str, Any]], given: Mapping[str, Any]) -> Iterator[str]:
-    """Each key of a group with its meaning: with its value, or commented out with its default.
+    """Each key of a group with its meaning, and with its value or commented out with its default.
 
     The name of a key is followed by a colon if it has no default or cannot be combined with the given keys.
     """

@@ -1,6 +1,6 @@
 """The cases that a command has to run: the cases of files, or the case that its options define.
 
-The case of the options is written as a namelist and read like any other.
+The case that the options define is written as a namelist and read like any other case.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ def beside_files(name: str, files: Sequence[str]) -> str:
 def read_cases(options: argparse.Namespace, request: Request) -> tuple[list[Case], list[str]]:
     """The requested cases, not yet run, and the errors in files.
 
-    A file with an error is left out. An error in the options is raised, in terms of the options.
+    A file with an error is skipped. An error in the options is raised, in terms of the options.
     """
     cases: dict[str, Case] = {}
     faults: list[str] = []

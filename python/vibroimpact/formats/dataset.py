@@ -14,7 +14,7 @@ from ..results.tables import settled
 def to_xarray(noun: Any) -> Any:
     """All tables as one dataset; a column with the name of its dimension is a coordinate.
 
-    A table with a parent has a variable with the name of the table; it contains the parent's row for each row
+    A table with a parent has a variable with the name of the table; it contains the row of the parent for each row
     ("indexed ragged arrays" of the CF conventions). If a column name occurs in several tables, or is also the name
     of a dimension, the name of its table is added to it.
     """

@@ -44,7 +44,7 @@ def load(path: str | Path) -> Any:
     Returns
     -------
     Motion, Trajectory, Branch, Zone, Atlas or another result
-        The result as it was saved; in physical units if it was saved in them.
+        The result as it was saved; in physical units if it was saved in physical units.
 
     Raises
     ------

@@ -318,7 +318,7 @@ def numbers_of(data: Any, stored: str) -> NDArray[Any]:
     Raises
     ------
     ValueError, TypeError, OverflowError
-        If another value is among them.
+        If the array contains another value.
     """
     array = np.array(data)
     if array.size == 0 or array.dtype.kind in ("iuf" if stored == "<f8" else "iub"):

@@ -34,7 +34,7 @@ def save(noun: Any, path: str | Path, units: str | None = None) -> None:
 def write_csv(noun: Any, path: Path, units: str | None = None) -> None:
     """Write the rows with the case in the header; the core writes them, and Ctrl-C stops it.
 
-    A `Physical`, and a result without a case, are written here: the core takes the units from the case.
+    A `Physical` and a result without a case are written in Python, because the core takes the units from the case.
     """
     if hasattr(noun, "_csv"):
         write_text(path, noun._csv())
