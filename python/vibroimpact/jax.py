@@ -1,8 +1,8 @@
 """Motions, their responses and trajectories as functions for JAX, with exact derivatives (extra `jax`).
 
-Each function here makes a function of parameters that works under `jax.jit`, `jax.vmap`, `jax.grad` and
-`jax.jacrev`. The core computes it and its derivatives in double precision, on the host, one point after the other.
-Derivatives are those of `Motion.gradient` and `Trajectory.gradient`, in reverse mode and of first order.
+Each function in this module returns a function of parameters that works under `jax.jit`, `jax.vmap`, `jax.grad`
+and `jax.jacrev`. The core computes its values and derivatives in double precision, on the host, one point after
+another. Derivatives are those of `Motion.gradient` and `Trajectory.gradient`, in reverse mode and of first order.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def motion(guess: Motion, quantities: Sequence[str] = QUANTITIES) -> Callable[..
     Parameters
     ----------
     guess : Motion
-        A motion from which Newton's method starts each time.
+        The motion from which Newton's method starts in each call.
     quantities : sequence of str
         Real quantities of `Motion.gradient`.
 
@@ -116,7 +116,7 @@ def response(guess: Motion) -> Callable[..., dict[str, Any]]:
     Raises
     ------
     ParameterError, ParameterTypeError
-        As `motion`.
+        As for `motion`.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Checks of arguments: one clear error that names the parameter, its value and the range.
+"""Checks of arguments: a single error that names the parameter, its value and the range.
 
 All checks run before any Fortran code. The ranges are those of the namelist program.
 """
@@ -130,7 +130,8 @@ def integer(value: Any, name: str, low: int, high: int) -> int:
 
 
 def seed_of(rng: Any, high: int = 2**31 - 1) -> int:
-    """The seed of an argument `rng`: a whole number, one drawn from a NumPy Generator, or a fresh one for None.
+    """The seed for an argument `rng`: the whole number itself, a number drawn from a NumPy Generator, or a new one
+    for None.
 
     Parameters
     ----------

@@ -18,7 +18,7 @@ def place_for(path: str | Path, endings: Iterable[str]) -> Path:
     Raises
     ------
     ParameterError
-        If it has none of the endings, or its folder does not exist.
+        If the path has none of the allowed endings, or its folder does not exist.
     """
     place = checks.path(path)
     if place.suffix.lower() not in endings:
@@ -41,8 +41,8 @@ def write_bytes(path: Path, content: bytes) -> None:
 
 @contextlib.contextmanager
 def replacing(path: Path, ending: str = "") -> Iterator[Path]:
-    """Provide a new, empty file beside `path`, which replaces `path` if no error occurs; its name ends with
-    `ending`.
+    """Provide a new, empty file in the folder of `path`, which replaces `path` if no error occurs; its name ends
+    with `ending`.
 
     Errors name `path`, which the user knows, and not the temporary file.
     """
@@ -61,10 +61,10 @@ def replacing(path: Path, ending: str = "") -> Iterator[Path]:
 
 
 def new_file(path: Path, ending: str = "") -> Path:
-    """Make an empty file beside another one, under a name that cannot be predicted.
+    """Make an empty file in the folder of another file, under a name that cannot be predicted.
 
-    It is created only if nothing of this name exists, not even a link, and has the permissions of an ordinary new
-    file (with `tempfile` no other user could read it).
+    It is created only if nothing with this name exists, not even a link, and it has the permissions of an ordinary
+    new file (with `tempfile` no other user could read it).
     """
     while True:
         place = path.with_name(f"{path.stem[:40]}.{secrets.token_hex(8)}.part{ending}")

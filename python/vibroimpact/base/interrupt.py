@@ -40,12 +40,12 @@ def interruptible(
     function: Callable[..., Any], *arguments: Any, watch: Callable[[], None] | None = None,
     counters: NDArray[np.int32] | None = None,
 ) -> Any:  # fmt: skip
-    """The result of a function of the core, during which the main thread can react to Ctrl-C.
+    """The result of a function of the core, during whose execution the main thread can react to Ctrl-C.
 
     Meanwhile `watch`, if given, is called a few times per second. After an interrupt or an exception of `watch`
     the result is discarded. With `counters`, the progress counters among the arguments, the core is asked to stop
     and to abandon the file it is writing, and this function waits until the core has stopped. If the function
-    calls `stoppable` with `progress`, that stops the core; otherwise the core continues in a thread that ends with
+    calls `stoppable` with `progress`, this stops the core; otherwise the core continues in a thread that ends with
     the program.
     """
     if watch is None and threading.current_thread() is not threading.main_thread():
@@ -70,7 +70,7 @@ def stoppable(
 
     The last argument of the function contains three progress counters: work done, work known so far, and a stop
     flag. Ctrl-C sets the flag; the core then stops within a few load cycles and returns the part that was
-    finished. A second Ctrl-C ends the wait at once. `progress` is called a few times per second with the share
+    finished. A second Ctrl-C ends the wait at once. `progress` is called a few times per second with the fraction
     done and the note; an exception of `progress` also stops the core, and is raised again.
     """
     if progress is None and threading.current_thread() is not threading.main_thread():

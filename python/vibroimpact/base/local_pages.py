@@ -23,14 +23,14 @@ HEADERS = {
 
 
 def protect(application: Application, names: tuple[str, ...], port: int, token: str = "") -> None:
-    """Make a server answer only its own page and links to it, under one of its names; other requests get status
-    403.
+    """Make a server answer only requests for its own page and the links to it, under one of its names; other
+    requests get status 403.
 
     Paths that lead upwards get status 404, and so do paths of Panel's components, which would import the module
     that they name.
 
     Another site can make its name resolve to this machine (DNS rebinding), so the requested host name is checked
-    and not the address. With a token, only a browser that has opened a link with the token is answered: the
+    rather than the address. With a token, only a browser that has opened a link with the token is answered: the
     browser keeps the token as a cookie, and the address of the page does not contain it.
 
     Parameters
@@ -40,7 +40,7 @@ def protect(application: Application, names: tuple[str, ...], port: int, token: 
         The names of the server, such as "localhost" or "[::1]".
     port : int
     token : str
-        If empty, none is needed.
+        If empty, no token is needed.
     """
     hosts = frozenset(f"{name}:{port}" for name in names) | (set(names) if port == 80 else set())
     rules = [Rule(Foreign(hosts), Refusal)]

@@ -42,7 +42,7 @@ def scipy_io() -> Any:
 def read_variables(path: Path) -> dict[str, Any]:
     """The variables of a MATLAB file of version 5; each tag is checked before it is used.
 
-    scipy does not check tags, so that a changed byte can crash the interpreter. The declared sizes of compressed
+    scipy does not check tags, so a corrupted byte can crash the interpreter. The declared sizes of compressed
     parts are checked before they are inflated.
 
     Returns

@@ -51,8 +51,8 @@ class Progress:
     def show(self, share: float, note: str = "") -> None:
         """Draw the bar for a share of the work between 0 and 1, with the estimated remaining time.
 
-        If more work becomes known, the share falls: the remaining time is then estimated again, and the bar does
-        not move back.
+        If more work becomes known, the share decreases; the remaining time is then estimated again, but the bar
+        does not move back.
         """
         now = time.monotonic()
         if self.origin is None:
@@ -111,7 +111,8 @@ def with_progress(function: Callable[Given, Found]) -> Callable[Given, Found]:
 def in_parts(
     size: int, largest: int, progress: Callable[[float, str], None] | None
 ) -> Iterator[slice]:
-    """Parts of 0 to `size`, each of at most `largest`; `progress` is called after each with the share done.
+    """Parts of 0 to `size`, each of at most `largest`; `progress` is called after each part with the fraction
+    done.
 
     Examples
     --------

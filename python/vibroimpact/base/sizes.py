@@ -33,7 +33,7 @@ def free() -> int:
 
 
 def check_size(size: int, each: int, what: str) -> None:
-    """Raise an error, before reading or unpacking, if the content would not fit into memory.
+    """Raise an error, before the content is read or unpacked, if it would not fit into memory.
 
     Parameters
     ----------
@@ -42,12 +42,12 @@ def check_size(size: int, each: int, what: str) -> None:
     each : int
         Bytes of memory needed for each byte of the file.
     what : str
-        What has this size, for the message.
+        Name of what has this size, for the message.
 
     Raises
     ------
     ParameterError
-        With the size and the limit.
+        If the size is above the limit; the message gives both.
 
     Examples
     --------

@@ -42,7 +42,7 @@ def spaced(low: float, high: float, n: int, spacing: str = "linear") -> _Array:
 
     Examples
     --------
-    A line along the clearance with equal ratios, and its case as a namelist:
+    A sweep of the clearance with equal ratios, and its case as a namelist:
 
     >>> import vibroimpact as vi
     >>> vi.spaced(2.0, 32.0, 5, "geometric")
@@ -73,7 +73,7 @@ def range_values(values: Any, name: str, points: Any, label: str = "points") -> 
     values
         An array, or with `points` a pair (lo, hi); a single number is not a range and is returned unchanged.
     name, label : str
-        The caller's names of both, for messages.
+        The caller's names for `values` and `points`, for messages.
     points : int or None
 
     Raises
@@ -119,13 +119,13 @@ def ascending(values: Any) -> Any:
 def ends_of(values: Any, name: str, wanted: str) -> tuple[Any, Any]:
     """The ends of a window: a pair (lo, hi), or an array that rises or falls throughout.
 
-    A pair is not checked further; if it falls, it is turned. For a falling array, the ends are its last and its
+    A pair is not checked further; if it falls, it is reversed. For a falling array, the ends are its last and its
     first number.
 
     Raises
     ------
     ParameterError, ParameterTypeError
-        If it is neither.
+        If the argument is neither.
 
     Examples
     --------
@@ -182,7 +182,7 @@ def axis_of(given: Any, points: Any, label: str) -> Axis:
     Raises
     ------
     TypeError, ValueError
-        If it has another form.
+        If the argument has another form.
     ParameterError, ParameterTypeError
         If the values do not rise or fall throughout.
     """

@@ -75,7 +75,8 @@ class Along:
     def __init__(
         self, run: Trajectory, parameters: Sequence[Wanted], first: int = -1, free: bool = False
     ) -> None:
-        """`first`: the gap of the impact just before the period; its instant defines the load phase.
+        """`first`: the gap of the impact just before the period; the instant of this impact defines the load
+        phase.
 
         `free`: whether the motion is self-excited; its frequency is then the last parameter.
         """
@@ -410,7 +411,8 @@ def resting_in(run: Trajectory) -> list[set[int]]:
 def inverse_of(structure: Structure, motion: Motion, matrix: _Array, scale: _Array) -> _Array:
     """The inverse of 1 - matrix, where matrix is the derivative of the map over a period, scaled by `scale`.
 
-    A body that hits nothing may rest anywhere: shifts of it, which change no gap that closes, are excluded.
+    A body that hits nothing may rest anywhere; shifts of such a body, which change no gap that closes, are
+    excluded.
     """
     left, sizes, right = np.linalg.svd(np.eye(len(matrix)) - matrix)
     shifts = sizes < sizes[0] / SINGULAR
@@ -431,7 +433,7 @@ def free_changes(matrix: _Array, finals: _Array) -> tuple[_Array, _Array]:
     motion.
 
     In (1 - P) ds - dF/dOmega dOmega = dF/dp, ds is orthogonal to the flow direction, which is an eigenvector of P;
-    the last of the derivatives of the end F at fixed phases is that with respect to Omega.
+    the last derivative of the end state F at fixed phases is that with respect to Omega.
     """
     m = len(matrix)
     _, _, right = np.linalg.svd(np.eye(m) - matrix)

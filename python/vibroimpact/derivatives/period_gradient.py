@@ -154,11 +154,10 @@ class Period:
         return int(np.abs(self.whole.values["time"] - self.within(t)).argmin())
 
     def common(self, slopes: list[_Array]) -> _Array:
-        """The derivatives of an extreme that is reached several times; NaN for parameters for which these
-        derivatives differ.
+        """The derivatives of an extreme that is reached several times; NaN for parameters for which they differ.
 
         They are compared separately for each parameter: derivatives with respect to the restitution of a wall may
-        be small compared with others, and still differ.
+        be small compared with other derivatives, and still differ.
         """
         table = np.array(slopes)
         limit = SAME * np.abs(table).max(axis=0) + ROUNDING * np.abs(self.state).max(axis=0)
