@@ -51,7 +51,7 @@ class Judged:
 def judged(
     osc: Oscillator, r: _Array, clearance: _Array, progress: Progress | None = None
 ) -> Judged:
-    """Simulate at some points; an exception of `progress` ends it.
+    """Simulate at some points; an exception raised by `progress` ends the simulations.
 
     Examples
     --------
@@ -81,7 +81,7 @@ def map_parts(window: Window) -> Iterator[tuple[_Array, _Array, NDArray[np.intp]
     """The points of a map in the order of computation: part by part, from a coarse grid to a fine one.
 
     Each part consists of r and clearance of its points, their indices (2, n) in the picture (rows along the
-    clearance), and the width of the squares that they fill until the points in between are known.
+    clearance), and the width of the squares that each point fills until the points in between are known.
 
     Examples
     --------

@@ -41,18 +41,18 @@ LONGEST = 120.0
 
 
 class Background:
-    """The jobs: zones, the fuller searches at the point and where the pointer rests, the diagram, the map and the
-    box.
+    """The background jobs: zones, thorough searches at the chosen point and where the pointer rests, the diagram,
+    the map and the box.
 
-    Each job takes a callable `show`, which receives the result in the page's thread unless a newer job has been
-    requested by then.
+    Each job takes a callable `show`, which receives the result in the thread of the page unless a newer job has
+    been requested by then.
 
     Parameters
     ----------
     at_its_turn : callable
-        Runs a function in the page's thread; the threads return their results by it.
+        Runs a function in the thread of the page; the job threads use it to return their results.
     failed : callable
-        Called in the page's thread with the kind of job (the name of the method) and the exception.
+        Called in the thread of the page with the kind of job (the name of the method) and the exception.
     """
 
     def __init__(
@@ -80,9 +80,9 @@ class Background:
     def zones(
         self, state: State, show: Callable[[dict[Family, Zone], Any, bool, str], None]
     ) -> None:
-        """Compute all zones, first coarse ones, which are shown at once, then fine ones.
+        """Compute all zones: first coarse ones, which are shown immediately, then fine ones.
 
-        Arguments of `show`: zones, shapes, whether all zones are finished, and a text on abandoned ones.
+        Arguments of `show`: zones, shapes, whether all zones are finished, and a text on abandoned zones.
         """
         named = list(families(state.osc, state.patterns))
 
@@ -137,7 +137,7 @@ class Background:
     def attenuation(self, state: State, show: Callable[[NDArray[np.float64], float], None]) -> None:
         """Compute the map of max|X|/A, which is shown after each part.
 
-        Arguments of `show`: the picture (rows along the clearance), and the share that is finished.
+        Arguments of `show`: the picture (rows along the clearance), and the fraction that is finished.
         """
 
         def search(current: Current) -> None:

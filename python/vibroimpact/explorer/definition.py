@@ -29,8 +29,8 @@ class Definition:
     ----------
     pattern : Pattern
     kind : {"equispaced", "phases", "state"}
-        One of the equispaced motions; or the motion that Newton's method finds from impact phases, or from the
-        motion that follows a state.
+        One of the equispaced motions, or the motion that Newton's method finds from impact phases or from the
+        motion that starts at a state.
     numbers : tuple of float
         The number of the equispaced motion; the phases; or t, x, x', z, z'.
 
@@ -112,7 +112,7 @@ def definition_of(
 ) -> tuple[Definition, Motion] | None:
     """A definition of a motion, and the motion that it produces; None if no definition reproduces the motion.
 
-    The page shows the motion that the definition produces, so that a user of the definition gets identical
+    The page shows the motion that the definition produces, so that anyone who uses the definition gets identical
     numbers.
     """
     for definition in _definitions(motion):

@@ -123,7 +123,7 @@ def _zone_keys(zone: Zone) -> str:
 
 
 def as_python(explorer: Explorer) -> str:
-    """A program that computes the motions, the simulation, the diagram and the zones.
+    """A Python program that computes the motions, the simulation, the diagram and the zones.
 
     Examples
     --------

@@ -1,6 +1,7 @@
 """The empty chart and diagram (Bokeh), in the style of the other pictures.
 
-In the browser, the data of `pictures` go directly into the models with these names, not into their Python copies.
+In the browser, the data from `pictures` go directly into the models with these names, not into their Python
+copies.
 """
 
 from __future__ import annotations

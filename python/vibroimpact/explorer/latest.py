@@ -25,9 +25,9 @@ class Latest:
     Parameters
     ----------
     failed : callable
-        Called with the exception of a job, if it is still the newest.
+        Called with the exception of a job, if this job is still the newest.
     niceness : int
-        Niceness of the jobs, where a thread can have a priority of its own (Linux).
+        Niceness of the jobs, on systems where a thread can have its own priority (Linux).
 
     Examples
     --------

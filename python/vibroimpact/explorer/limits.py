@@ -28,7 +28,7 @@ class TooLong(VibroimpactError):  # noqa: N818 (a limit, not an error)
 
 
 class Limit:
-    """Runs the computations that a page waits for, with a limit on the time of each.
+    """Runs the computations that a page waits for, with a time limit for each.
 
     Examples
     --------
@@ -51,9 +51,10 @@ class Limit:
         self.closed.set()
 
     def __call__(self, function: Callable[..., Found], *arguments: Any) -> Found:
-        """The result of a function; it also gets the keyword `progress`, a callback whose exception ends it.
+        """The result of a function, which also receives the keyword `progress`, a callback whose exception ends
+        the function.
 
-        The caller does not wait for it after the limit, even if the function does not call back.
+        The caller does not wait beyond the limit, even if the function does not call `progress`.
         """
         deadline = time.monotonic() + self.seconds
 
@@ -67,7 +68,7 @@ class Limit:
 
 
 class Places:
-    """Counts open pages, up to a largest number.
+    """Counts open pages, up to a maximum number.
 
     Examples
     --------
@@ -104,7 +105,7 @@ def watched(progress: Progress, function: Callable[..., Found], *arguments: Any)
 
 
 def shown(text: str) -> str:
-    """A text of a link for a message; only the beginning of a long text.
+    """A text from a link, quoted for a message; only the beginning of a long text.
 
     Examples
     --------

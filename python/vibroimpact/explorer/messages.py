@@ -65,7 +65,7 @@ PARTS: dict[str, dict[str, Kind]] = {
 
 
 def checked(message: Any) -> dict[str, Any]:
-    """A checked message of the page; ParameterError names the part that is not allowed.
+    """A checked message from the page; a ParameterError names the part that is not allowed.
 
     Examples
     --------

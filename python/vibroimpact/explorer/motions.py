@@ -31,10 +31,10 @@ def quick(
     osc: Oscillator, r: float, clearance: float, zones: Iterable[Zone] = (), known: Iterable[Motion] = (),
     kept: Iterable[Shown] = (), progress: Progress | None = None,
 ) -> list[Shown]:  # fmt: skip
-    """Motions of up to five impacts per cycle, from few guesses, from the zones here and from known motions
-    nearby.
+    """Motions of up to five impacts per cycle, from a few guesses, from the zones at the point and from known
+    motions nearby.
 
-    `zones` contain the point; `kept` are the motions known here; `progress` is as in `find`.
+    `zones` contain the point; `kept` are the motions known at the point; `progress` is as in `find`.
 
     Examples
     --------

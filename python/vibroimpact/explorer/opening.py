@@ -17,12 +17,12 @@ def state_of(start: Any) -> State:
     """The state that shows an oscillator, a motion at its point, or a design with its tolerance box.
 
     An identification is shown by its motion. Physical units are those of the result or, if it has none, of its
-    oscillator, provided that the oscillator knows its load amplitude.
+    oscillator, provided that the load amplitude of the oscillator is known.
 
     Raises
     ------
     ParameterError, ParameterTypeError
-        If the page cannot show it.
+        If the page cannot show the object.
 
     Examples
     --------

@@ -1,6 +1,6 @@
-"""Changes of the chart and the diagram as plain data: attributes of their models, by name.
+"""Changes to the chart and the diagram as plain data: attributes of their models, by name.
 
-The page's script applies all of them together: one message, and one redraw of each figure.
+The script of the page applies all changes together, so that there is one message and one redraw of each figure.
 """
 
 from __future__ import annotations
@@ -101,7 +101,7 @@ def physical(units: Units | None, window: Window) -> Changes:
 def map_picture(picture: NDArray[np.float64] | None, window: Window) -> Changes:
     """The map of max|X|/A, a picture with rows along the clearance; None for no map.
 
-    Zones in front of the map keep only their lines and hatching.
+    Zones drawn over the map keep only their lines and hatching.
     """
     on = picture is not None
     changes: Changes = {name: {"visible": on} for name in ("zones.image", "zones.bar")}
@@ -158,7 +158,8 @@ def fit(values: ArrayLike, margin: float = 0.06) -> tuple[float, float]:
 
 
 def packed(message: dict[str, Any]) -> tuple[str, NDArray[np.float64]]:
-    """A message as JSON, and all its arrays in one array; each is replaced by `{"from": i, "to": j}`.
+    """A message as JSON, and all its arrays in a single array; in the message, each array is replaced by
+    `{"from": i, "to": j}`.
 
     Examples
     --------

@@ -19,7 +19,7 @@ COMMAND = "import sys; from vibroimpact.commands.command import main; sys.exit(m
 
 
 def start(*words: str, prelude: str = "") -> tuple[subprocess.Popen[str], str]:
-    """A server at a free port, and its address; SIGINT ends it.
+    """Start a server at a free port; return the process and its address. SIGINT ends the server.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ def start(*words: str, prelude: str = "") -> tuple[subprocess.Popen[str], str]:
     Raises
     ------
     RuntimeError
-        If the server ends at once.
+        If the server ends immediately.
 
     Examples
     --------

@@ -78,7 +78,7 @@ def explore(
         0 for any free port.
     address : str
         A loopback address, or one that other machines can reach. In the second case no browser is opened, and only
-        those who have the link passed to `ready`, which contains a random token, can open the page.
+        users who have the link passed to `ready`, which contains a random token, can open the page.
     show : bool
         Whether to open a browser.
     ready : callable
@@ -89,7 +89,7 @@ def explore(
     ParameterError, ParameterTypeError
         If an argument is not allowed, or the page cannot show `start`.
     MissingExtraError
-        If panel and bokeh are not installed.
+        If panel or bokeh is not installed.
     """
     state = State() if start is None else state_of(start)
     serve(address, checks.integer(port, "port", 0, 65535), show, ready, state.query)
@@ -98,14 +98,15 @@ def explore(
 def serve(
     address: str, port: int, show: bool, ready: Callable[[str], None], query: str = ""
 ) -> None:
-    """Serve until an interrupt; `ready` is called with the address of the page, including the query of the state.
+    """Serve until an interrupt; `ready` is called with the address of the page, which includes the state as its
+    query.
 
     An address that other machines can reach contains a token; requests without it are not answered.
 
     Raises
     ------
     MissingExtraError, ParameterError
-        If panel is missing, the address is not of this machine, or the port is taken.
+        If panel is not installed, the address does not belong to this machine, or the port is in use.
     """
     number = interface(address)
     pn = panel()

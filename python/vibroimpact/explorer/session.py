@@ -42,9 +42,9 @@ class Session:
     query : str
         Query of the link.
     deliver : callable
-        Sends a message, in the form of `packed`, to the page's script.
+        Sends a message, in the form returned by `packed`, to the script of the page.
     at_its_turn : callable
-        Runs a function in the page's thread; the threads return their results by it.
+        Runs a function in the thread of the page; the job threads use it to return their results.
     """
 
     def __init__(
@@ -181,9 +181,10 @@ class Session:
         return self.summary()
 
     def on_choose(self, message: dict[str, Any]) -> dict[str, Any]:
-        """Choose a motion of the table by its definition, or the simulation above the motions.
+        """Choose a motion of the table by its definition, or the simulation listed above the motions.
 
-        The table may have changed since the browser received it: if the motion is no longer in it, none is chosen.
+        The table may have changed since the browser received it: if the table no longer contains the motion, no
+        motion is chosen.
         """
         definitions = [item.definition.text for item in self.explorer.shown]
         if message["motion"] is None:

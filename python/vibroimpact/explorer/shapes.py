@@ -29,7 +29,7 @@ LABEL = (0.2, 0.06)
 
 
 def thinned(points: _Array, window: Window) -> _Array:
-    """The vertices (M, 2) of a curve that a screen can resolve: dense where the curve turns.
+    """Only those vertices (M, 2) of a curve that a screen can resolve; they are dense where the curve turns.
 
     Examples
     --------

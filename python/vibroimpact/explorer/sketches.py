@@ -28,7 +28,7 @@ def history(
 ) -> Changes:
     """Time history with walls and events, and the phase portrait of the relative motion; empty for None.
 
-    With units, both figures have second axes in physical units.
+    With units, both figures have secondary axes in physical units.
     """
     if thing is None:
         blank: dict[str, Any] = {"x": [0, 1], "y": [0, 1], "parts": []}

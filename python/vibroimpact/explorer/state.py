@@ -26,9 +26,9 @@ MOST_DIGITS = 9
 
 @dataclass(frozen=True)
 class Run:
-    """A simulation: its initial state, the load cycles shown and the load cycles before them.
+    """A simulation: its initial state, the load cycles shown, and the load cycles simulated before them.
 
-    Numbers out of range are rejected; the simulation checks whether the state lies between the walls.
+    Numbers out of range are rejected; whether the state lies between the walls is checked by the simulation.
     """
 
     t: float = 0.0

@@ -17,9 +17,9 @@ MOST_WAITING = 100
 
 
 class Turns:
-    """Runs functions one after the other in a thread that exists as long as functions wait.
+    """Runs functions one after another in a thread that exists as long as functions are waiting.
 
-    The event loop, which serves all pages, never waits for it.
+    The event loop, which serves all pages, never waits for this thread.
 
     Examples
     --------

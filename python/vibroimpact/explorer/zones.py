@@ -41,7 +41,7 @@ class Family(NamedTuple):
 
 
 def families(osc: Oscillator, patterns: Iterable[Pattern]) -> Iterator[Family]:
-    """The families of some patterns: symmetric motions have a zone of their own, mirror images share one.
+    """The families of some patterns: symmetric motions have a separate zone, and mirror images share a zone.
 
     Examples
     --------
