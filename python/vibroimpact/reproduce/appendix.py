@@ -82,7 +82,7 @@ def over_a_period(matrices: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def largest(motion: Motion, corrected: Collection[str], clearance: float) -> float:
-    """max|lambda| with the unit of length in which the clearance d has this value.
+    """max|lambda| for the unit of length in which the clearance d has this value.
 
     S_6i is a length and S_3i is a number: with S_6i in P_ia(3,1), as printed, the multipliers depend on the unit.
     """

@@ -70,9 +70,9 @@ def zone(
     ax: Any, strips: Sequence[Strip], kind: str, label: str = "", *, inverse: bool = True,
     traced: Any = None, **options: Any,
 ) -> None:  # fmt: skip
-    """A zone as a band between its boundaries, over r; `inverse` draws F0/(dK).
+    """Draw a zone as a band between its boundaries, over r; `inverse` draws F0/(dK).
 
-    If its whole boundary was also `traced`, the traced boundary is drawn.
+    If its complete boundary was also `traced`, the traced boundary is drawn.
     """
     colour, style_ = options.pop("color", KINDS[kind][0]), options.get("ls", "-")
     alpha = options.get("alpha", 0.22)

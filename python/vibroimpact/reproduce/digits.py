@@ -1,8 +1,9 @@
 """The upper boundary of Figure 6a to 40 digits, by an independent method (extra `reproduce`: mpmath).
 
-There the equispaced motion loses its symmetry: two unequispaced motions, mirror images of each other, branch
-off. The boundary is therefore the limit of the linear problem of two impacts as their durations become equal. It
-is an even function of the difference from pi, so that a difference of 1e-15 gives an error of about 1e-30.
+At this boundary the equispaced motion loses its symmetry: two unequispaced motions, mirror images of each other,
+branch off. The boundary is therefore the limit of the linear problem of two impacts as the durations of the two
+flights become equal. The limit is an even function of the difference of the phase from pi, so that a difference of
+1e-15 causes an error of about 1e-30.
 """
 
 from __future__ import annotations

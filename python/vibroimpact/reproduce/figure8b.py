@@ -16,10 +16,11 @@ R, CLEARANCE = (0.55, 1.5), (0.4, 60.0)
 
 
 def zones(folder: Path, resolution: float = 1.0) -> dict[str, list[Strip]]:
-    """Zones of each pattern with rest found at the ends of the simulated holds; the paper had no theory for these.
+    """Zones of each pattern with rest that was found at the end of a simulated hold; the paper had no theory for
+    these.
 
-    The scan continues a motion from point to point through the window of the figure, which contains loads above
-    those of the simulated sweeps.
+    The scan continues a motion from point to point through the window of the figure, which contains higher loads
+    than the simulated sweeps.
     """
     found = seeds(read_sweeps(folder, "unequal"), UNEQUAL)
     r, count = ratios(*R, 0.7 * resolution), max(40, round(200 * resolution))

@@ -56,7 +56,7 @@ def ratios(low: float, high: float, resolution: float = 1.0) -> NDArray[np.float
 
 
 def kind_of(sides: str, cycles: int, phases: Any = None, *, alike: bool = False) -> str:
-    """The paper's name of a motion: impacts a cycle, and e or u for two impacts on equal walls.
+    """The name of a motion in the paper: impacts per cycle, and e or u for two impacts on equal walls.
 
     Motions over several cycles are called N/k, as in "N impacts/k cycles".
 

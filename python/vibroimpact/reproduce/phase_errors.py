@@ -1,6 +1,7 @@
-"""The paper's method for more than two impacts: phases read from a record, least squares, a residual of 3 %.
+"""The method of the paper for more than two impacts: phases read from a record, least squares, a residual of up to
+3 %.
 
-The phases of exact motions are misread by known amounts and the overdetermined equations are solved. The study
+Known errors are added to the phases of exact motions, and the overdetermined equations are solved. The study
 counts how often the solution is accepted, and how often its verdict on stability is wrong.
 """
 

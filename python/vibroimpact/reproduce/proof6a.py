@@ -1,6 +1,6 @@
 """Figure 6a, proven: where equispaced motions are stable and admissible, in ball arithmetic.
 
-It takes a few minutes, so it is computed only if it is named.
+The proof takes a few minutes, so it is computed only if it is named.
 """
 
 from __future__ import annotations

@@ -27,7 +27,7 @@ def reproduce(
 ) -> int:
     """Recompute the named items and write them to a folder; without names, all items that take only seconds.
 
-    Items run in processes of their own (started by "spawn": a script that calls this needs
+    Items run in separate processes (started by "spawn": a script that calls this needs
     ``if __name__ == "__main__":``).
 
     Parameters
@@ -39,12 +39,12 @@ def reproduce(
     resolution : float
         Below 1 for coarser grids, fewer load levels and shorter holds.
     workers : int, optional
-        Processes; default: one for each processor. With 1 all is done in this process.
+        Number of processes; default: one for each processor. With 1, everything runs in this process.
 
     Returns
     -------
     int
-        0 if everything agrees with the paper or is explained, 1 if something differs or failed.
+        0 if everything agrees with the paper or the difference is explained, 1 if something differs or failed.
     """
     wanted = list(names) or [name for name in NAMES if name not in ON_REQUEST]
     for name in wanted:

@@ -1,8 +1,8 @@
 """Zones of stable motions by scanning: at each frequency ratio, the clearances at which a motion is stable.
 
-The equispaced motions have a closed form; two impacts with given phases are the paper's linear problem,
-which gives the clearance; more impacts (and rest) are continued by Newton's method from a motion that was
-found. Stable means here: consistent, admissible and all multipliers inside the unit circle.
+The equispaced motions have a closed form; two impacts with given phases are the paper's linear problem, which
+gives the clearance; motions with more impacts (or with rest) are continued by Newton's method from a motion that
+was found. Here, stable means consistent, admissible, and with all multipliers inside the unit circle.
 """
 
 from __future__ import annotations
@@ -128,7 +128,7 @@ def traced_zone(
     count : int
         Points of the grid over the loads of the sweeps.
     window : (float, float), optional
-        Lowest and highest clearance of the grid; without it the grid ends with the loads of the sweeps.
+        Lowest and highest clearance of the grid; by default the grid spans the loads of the sweeps.
     """
     points = grid(count)
     if window is not None:

@@ -101,8 +101,8 @@ def proof_of_line(first: float, last: float) -> str:
 
 
 def certificates_of_end(line: Branch, r: float) -> tuple[Certificate, Certificate] | None:
-    """Certificates on either side of the end of a stable range, one of a stable motion and one of an unstable one,
-    each `HALF_WIDTH` from it; None where they do not prove that stability ends in between.
+    """Certificates on either side of the end of a stable range, one of a stable and one of an unstable motion,
+    each `HALF_WIDTH` from the end; None where they do not prove that stability ends in between.
 
     Both must lie on one branch that is proven to exist.
     """

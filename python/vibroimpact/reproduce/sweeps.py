@@ -1,7 +1,7 @@
-"""Simulated sweeps in place of the paper's measured bars: the load is raised slowly, then lowered.
+"""Simulated sweeps in place of the measured bars of the paper: the load is raised slowly, then lowered.
 
 As on the rig, the frequency is fixed, the load is held for two minutes at each level (2385 r load cycles), each
-hold starts from the state at the end of the hold before it, and the motion at the end of each hold is recorded.
+hold starts from the state at the end of the previous hold, and the motion at the end of each hold is recorded.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def sweep(
 ) -> list[dict[str, Any]]:
     """The motion at the end of each hold, with the load rising and then falling.
 
-    With the clearance as the unit of length the load amplitude is F0/(dK). If the free mass stays clear of the
+    With the clearance as the unit of length, the load amplitude is F0/(dK). If the free mass does not touch the
     walls, it is given a velocity and the hold is repeated.
 
     Parameters

@@ -29,7 +29,7 @@ SWEEPS = {rig: tuple(f"sweep_{rig}_{r:.2f}" for r in RATIOS) for rig in RIGS}
 class Task(NamedTuple):
     """A computation: module of this package, dependencies, outputs.
 
-    `weight` is its approximate time in seconds, for the estimate of the remaining time.
+    `weight` is the approximate computing time in seconds, for the estimate of the remaining time.
     """
 
     module: str

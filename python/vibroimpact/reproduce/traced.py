@@ -37,7 +37,8 @@ def outline(
 
 
 def compared(found: Any, strips: Sequence[Strip]) -> str:
-    """A text on the number of points near the edges of a scan that have the same verdict by the traced boundary.
+    """A text on the number of points near the edges of a scan for which the traced boundary gives the same
+    verdict.
 
     The ends of the scan in r lie on the edge of the window and are left out, as are points outside it.
     """
