@@ -1,16 +1,16 @@
 """Checks certificates of vibroimpact without vibroimpact: python check_certificate.py FILE.json ...
 
-It needs python-flint alone, and is written from the laws of mechanics:
+It needs only python-flint, and is written from the laws of mechanics alone:
 
     between impacts   x'' + 2 xi x' + x = f sin(r t),  z'' = 0
     at an impact      z - x = s d/2, momentum x' + mu z' is kept, the relative velocity z' - x' is turned and
                       multiplied by R
 
 An interval Newton step by interval elimination proves existence and uniqueness, dual numbers give all derivatives,
-the conditions of Routh and Hurwitz decide on the multipliers, and intervals of time that are halved prove that the
-gaps stay open. Where parameters vary, numbers are polynomials of them with balls as coefficients (series.py). The
-package proves the same in other ways: Krawczyk's operator, derivatives written by hand, the recursion of Schur and
-Cohn, the product of 1 - x_i x_j, Taylor polynomials in pieces.
+the Routh-Hurwitz conditions decide on the multipliers, and bisection of time intervals proves that the gaps stay
+open. Where parameters vary, numbers are polynomials in the parameters with balls as coefficients (series.py). The
+package proves the same statements by other methods: Krawczyk's operator, derivatives coded by hand, the recursion
+of Schur and Cohn, the product of 1 - x_i x_j, and piecewise Taylor polynomials.
 """
 
 import json

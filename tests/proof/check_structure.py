@@ -1,4 +1,4 @@
-"""Certificates of motions of structures, for the program that checks certificates, from the laws of mechanics:
+"""Check certificates of motions of structures (a part of check_certificate.py), from the laws of mechanics:
 
 between impacts   M q'' + C q' + K q = f(t)
 at an impact      G q = e, G q' is turned and multiplied by R, M q' changes along G alone
@@ -204,7 +204,8 @@ def check_gaps(system, states, verdict):
 def hurwitz(polynomial):
     """The first coefficient and Hurwitz's determinants: positive where all zeros lie inside the unit circle.
 
-    Where one is negative a zero lies outside, since they are not negative for limits of such polynomials.
+    Where one is negative, a zero lies outside, because none is negative for polynomials with all zeros inside or
+    on the unit circle.
     """
     m = len(polynomial) - 1
     plus, minus = arb_poly([1, 1]), arb_poly([1, -1])

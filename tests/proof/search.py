@@ -1,11 +1,11 @@
-"""All motions of a word, for the program that checks certificates: that there are no others than those it lists.
+"""Check that a certificate lists all motions of a word (a part of check_certificate.py).
 
 Given the times of the impacts, the laws are linear in the approach speeds e >= 0 of the impacts, the velocity of
-the free mass in the first flight, and p = sin(theta), q = cos(theta) of the steady motion A sin(r t + theta),
-whose p^2 + q^2 = 1: an impact pushes the walled mass by mu (1 + R) e/(1 + mu), and x is the steady motion and
-the sum of the periodic responses to these pushes. Boxes of these times, as parts of the period, are halved until
-the laws contradict each other in them, or hold at most one motion, which is known. Where the linear equations
-are singular theta is halved, too. Lengths are in units of A.
+the free mass in the first flight, and p = sin(theta), q = cos(theta) of the steady motion A sin(r t + theta), with
+p^2 + q^2 = 1: an impact changes the velocity of the primary mass by mu (1 + R) e/(1 + mu), and x is the sum of the
+steady motion and the periodic responses to these velocity jumps. Boxes of these times, as fractions of the period,
+are halved until the laws contradict each other in them, or they contain at most one motion, which is known. Where
+the linear equations are singular, theta is halved, too. Lengths are in units of A.
 """
 
 from itertools import pairwise

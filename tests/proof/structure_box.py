@@ -1,7 +1,7 @@
-"""Certificates of structures along one parameter, or of a symmetric motion, for the program that checks them.
+"""Check certificates of structures along one parameter, or of a symmetric motion (a part of check_certificate.py).
 
-Numbers are polynomials of the parameter (series.py). q is the sum of a steady vibration and a part u that follows
-u' = A u, with the same A for all values. Routh's array decides on the multipliers.
+Numbers are polynomials in the parameter (series.py). q is the sum of a steady vibration and a part u that obeys
+u' = A u, with the same A for all values of the parameter. Routh's array decides on the multipliers.
 """
 
 from check_structure import System
@@ -314,8 +314,8 @@ class Varied:
 def routh(polynomial):
     """The first column of Routh's array: positive where all zeros lie inside the unit circle.
 
-    Where a number in it, those before it being positive, or a coefficient of the turned polynomial is negative, a
-    zero lies outside.
+    A zero lies outside where a number in the column is negative and all numbers before it are positive, or where a
+    coefficient of the transformed polynomial is negative.
     """
     m = len(polynomial) - 1
     plus, minus = arb_poly([1, 1]), arb_poly([1, -1])

@@ -1,10 +1,10 @@
 """The lines that the tests run: of the Fortran sources by gcovr, of the Python package by coverage.py.
 
-A build that counts lines is installed, as a plain package, in an environment of its own; the Fortran tests and
-then all others run there, with every process that they start: the program, the library for C, commands, servers
-and workers. The reports are in build/coverage, as HTML (fortran/index.html, python/index.html), text and JSON.
-The exit status is 0 only if enough lines of either language are run, and no test fails. Other arguments go to
-pytest: `-n 2 --dist loadfile` runs two files at a time, and a file shows what that file runs.
+A build that counts lines is installed, as a plain package, in a separate environment. The Fortran tests and then
+all other tests run there, with every process that they start: the program, the C library, commands, servers and
+workers. The reports are in build/coverage, as HTML (fortran/index.html, python/index.html), text and JSON. The
+exit status is 0 only if enough lines of each language are run and no test fails. Further arguments go to pytest:
+`-n 2 --dist loadfile` runs two files at a time, and the name of a test file shows which lines this file runs.
 """
 
 import argparse

@@ -44,9 +44,9 @@ class Library:
         return self.text(handle, 0)
 
     def run(self, text, seconds=None):
-        """(answer, CPU seconds); the answer is None for a case that took longer than it may.
+        """(answer, CPU seconds); the answer is None for a case that exceeded its time limit.
 
-        `progress` is then what the case told of its progress: units of work done and expected.
+        `progress` is then the progress that the case reported: units of work done and expected.
         """
         handle, counters = ctypes.c_int64(), (ctypes.c_int32 * 3)()
         counters[2] = meant = text.startswith(STOPPED)

@@ -1,20 +1,23 @@
-"""Finds small cases that together reach what the core can do, and keeps what it answers.
+"""Finds small cases that together exercise the whole core, and keeps its answers.
 
 usage: find_answers.py --search COUNTED [--texts N] [--seed N] [--also LIBRARY...]
        find_answers.py --mutants FOLDER [--sample N] [--seed N] [--file PATTERN] [--also LIBRARY...]
        find_answers.py --renew [--add TEXTS] [--also LIBRARY...]
        find_answers.py --compare LIBRARY...
 
---search  COUNTED is a library for C that counts the blocks it reaches (switched.py makes it). The kept
-          texts, and namelists of inputs/ and of tests/fuzz/seeds, are changed at random; the fewest that reach
-          each block, as often as any of them does, are kept.
---mutants FOLDER is what switched.py makes. Mutants that the kept answers let pass, of a sample, are tried on
-          changed texts that reach the same statement; the fewest that notice what any of them does are added.
+--search  COUNTED is a C library that counts the blocks it reaches (switched.py makes it). The kept texts, and
+          the namelists of inputs/ and of tests/fuzz/seeds, are changed at random; the smallest set of texts that
+          reaches each block as often as any of them does is kept.
+--mutants FOLDER is the output of switched.py. A sample of the mutants that survive the kept answers is run on
+          changed texts that reach the same statement; the smallest set of texts that kills each mutant that any
+          of them kills is added.
 --renew   writes the answers to the kept texts again, and prints what changed. TEXTS is a JSON file with a list
           of further texts, such as cases that other tests run.
---compare prints what other builds answer differently, but for rounding: the exit status is 1 if anything.
+--compare prints the answers of other builds that differ by more than rounding: the exit status is 1 if there
+          are any.
 
-An answer is kept as far as the package and all libraries named (another compiler, another LAPACK) agree.
+Only the digits of an answer on which the package and all named libraries (another compiler, another LAPACK) agree
+are kept.
 """
 
 import argparse

@@ -1,11 +1,11 @@
-"""Keeps calls of the procedures of _core that no case makes: arguments that tests pass, and the answers.
+"""Keeps calls of procedures of _core that no case makes: arguments that tests pass, and the answers.
 
-usage: find_calls.py --record TEST...   run tests, and keep calls of them beside those that are kept
+usage: find_calls.py --record TEST...   run tests, and add some of their calls to the kept calls
        find_calls.py --renew            write the answers again, and print what changed
        find_calls.py --answers          print the answers to the kept calls; --renew runs this in other builds
 
-An answer is kept as far as this package, with two versions of sines, and the builds in folders of --also agree,
-which hold the module _core.
+Only the part of an answer on which this package, with two versions of the sine function, and the builds in the
+folders of --also agree is kept; these folders contain the module _core.
 """
 
 import argparse

@@ -1,8 +1,8 @@
-"""Draws cases with general parameters, so that no symmetry, 0 or 1 hides a fault.
+"""Draws random cases with general parameters, so that no symmetry and no parameter of 0 or 1 hides a fault.
 
 usage: general_cases.py SEED N >TEXTS
 
-Prints N namelists as a JSON list, which `find_answers.py --renew --add TEXTS` keeps. Each computes little: a small
+Prints N namelists as a JSON list, which `find_answers.py --renew --add TEXTS` keeps. Each case is small: a small
 window, few points, a short simulation.
 """
 

@@ -1,7 +1,7 @@
-"""Asks which mutants the kept answers notice, in the libraries that hold nearly all of them (switched.py).
+"""Finds which mutants the kept answers detect, in the libraries that contain nearly all mutants (switched.py).
 
-A case is run only for the mutants whose statement it reaches, each mutant in a process of its own. What differs
-from the kept answer, breaks down, or takes much longer, kills the mutant.
+A case is run only for the mutants whose statement it reaches, each mutant in a separate process. A mutant is
+killed if the answer differs from the kept answer, the process crashes, or it takes much longer.
 """
 
 import fcntl
@@ -57,10 +57,10 @@ class Trial:
             places.sort(key=lambda i: self.cases[i][2])
 
     def __call__(self, number: int, alone: str = "") -> tuple[str, int]:
-        """Return what became of a mutant, and the number of the case that killed it (-1: none).
+        """Return the outcome of a mutant, and the number of the case that killed it (-1: none).
 
-        number: 0 for a mutant that the library does not hold; then any case may notice it.
-        alone: a library with this mutant only, and with checks, which take longer.
+        number: 0 for a mutant that the library does not contain; then any case may kill it.
+        alone: a library with this mutant only, and with run-time checks, which take longer.
         """
         if number:
             statement = self.statements.nearest(self.statements.of_number[number], self.reaching)
@@ -142,7 +142,7 @@ def kept_trial(folder: Path) -> Trial:
 def what_they_do(folder: Path, kept: list[dict]) -> list[tuple]:
     """Return, for each kept case, its CPU seconds, its statements, and whether these libraries give its answer.
 
-    What they do is noted in the folder.
+    The results are stored in the folder.
     """
     note, numbers = folder / "reached.json", (folder / "mutants.json").read_bytes()
     noted = json.loads(note.read_text(encoding="utf-8")) if note.exists() else {}

@@ -109,10 +109,10 @@ def passes(command: list, folder: Path, cpu: int, end: bytes, more: dict | None 
 def ended(
     command: list, folder: Path, cpu: int, end: bytes, more: dict | None = None
 ) -> tuple[bool, str]:
-    """Return whether a command ends well, as in `passes`, and what it printed.
+    """Return whether a command succeeds, as in `passes`, and what it printed.
 
-    What it printed last has to match `end`: a library may end a program as if all were well, as LAPACK does where
-    an argument is not a number.
+    The end of its output has to match `end`, because a library may end a program with a success status, as LAPACK
+    does where an argument is not a number.
     """
 
     def limit():

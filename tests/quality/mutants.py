@@ -1,7 +1,7 @@
-"""Mutants of a Fortran source: copies of it that differ in one place of one line, and should fail a test.
+"""Mutants of a Fortran source: copies that differ in one place of one line, and should make a test fail.
 
-There is no parser: the sources have one style (free form, spaces around binary + and -, declarations with `::`).
-What is no valid Fortran after all does not compile, and is not counted.
+No parser is needed, because all sources have the same style (free form, spaces around binary + and -, declarations
+with `::`). A mutant that is not valid Fortran does not compile, and is not counted.
 """
 
 import re
@@ -151,7 +151,7 @@ def mutants_of(root: Path, file: str) -> list[Mutant]:
 def places(code: str, whole: set[str], first: int, alone: bool):
     """Yield what can be replaced in a line: kind, begin, end, and the new text.
 
-    Nothing before column `first` is touched; statements are removed where they stand on a line of their own.
+    Nothing before column `first` is changed; a statement is removed only if it is alone on its line.
     """
     for pattern, change, kind in SIMPLE:
         for match in re.finditer(pattern, code):

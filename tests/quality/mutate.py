@@ -1,14 +1,14 @@
-"""Mutation testing of the Fortran core: does a test fail where one place of one line is wrong?
+"""Mutation testing of the Fortran core: does a test fail if one place of one line is wrong?
 
-One build holds nearly all mutants, of which the environment chooses one (build/switched: the first run makes it,
-and finds which tests reach which statement, in forty minutes). A mutant is tried on the kept answers first, then
-on the Fortran tests and the Python tests that reach its statement. The few that are no statements, and all with
---fortran-only, are compiled alone and linked before the library instead. What survives is tried once more with
-the checks of the debug build (build/checked), which end a program at an element that is not there, and then on
-the Python tests that take long. A test that fails, crashes or exceeds its limits kills the mutant. One that no
-test kills must be in `survivors.txt`, with the reason. Results are kept (build/mutation), so that a run can be
-stopped and continued: a mutant that was killed is not tried again until its file changes, one that survived until
-the tests do.
+One build contains nearly all mutants, one of which is selected by an environment variable (build/switched: the
+first run makes it, and finds which tests reach which statement; this takes forty minutes). A mutant is first run
+on the kept answers, then on the Fortran tests and the Python tests that reach its statement. The few mutants that
+are not in executable statements, and all mutants with --fortran-only, are instead compiled separately and linked
+before the library. A mutant that survives is run once more with the checks of the debug build (build/checked),
+which stop a program at an array element out of bounds, and then on the slow Python tests. A test that fails,
+crashes or exceeds its limits kills the mutant. A mutant that no test kills must be in `survivors.txt`, with the
+reason. Results are kept (build/mutation), so that a run can be stopped and continued: a mutant that was killed is
+not run again until its file changes, and a mutant that survived is not run again until the tests change.
 """
 
 import argparse

@@ -10,9 +10,10 @@ PLAIN_SINES = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX2_Usable
 
 
 def copy_package(site: Path, build: Path) -> Path:
-    """Link the package's files into a folder for PYTHONPATH; return where the module _core belongs.
+    """Link the files of the package into a folder for PYTHONPATH; return the path at which the module _core
+    belongs.
 
-    `build` is a folder with a build that has what meson writes of the package.
+    `build` is the folder of a build that contains the files of the package that meson generates.
     """
     package = site / "vibroimpact"
     package.mkdir(parents=True)

@@ -1,8 +1,9 @@
-"""A pytest plugin: notes the statements with mutants that each test reaches, in a package that counts.
+"""A pytest plugin that records which statements with mutants each test reaches, in a package that counts
+statements.
 
-What a fixture of many tests reaches counts for each of them. Each line of the file that VIBROIMPACT_REACHED_BY
-names (with the number of the process) tells a test, its seconds and its statements. Of a test with many parameters
-those are left out that reach nothing new.
+Statements that a shared fixture reaches count for each of its tests. Each line of the file that
+VIBROIMPACT_REACHED_BY names (followed by the process id) contains a test, its seconds and its statements.
+Parameter sets of a parametrised test that reach no further statements are omitted.
 """
 
 import ctypes

@@ -1,6 +1,6 @@
 """Which tests reach which statements that have mutants, in the builds of switched.py.
 
-What was found is kept beside the builds, and found again for the tests that changed.
+The results are stored next to the builds, and updated for the tests that changed.
 """
 
 import functools

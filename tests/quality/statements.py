@@ -48,7 +48,7 @@ class Statements:
         return names
 
     def nearest(self, statement: int, reached) -> int:
-        """Return a statement if it is reached; else the nearest one before it that is, or after it.
+        """Return a statement if it is reached, otherwise the nearest reached statement before it, or after it.
 
         A compiler joins some statements with their neighbours, or inlines or moves them, so that nothing is
         counted at their lines.

@@ -1,12 +1,13 @@
-"""Builds a core that holds nearly all mutants, of which a number chooses one at run time.
+"""Builds a core that contains nearly all mutants; a number selects one of them at run time.
 
 usage: switched.py [FOLDER]
 
-So a mutant costs no compilation. In FOLDER (build/switched) each statement stands beside its mutants. Programs,
-package and library for C compute what the core does, or with VIBROIMPACT_MUTANT=N what mutant N does. What is no
-statement (a constant that is declared) or does not compile is left out. `mutants.json` tells of each number the
-mutant, and the lines of its statement in the sources that were compiled. There are two builds: `plain`, and
-`counted`, which counts the blocks that it reaches (reached.c), so that one knows which tests reach a statement.
+Mutants therefore need no separate compilation. The sources in FOLDER (build/switched) contain each statement
+together with its mutants. Programs, package and C library behave like the original core or, with
+VIBROIMPACT_MUTANT=N, like mutant N. Mutants that are not in executable statements (such as declarations of
+constants) or do not compile are omitted. `mutants.json` contains, for each number, the mutant and the lines of its
+statement in the compiled sources. There are two builds: `plain`, and `counted`, which counts the blocks that it
+reaches (reached.c) and so shows which tests reach a statement.
 """
 
 import hashlib
