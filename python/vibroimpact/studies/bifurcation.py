@@ -243,7 +243,7 @@ class BifurcationDiagram(
     def windows(self) -> list[PeriodicWindow]:
         """For an oscillator: the windows with one label, run by run.
 
-        In a diagram that was stopped early, windows next to values that were not reached are left out, because
+        In a diagram that was stopped early, windows next to values that were not reached are omitted, because
         their ends are not known.
         """
         return self._stretches(cut=False)
@@ -278,14 +278,16 @@ class BifurcationDiagram(
         return np.asarray((different & (self.cycles > 0).any(axis=0) | labels) & reached)
 
     def column(self, quantity: str) -> _Array:
-        """A column of the points; "approach" is the speed of approach, "y_dot" that of the free mass.
+        """A quantity at each point; "approach" is the approach speed.
 
-        For a structure, also "q_0", "q_1", ... and "q_dot_0", ... of the strobes, and outputs by their names.
+        For a structure: a quantity of `points` or, for coordinates, velocities and outputs, of `strobes`.
 
         Parameters
         ----------
         quantity : str
-            A name of a column of `points`, or "approach"; for a structure also of the strobes, or an output.
+            For an oscillator "phase", "x", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after" or
+            "approach". For a structure "phase" or "speed" of the impacts, or "q_0", "q_1", ..., "q_dot_0", ... or
+            the name of an output.
 
         Returns
         -------
@@ -568,7 +570,7 @@ def bifurcation_diagram(
     impacts : int
         Largest number of impacts kept for each run and value.
     max_events : int
-        Events (impacts, rests, releases; for a structure those of stops and friction too) after which the
+        Events (impacts, rests, releases; for a structure also events of stops and friction) after which the
         simulation at a value of a run is abandoned; the status says so.
     threads : int, optional
         For an oscillator; one for each processor by default. The result does not depend on it.
@@ -587,7 +589,7 @@ def bifurcation_diagram(
         If an argument is not allowed; nothing was computed.
     StudyInterrupted
         After Ctrl-C; its attribute `result` is the part that was finished: values that a run did not reach have no
-        impacts, and values that no run of a structure reached are left out.
+        impacts, and values that no run of a structure reached are omitted.
 
     Examples
     --------
