@@ -44,7 +44,7 @@ def replacing(path: Path, ending: str = "") -> Iterator[Path]:
     """Provide a new, empty file in the folder of `path`, which replaces `path` if no error occurs; its name ends
     with `ending`.
 
-    Errors name `path`, which the user knows, and not the temporary file.
+    Errors name `path`, which the user knows, instead of the temporary file.
     """
     temporary = None
     try:

@@ -633,8 +633,8 @@ def design(
     MissingExtraError
         If SciPy is not installed.
     KeyboardInterrupt
-        After Ctrl-C, once candidates were judged: its attribute `result` is the best design so far, without
-        samples; if the first search was stopped, this design was evaluated for few units only.
+        After Ctrl-C, once candidates have been evaluated: its attribute `result` is the best design so far,
+        without samples; if the first search was stopped, this design was evaluated for few units only.
 
     Examples
     --------

@@ -81,8 +81,8 @@ def fit(
     """Fit exact motions to the flights of one or more records.
 
     `known` are the shared parameters that are not fitted; `M` or `K`, together with the load of a record,
-    determine its F0/K. `near` contains motions to start from; by default the fit starts from the picked impacts. A
-    `rough` fit, which only provides a start for another fit, need not converge.
+    determine its F0/K. `near` contains motions to start from; by default the fit starts from the detected impacts.
+    A `rough` fit, which only provides a start for another fit, need not converge.
     """
     law = law or Law()
     count = len(records)

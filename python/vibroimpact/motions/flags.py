@@ -94,7 +94,7 @@ def stability_flags(
     threads : int, optional
         Default: one for each processor.
     progress : callable, optional
-        Called with the share done and ""; by default a bar on a terminal or in a notebook.
+        Called with the fraction done and an empty text; by default a bar on a terminal or in a notebook.
 
     Returns
     -------

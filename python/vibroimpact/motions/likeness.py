@@ -107,7 +107,7 @@ def _images(motion: Motion) -> Iterator[Motion]:
 
 
 def same_motion(one: Motion, other: Motion, *, mirrored: bool = False) -> bool:
-    """Whether two motions of one system, or one and the other's mirror image, are the same.
+    """Whether two motions of a system are the same or, with `mirrored`, mirror images of each other.
 
     The first impact of each does not matter. Motions of a structure are the same if they have the same period, the
     same gaps in order, phases within 1e-6 rad and speeds within 1e-6 of the largest one; of an accumulation, only

@@ -650,8 +650,8 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         the derivatives of [P_i], without difference quotients.
 
         For an oscillator, the parameters are r, clearance, xi, mu, R1, R2, R and load. R1 and R2 change the
-        restitution of all impacts on their wall, R that of all impacts. Besides attributes of the motion, the
-        quantities are `load_phase`, `attenuation`, the response `x_rms`, `fundamental_amplitude` and
+        restitution of all impacts on their wall, R that of all impacts. In addition to attributes of the motion,
+        the quantities are `load_phase`, `attenuation`, the response `x_rms`, `fundamental_amplitude` and
         `fundamental_phase` (as in `quantities`), and the distances to the boundaries of its zone:
         `approach_speeds` at the impacts; `gaps_right` and `gaps_left`, the least distance to each wall at a
         stationary point of the relative position in the flight after each impact (NaN if there is none); and
@@ -730,7 +730,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         Parameters
         ----------
         progress : callable, optional
-            Called with the share of the attempts done and the next number of bits; by default a bar on a terminal
+            Called with the fraction of attempts made and the next number of bits; by default a bar on a terminal
             or in a notebook.
 
         Returns
@@ -962,8 +962,8 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         )  # fmt: skip
 
     def _simulated(self) -> Trajectory:
-        """For a structure with stops or friction, or with rests and coupled gaps that close at one instant: the
-        simulated trajectory over a period from just after the first event.
+        """For a structure with stops or friction, or with rests and coupled gaps that close at the same instant:
+        the simulated trajectory over a period from just after the first event.
 
         The first event may occur again at the start, where its condition is met to within rounding.
         """
@@ -1249,7 +1249,7 @@ def check_numbers(
 
 @dataclass(frozen=True, eq=False, repr=False, slots=True)
 class Motions:
-    """Many motions of one pattern as arrays, with points on the last axis; an index returns one `Motion`.
+    """Many motions of one pattern as arrays, with points on the last axis; indexing returns a `Motion`.
 
     Attributes
     ----------

@@ -327,7 +327,7 @@ def periodic_batch(
         Whether to examine every flight as well, for `admissible`, `x_min` and `x_max`. Without it these are -1 and
         NaN, and the call is faster.
     progress : callable, optional
-        Called with the share done and ""; by default a bar on a terminal or in a notebook.
+        Called with the fraction done and an empty text; by default a bar on a terminal or in a notebook.
 
     Returns
     -------

@@ -695,7 +695,7 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         Returns
         -------
         Axes, or an array of Axes
-            The Axes of the panel, or those of all panels.
+            The Axes of the panel, or of all panels.
         """
         return self._draw(ax, kind, *self._shown(cycles, window), units=units)
 

@@ -296,7 +296,7 @@ def prove_box(
     most_boxes : int, optional
         Largest number of boxes to try, at least 1.
     progress : callable, optional
-        Called with the share done and ""; by default a bar on a terminal or in a notebook.
+        Called with the fraction done and an empty text; by default a bar on a terminal or in a notebook.
 
     Returns
     -------

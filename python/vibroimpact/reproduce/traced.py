@@ -40,7 +40,7 @@ def compared(found: Any, strips: Sequence[Strip]) -> str:
     """A text on the number of points near the edges of a scan for which the traced boundary gives the same
     verdict.
 
-    The ends of the scan in r lie on the edge of the window and are left out, as are points outside it.
+    The ends of the scan in r lie on the edge of the window and are omitted, as are points outside it.
     """
     if not found:
         return "no traced boundary"

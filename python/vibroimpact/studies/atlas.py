@@ -289,7 +289,7 @@ class Atlas(OnPlane, study="atlas"):
         return WithoutImpacts(self.osc, self.r, self.clearance)
 
     def at(self, x: float, y: float) -> list[Zone]:
-        """The zones that contain a point: those of the stable motions with impacts there.
+        """The zones that contain a point, that is, the zones of the stable motions with impacts there.
 
         `without_impacts.contains` says whether the motion without impacts also exists there.
 

@@ -472,7 +472,7 @@ def basins(
         in each call. A state depends only on the seed and its number, so a larger set of states begins with the
         smaller one. The seed that was used is in the case of the result.
     max_events : int
-        Events (impacts, rests, releases; for a structure those of stops and friction too) after which one
+        Events (impacts, rests, releases; for a structure also events of stops and friction) after which one
         simulation is abandoned: its state has the label -3.
     threads : int, optional
         Default: one for each processor. The result does not depend on it.

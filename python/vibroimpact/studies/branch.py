@@ -53,8 +53,8 @@ class SpecialPoint:
     type : str
         fold, pitchfork, flip, neimark_sacker, grazing, zero_approach, or bound (of the parameter). For a structure
         also branch_point (a pitchfork or transcritical point where simultaneous impacts separate), simultaneous
-        (two events at one instant, beyond which their order changes), rest_vanishes (the impacts before a rest
-        just fail to accumulate), rest_splits (the contact force touches zero within a rest), stick_begins
+        (two events at the same instant, beyond which their order changes), rest_vanishes (the impacts before a
+        rest just fail to accumulate), rest_splits (the contact force touches zero within a rest), stick_begins
         (friction that changes its direction begins to stick), stick_vanishes, contact_vanishes and flight_vanishes
         (the duration of a stick, of a contact with a stop, or of the flight between two contacts with one stop
         falls to zero), and event_vanishes (the speed or the force that makes friction halt or slip only just
@@ -128,7 +128,7 @@ class SpecialPoint:
         """For an oscillator: motions of the branches that begin at this point.
 
         At a pitchfork these are the unsymmetric pair, at a flip the motion of doubled period, at a grazing the
-        motion whose pattern has the extra impact (for a symmetric motion, also the one with that impact and its
+        motion whose pattern has the extra impact (for a symmetric motion, also the motion with this impact and its
         mirror image). Each is computed at a parameter value slightly off the point, on the side where the motion
         exists.
 
@@ -787,7 +787,7 @@ def branch(
     half a period, so that the branch continues through a pitchfork. The unknowns for a structure are the approach
     speeds and load phases of the impacts and the mean positions of modes of frequency 0; with rests, stops or
     friction, a state and the load phases of all events. Self-excited motions, which have no load, have the period
-    as a further unknown, and their trivial multiplier 1 is left out.
+    as a further unknown, and their trivial multiplier 1 is excluded.
 
     Parameters
     ----------

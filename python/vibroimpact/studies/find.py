@@ -437,7 +437,7 @@ def find(
         For a structure: seed of the random initial states, or a generator from which a seed is drawn; None:
         another seed in each call. The seed that was used is in the case of the result.
     max_events : int
-        Events (impacts, rests, releases; for a structure those of stops and friction too) after which the
+        Events (impacts, rests, releases; for a structure also events of stops and friction) after which the
         simulation of a state is abandoned; for an oscillator it then counts as one of `Search.unfinished`.
     threads : int, optional
         For a structure: one for each processor by default. The result does not depend on it.

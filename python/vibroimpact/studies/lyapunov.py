@@ -244,7 +244,7 @@ def lyapunov(
     directions : int, optional
         For a structure: number of exponents, the largest ones; by default all, two per coordinate.
     max_events : int
-        Events (impacts, rests, releases; for a structure those of stops and friction too) after which the
+        Events (impacts, rests, releases; for a structure also events of stops and friction) after which the
         simulation of a point is abandoned; its status says so. Long averages need more than the default.
     points : int, optional
         For an oscillator: number of evenly spaced values of a range.

@@ -326,7 +326,7 @@ def response(
     points : int, optional
         Number of evenly spaced values of a range.
     max_events : int
-        Events (impacts, rests, releases; for a structure those of stops and friction too) after which one
+        Events (impacts, rests, releases; for a structure also events of stops and friction) after which one
         simulation is abandoned; its status says so.
     threads : int, optional
         Default: one for each processor. The result does not depend on it.

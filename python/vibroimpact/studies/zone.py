@@ -51,10 +51,10 @@ class Piece:
     type : str
         fold, pitchfork, flip, neimark_sacker, grazing, zero_approach, or window (the edge of the window); with
         rests also rest_vanishes and rest_splits (beyond it there are two rests); for a structure also branch_point
-        (a pitchfork or transcritical point where simultaneous impacts separate), simultaneous (two events at one
-        instant), and stick_begins, stick_vanishes, contact_vanishes, flight_vanishes and, of self-excited motions,
-        event_vanishes, as for `branch`; or joint, a straight piece of at most 1e-4 of the window between two
-        loose ends of the boundary, where it could not be followed; or cut, the straight edge of a strip of the
+        (a pitchfork or transcritical point where simultaneous impacts separate), simultaneous (two events at the
+        same instant), and stick_begins, stick_vanishes, contact_vanishes, flight_vanishes and, of self-excited
+        motions, event_vanishes, as for `branch`; or joint, a straight piece of at most 1e-4 of the window between
+        two loose ends of the boundary, where it could not be followed; or cut, the straight edge of a strip of the
         window that is cut out, with rests, stops or friction, because the boundary could not be closed in it.
     x, y : ndarray (M,)
         Vertices in order, in the plane of the zone; the first and the last are corners, where the next piece
@@ -223,7 +223,7 @@ class OnPlane(Noun):
 class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
     """The region, within a window of the plane of two parameters, where motions are stable and admissible.
 
-    For an oscillator, the plane is (r, d K/F0), and the motions are all those of a pattern. For a structure, the
+    For an oscillator, the plane is (r, d K/F0), and the zone covers all motions of a pattern. For a structure, the
     plane is that of any two parameters, and the motions are those connected with the motion from which the search
     started.
 
@@ -877,16 +877,16 @@ def zone(
 ) -> Zone:
     """The zones of stable, admissible motions in a window of two parameters, as closed curves of named pieces.
 
-    For an oscillator: those of all motions of a pattern, in the plane (r, d K/F0). Motions of a pattern with rest
-    are continued in the same way. Where a rest vanishes, the accumulation of impacts just fails to complete before
-    the acceleration that closes the gap changes its sign; this boundary is accurate to about 1e-10.
+    For an oscillator: the zones of all motions of a pattern, in the plane (r, d K/F0). Motions of a pattern with
+    rest are continued in the same way. Where a rest vanishes, the accumulation of impacts just fails to complete
+    before the acceleration that closes the gap changes its sign; this boundary is accurate to about 1e-10.
 
     Motions are searched for by Newton's method at the nodes of a lattice over the window and, for patterns without
     rest, by simulation at points between the nodes; the search is longer for more impacts and if few motions are
     found. The motions are followed along the lattice lines on every sheet that was found, and on the sheets that
     begin at pitchforks and flips of symmetric motions and of motions of half the pattern on these lines. Where a
     line enters or leaves a zone, the boundary is traced by pseudo-arclength continuation of the motion together
-    with the one condition that is zero there (fold, flip, pitchfork, Neimark-Sacker, grazing, zero approach, or an
+    with the condition that is zero there (fold, flip, pitchfork, Neimark-Sacker, grazing, zero approach, or an
     edge of the window); where another condition becomes zero there is a corner, and the boundary continues along
     that condition.
 
