@@ -33,7 +33,7 @@ CODE_OF = {verdict: code for code, verdict in VERDICT.items()}
 
 @dataclass(frozen=True)
 class Samples:
-    """Random units of a candidate at random places of the band.
+    """Random units of a candidate at random points of the band.
 
     Attributes
     ----------

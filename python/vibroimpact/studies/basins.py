@@ -419,13 +419,13 @@ def basins(
     that it is chaotic (positive by more than its error) or quasi-periodic (zero within its error, without a stable
     motion near it). Before this verdict, the simulation must have lasted many times as long as volumes need to
     contract and free vibrations to decay. It is then continued for another two million events, and other states
-    with impacts in the same places for as many again, so that no transient is mistaken for an attractor. All other
-    states remain undecided.
+    with impacts in the same regions for as many again, so that no transient is mistaken for an attractor. All
+    other states remain undecided.
 
     Each state of a structure is simulated until it repeats to rounding near a motion that Newton's method confirms
     as admissible and stable, or for `settling` load cycles. If nothing is decided then, it is followed for longer:
     its largest Lyapunov exponent shows whether it is chaotic, quasi-periodic, or still settling. States with
-    events in the same places are then watched for two million events: if one of them settles, all are on a
+    events in the same regions are then watched for two million events: if one of them settles, all are on a
     transient, and those that do not settle remain undecided. Equal motions count as one attractor, whichever
     impact comes first. Without a load, or with a constant load, states settle on self-excited motions or in an
     equilibrium; those that do neither within 31 `settling` remain undecided.

@@ -376,7 +376,7 @@ def find(
     max_events: int = 10_000_000,
     progress: Callable[[float, str], None] | None = None,
 ) -> FoundMotions:
-    """Search for the periodic motions of a system: by orders of impacts, by releases, and by simulation.
+    """Search for the periodic motions of a system: from orders of impacts, from releases, and by simulation.
 
     The system is `osc, r, clearance`, or `structure, load`, or a point from `Oscillator.at`. Only admissible
     motions are kept. Simulations from many different initial states add the attractors.
