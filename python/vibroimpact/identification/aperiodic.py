@@ -1,8 +1,8 @@
 """The parameters of a rig from the individual flights of a record that is not periodic: chaos, transients, rests.
 
-The laws of momentum and restitution at each impact, between two flights of the free mass, relate measured
-quantities: the states of the flights of the primary mass just before and after this impact and the neighbouring
-impacts. The parameters must satisfy these equations within the errors of the measured quantities.
+The laws of momentum and restitution at each impact, between two flights of the free mass, are equations that
+relate measured quantities: the states of the flights of the primary mass just before and after this impact and the
+neighbouring impacts. The parameters must satisfy these equations within the errors of the measured quantities.
 """
 
 from __future__ import annotations

@@ -37,7 +37,8 @@ def with_friction(
     friction.
 
     Friction acts between the impacts, where the primary mass would fly freely. Flights are therefore fitted to the
-    record minus the response to friction of the previously fitted motion, until this response no longer changes.
+    record minus the response to friction of the previously fitted motion, repeatedly until this response no longer
+    changes.
     """
     (step, *_), plain, law = found
     given = "friction = True" if friction is None else f"friction = {friction:g}"

@@ -186,8 +186,8 @@ def halved(
 ) -> tuple[list[Step], Fit] | None:  # fmt: skip
     """The fit of motions of half the period, started from a motion of the whole period; None if there is none.
 
-    A fit with twice the period has more freedom and may succeed where the fit with the true period fails. If the
-    shorter period describes the record equally well, it is the right one.
+    A fit with twice the period has more freedom and may succeed where the fit with the shorter period fails. If
+    the shorter period describes the record equally well, it is the right one.
     """
     others = [copy(step) for step in steps]
     try:
