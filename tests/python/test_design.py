@@ -243,6 +243,20 @@ def test_the_risk_orders_the_units_that_decide_a_level():
     assert pool.order()[:4].tolist() == [8, 11, 1, 7]
 
 
+def test_a_failed_run_comes_first_and_keeps_the_risk_finite():
+    """The target of a failed run is inf; a difference of two of them must not spoil the order."""
+    pool, _ = pool_of(4, 2, 1.0, {})
+    pool.learn(np.arange(2), np.ones((2, 4), bool))
+    pool.target[0, 1, 2] = np.inf
+    for candidate in (0, 0, 1):
+        pool.look_at(candidate)
+        assert np.isfinite(pool.risk).all()
+        assert pool.order()[0] == 4 + 2
+    risk = pool.target[0].max(axis=-1)
+    again = Pool(pool.problem, pool.grid, risk)
+    assert np.isfinite(again.risk).all()
+
+
 def test_a_search_takes_few_runs(runs_of_outcomes):
     """Counts of simulations, not times: a search by 16 units at 9 frequencies, each search and each judgement."""
     found = vi.design(

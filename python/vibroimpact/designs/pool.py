@@ -14,7 +14,7 @@ _Mask = NDArray[np.bool_]
 _Indices = NDArray[np.intp]
 #: Penalty on the level of a design per unit of excess of a figure over its limit.
 PENALTY = 10.0
-#: A level that is taken for infinite: differences and variances of such levels are finite.
+#: A level or a risk that is taken for infinite: differences and variances of such numbers are finite.
 HUGE = 1e150
 
 
@@ -52,7 +52,7 @@ class Pool:
         self.target, self.excess = np.empty((2, 0, *shape))
         self.known = np.empty((0, *pairs), bool)
         self.bounds = np.empty(0)
-        self.risk = np.zeros(pairs) if risk is None else risk
+        self.risk = np.zeros(pairs) if risk is None else np.minimum(risk, HUGE)
         # how many units at a frequency may be above the level
         states = shape[2] if problem.weighted else 1
         many = pairs[1] * states - 1
@@ -116,7 +116,9 @@ class Pool:
 
     def look_at(self, candidate: int, weight: float = 0.5) -> None:
         """Takes the targets of a candidate, as far as they are known, for a part of the risk."""
-        known, target = self.known[candidate], self.target[candidate].max(axis=-1)
+        known = self.known[candidate]
+        # the target of a failed run is inf
+        target = np.minimum(self.target[candidate].max(axis=-1), HUGE)
         self.risk[known] += weight * (target[known] - self.risk[known])
 
     def first(self, many: int) -> _Mask:
