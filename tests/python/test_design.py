@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from shared_design import GOOD, OSC, QUICK
-from vibroimpact.designs.order import asked_by
+from vibroimpact.designs.order import Order, asked_by
 from vibroimpact.designs.pool import Pool
-from vibroimpact.designs.problem import OscillatorHost, Problem
-from vibroimpact.designs.search import SETTLED, _least, grid, grids, judged
+from vibroimpact.designs.problem import OscillatorHost, Outcome, Problem
+from vibroimpact.designs.search import SETTLED, _least, grid, grids, judged, search
 from vibroimpact.results.performance import perform
 from vibroimpact.systems.distribution import uncertain
 
@@ -255,6 +255,40 @@ def test_a_failed_run_comes_first_and_keeps_the_risk_finite():
     risk = pool.target[0].max(axis=-1)
     again = Pool(pool.problem, pool.grid, risk)
     assert np.isfinite(again.risk).all()
+
+
+class Failing:
+    """A host whose runs fail, with or without an excess, for some units of candidates below 0.7."""
+
+    def __init__(self, excess):
+        self.excess = excess
+
+    def outcome(self, values, r, load, places, progress, note):
+        failed = (values["a"] < 0.7) & (values["u"] > 0.9) & (r > 1.15)
+        target = 1 + values["a"] + 0.1 * values["u"]
+        return Outcome(np.where(failed, np.inf, target), np.where(failed, self.excess, 0.0))
+
+    def slopes(self, values, r, load, place):
+        return None
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("excess", [0.0, np.inf])
+def test_a_candidate_with_failed_runs_is_not_chosen(excess):
+    """Its level is inf, never NaN, which would be taken for the least one."""
+    problem = Problem(
+        Failing(excess), {"a": (0.0, 1.0)}, {"u": uncertain((-1.0, 1.0), "u")}, (1.0, 1.2),
+        uncertain(1.0, "load"), 1.0, False,
+    )  # fmt: skip
+    order = Order("attenuation", None, 60, 2, 16, 5, 2, 0, 0)
+    archive = search(problem, order, None)
+    assert not np.isnan(archive.level).any()
+    assert 0.7 <= archive.values[archive.best][0] < 0.75
+    fine, _ = grids(problem, order)
+    assert judged(problem, fine, np.array([[0.5], [0.8]]))[1].tolist() == [
+        np.inf,
+        pytest.approx(1.9, abs=0.02),
+    ]
 
 
 def test_a_search_takes_few_runs(runs_of_outcomes):

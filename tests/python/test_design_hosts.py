@@ -1,11 +1,13 @@
 """Designs for hosts other than the oscillator under a harmonic load: structures, and free vibration."""
 
+import functools
 import math
 
 import numpy as np
 import pytest
 import vibroimpact as vi
 from shared_design import FEW, GOOD, OSC, QUICK
+from vibroimpact.designs import hosts
 from vibroimpact.designs.hosts import DecayHost, StructureHost
 from vibroimpact.designs.order import asked_by
 from vibroimpact.designs.problem import OscillatorHost
@@ -107,6 +109,26 @@ def test_damping_of_free_decay_is_a_target():
         {"clearance": grid_of}, np.ones(60), np.ones(60), np.zeros((4, 60)), None, ""
     )
     assert best.level > 0.9 * -levels.target.min() * 0.8
+
+
+def test_runs_that_failed_have_an_infinite_excess(monkeypatch):
+    """A decay without enough extremes, and a simulation that `max_events` cuts short, whatever the limits are."""
+    osc = vi.Oscillator(xi=0.9, mu=1.0, restitution=1.0)
+    place = np.array([[0.0], [0.0], [0.3], [0.0]])
+    one, values = np.ones(1), {"clearance": np.array([0.1])}
+    found = DecayHost(osc, None, 10, 1).outcome(values, one, one, place, None, "")
+    assert (found.target[0], found.excess[0]) == (math.inf, math.inf)
+
+    def build(r, load, clearance):
+        return OSC.structure(clearance), vi.Load(r, sine=[load, 0])
+
+    figures = functools.partial(hosts.reached_figures, max_events=3)
+    monkeypatch.setattr(hosts, "reached_figures", figures)
+    for limits in ({}, {"least_speed": 1e-9}):
+        for target in ("displacement", "attenuation"):
+            host = StructureHost(build, 0, target, limits, 5, 5, 1)
+            found = host.outcome(values, one, one, place, None, "")
+            assert (found.target[0], found.excess[0]) == (math.inf, math.inf)
 
 
 def test_friction_and_walls_that_give_are_parameters():

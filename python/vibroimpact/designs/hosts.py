@@ -87,6 +87,8 @@ class StructureHost:
             SingularError
         ):  # a failure, such as coupled gaps that close at one instant, counts as bad
             return math.inf, math.inf
+        if math.isinf(figures["displacement"]):  # a simulation that was cut short
+            return math.inf, math.inf
         if self.target == "attenuation":
             free = Structure(
                 structure.mass, structure.damping, structure.stiffness, outputs=structure.outputs
@@ -192,7 +194,7 @@ class DecayHost:
             target = np.fromiter(pool.map(one, range(len(r))), float, len(r))
         if progress is not None:
             progress(1.0, note)
-        return Outcome(target, np.zeros(len(r)))
+        return Outcome(target, np.where(np.isfinite(target), 0.0, math.inf))
 
     def slopes(
         self, values: Mapping[str, float], r: float, load: float, place: _Array

@@ -155,4 +155,12 @@ class Pool:
 
 def penalised(level: _Array, over: _Array) -> _Array:
     """Levels with the penalty on an excess over limits; a target can be negative: the damping."""
-    return level + np.abs(level) * PENALTY * np.maximum(0, over - 1)
+    beyond = np.maximum(0, over - 1)
+    # inf, of failed runs, times 0 is not a number
+    more = np.multiply(
+        np.abs(level),
+        PENALTY * beyond,
+        out=np.zeros(np.shape(level)),
+        where=(beyond > 0) & (level != 0),
+    )
+    return np.asarray(level + more)
