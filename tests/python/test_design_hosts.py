@@ -131,6 +131,20 @@ def test_runs_that_failed_have_an_infinite_excess(monkeypatch):
             assert (found.target[0], found.excess[0]) == (math.inf, math.inf)
 
 
+def test_a_motion_without_multipliers_keeps_no_limit_of_them():
+    """A rod that hits two walls at one instant has no multipliers: whether it is stable is not known."""
+    gaps = [vi.Gap([1, -1], 0.3, 0.3), vi.Gap([1, 1], 0.3, 0.3)]
+    rod = vi.Structure([1.0, 0.2], [0.1, 0.5], [1.0, 1.0], gaps, simultaneous="newton")
+    load = vi.Load(0.9, sine=[0.5, 0])
+    assert np.isnan(vi.exact(rod, load, vi.simulate(rod, load, cycles=100)).multipliers).all()
+    host = StructureHost(
+        lambda r, load: (rod, vi.Load(r, sine=[load, 0])), 0, "rms", {"multiplier": 1.0}, 100, 5, 1
+    )
+    found = host.outcome({}, np.full(1, 0.9), np.full(1, 0.5), np.zeros((4, 1)), None, "")
+    assert np.isfinite(found.target[0])
+    assert found.excess[0] == math.inf
+
+
 def test_friction_and_walls_that_give_are_parameters():
     """The figures of a unit are those of the motion of the point with its load."""
     values = {"friction": 0.2, "wall_stiffness": 20.0, "wall_damping": 0.15, "clearance": 30.0}

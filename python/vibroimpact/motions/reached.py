@@ -88,15 +88,17 @@ def reached_figures(
 
 
 def largest_multiplier(run: Trajectory) -> float:
-    """The largest modulus of the multipliers of the motion that a simulation reached; inf if there is none."""
+    """The largest modulus of the multipliers of the motion that a simulation reached; inf if there is none, or
+    if it has no multipliers."""
     if not isinstance(run.load, Load):
         raise ParameterError(
             "limits: multiplier: must be left out for a record, which has no period"
         )
     try:
-        return float(np.abs(exact_structure(run.structure, run.load, run).multipliers[0]))
+        found = float(np.abs(exact_structure(run.structure, run.load, run).multipliers[0]))
     except (SingularError, ParameterError):
         return math.inf
+    return math.inf if math.isnan(found) else found
 
 
 def perform_points(
