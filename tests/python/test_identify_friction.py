@@ -273,6 +273,7 @@ def test_namelists_take_friction(tmp_path, monkeypatch):
         ({"law": "power", "friction": 0.1}, "friction = 0.1: must be left out with law = 'power'"),
         ({"friction": -0.1}, r"friction = -0\.1"),
         ({"friction": False}, "friction = False: must be left out"),
+        ({"friction": np.False_}, "friction = False: must be left out"),
     ],
 )
 def test_refusals_name_friction(options, message):

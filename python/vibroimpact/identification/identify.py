@@ -744,7 +744,7 @@ def identified(
     records: Sequence[SensorRecord] = (), *, impact_times: Any = None, impact_sides: Any = None,
     frequency: float | None = None, load_phase: float | None = None, known: Mapping[str, Known] | None = None,
     start: Oscillator | None = None, law: str = "constant", law_speed: float | None = None,
-    law_knots: int | None = None, friction: float | str | bool | None = None,
+    law_knots: int | None = None, friction: float | str | bool | np.bool_ | None = None,
     calibration: float = CALIBRATION, case: str = "", progress: Callable[[float, str], None] | None = None,
 ) -> Identification:  # fmt: skip
     """All steps; arguments as in `identify`."""
@@ -769,6 +769,8 @@ def identified(
         )
     knots = checks.integer(3 if law_knots is None else law_knots, "law_knots", 2, 20)
     own = Law(law, knots if tabulated else 0)
+    if isinstance(friction, np.bool_):
+        friction = bool(friction)
     if friction is not None:
         if law != "constant":
             raise ParameterError(f"friction = {friction!r}: must be left out with law = {law!r}")
