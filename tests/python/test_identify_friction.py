@@ -287,7 +287,9 @@ def test_refusals_name_friction(options, message):
 
 def test_friction_of_other_records_is_refused():
     """One that is not periodic, and one that does not determine it."""
-    with pytest.raises(vi.SingularError, match="must be left out, since the record is not"):
+    with pytest.raises(
+        vi.SingularError, match="must be left out for a record with the status 'not periodic'"
+    ):
         quietly(recorded(48.0, 1e-3), known={"M": M, "K": K}, friction=1e-3)
     with pytest.raises(vi.SingularError, match="friction = True: undetermined"):
         vi.identify(recorded(20.0, 0.01), known={"M": M, "K": K, "m": 0.04 * M}, friction=True)

@@ -334,6 +334,14 @@ def test_basins_beyond_the_end_of_the_branch():
         assert basins.attractors[0].motion is None
 
 
+def test_what_nothing_damps_is_no_equilibrium():
+    """Without a dashpot a mass slides on, however large the other states of the plane are."""
+    for high in (0.7, 1000.0):
+        plane = (("q_0", (0.65, high)), ("q_dot_0", (0.01, high)))
+        basins = vi.basins(bow(0.0), None, plane, points=2, settling=20)
+        assert basins.labels[0, 0] == -1
+
+
 def test_a_chart_has_the_periods():
     """One motion at each point before the end of stick-slip, with the period of the closed form."""
     pytest.importorskip("xarray")

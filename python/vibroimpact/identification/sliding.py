@@ -44,7 +44,7 @@ def with_friction(
     given = "friction = True" if friction is None else f"friction = {friction:g}"
     if plain is None or step.data is None or not plain.motions:
         raise SingularError(
-            f"{given}: must be left out, since the record is {step.rhythm.status}; friction is part of "
+            f"{given}: must be left out for a record with the status {step.rhythm.status!r}; friction is part of "
             "fits of periodic motions only"
         )
     law = replace(law, friction=True)
