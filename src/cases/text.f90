@@ -18,7 +18,7 @@ module vi_text
    end type line_type
 
    !> Characters that `brief` keeps at each end of a message.
-   integer, parameter :: kept = 300
+   integer, parameter :: kept = 400
 
 contains
 

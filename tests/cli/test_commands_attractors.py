@@ -159,7 +159,7 @@ def test_random_states(tool):
      "--states 3: must be left out: it requires --sweep states"),
     (["lyapunov", *SYSTEM, "--r", "1", "2", "--clearance", "9"], "--r 1 2: must be a number, or LOW HIGH N"),
     (["lyapunov", *SYSTEM, "--r", "1", "--clearance", "9", "--state", "0", "1", "7", "0"],
-     "--state 0 1 7 0: must be a number with -1e100 <= Z <= 1e100; z - x must be within half the clearance"),
+     "--state 0 1 7 0: must have -1e100 <= Z <= 1e100; z - x must be within half the clearance"),
     (["response", *SYSTEM, "--r", "1", "2", "3", "--clearance", "-9"], "--clearance -9: must be"),
     (["response", *SYSTEM, "--r", "1", "2", "3"],
      "--clearance: must be given, or a namelist file instead of the options; it must be a number with"),

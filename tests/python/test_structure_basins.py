@@ -189,7 +189,7 @@ def test_picture(found):
         ({"plane": (("q_1", 0, 1, 1), ("q_0", 0, 1, 3))}, "plane: n"),
         ({"plane": (("q_1", 0, 1, 3),)}, "plane = "),
         ({"settling": -1}, "settling = -1: must be a whole number with 0 <="),
-        ({"load": vi.Load(constant=[1, 0])}, "load = "),
+        ({"load": vi.Load(constant=[1])}, "load for 1 coordinate: must be for 2"),
     ],
 )  # fmt: skip
 def test_errors_name_the_parameter(options, message):

@@ -614,7 +614,7 @@ def test_bands_need_a_zone():
 
 def test_ctrl_c_keeps_what_uncertainty_and_limits_finished(monkeypatch):
     """The first samples, or the first points, are kept; before any of them there is nothing to keep."""
-    works = {name: getattr(study, name) for name in ("perform", "verdicts")}
+    works = {name: getattr(study, name) for name in ("perform_points", "verdicts")}
 
     def stop_after(name, calls):
         work, done = works[name], iter(range(calls))
@@ -631,20 +631,20 @@ def test_ctrl_c_keeps_what_uncertainty_and_limits_finished(monkeypatch):
     whole = vi.limit_probability(FIGURE6, 1.04, points, spread, limit, samples=20)
     assert whole.complete
     monkeypatch.setattr(study, "FIRST", (1, 8))
-    stop_after("perform", 1)
+    stop_after("perform_points", 1)
     with pytest.raises(vi.StudyInterrupted) as caught:
         vi.limit_probability(FIGURE6, 1.04, points, spread, limit, samples=20)
     part = caught.value.result
     assert (part.samples, part.complete) == (1, False)
     assert "interrupted" in repr(part)
     monkeypatch.setattr(study, "FIRST", ())
-    stop_after("perform", 2)
+    stop_after("perform_points", 2)
     with pytest.raises(vi.StudyInterrupted) as caught:
         vi.limit_probability(FIGURE6, 1.04, points, spread, limit, samples=20)
     part = caught.value.result
     np.testing.assert_array_equal(part.probability[:2], whole.probability[:2])
     assert np.isnan(part.probability[2])
-    stop_after("perform", 1)
+    stop_after("perform_points", 1)
     monkeypatch.setattr(study, "BLOCK", 12)
     with pytest.raises(vi.StudyInterrupted) as caught:
         vi.limit_probability(FIGURE6, 1.04, points, spread, limit, samples=20)
@@ -652,7 +652,7 @@ def test_ctrl_c_keeps_what_uncertainty_and_limits_finished(monkeypatch):
     assert part.samples == 12
     assert np.isfinite(part.probability).tolist() == [True, False, False]
     assert 12 * part.probability[0] == round(12 * part.probability[0])
-    stop_after("perform", 0)
+    stop_after("perform_points", 0)
     with pytest.raises(KeyboardInterrupt) as caught:
         vi.limit_probability(FIGURE6, 1.04, points, spread, limit, samples=20)
     assert not isinstance(caught.value, vi.StudyInterrupted)

@@ -66,8 +66,10 @@ SLIPPED = 1.2
 #: Largest share of the misfit of poor flights that others may have.
 LESS = 0.5
 #: Scatter from period to period, relative to the noise of samples, or its variance at low frequencies, relative to
-#: that of white noise, above which a motion may not quite repeat, if it exceeds a share of the motion.
-RESTLESS, COLOURED, MUCH = 1.4, 3.0, 0.03
+#: that of white noise, above which a motion may not quite repeat, if it exceeds a share of the motion: the first
+#: share leaves a period in doubt, the second one makes individual flights come first. The noise behind an unknown
+#: filter exceeds white noise, too.
+RESTLESS, COLOURED, SOME, MUCH = 1.4, 3.0, 0.015, 0.03
 #: Relative error of a load that is known exactly: a fit would not change what determines it much less than that.
 EXACT = 1e-5
 
@@ -105,8 +107,8 @@ class Step:
         #: step share them.
         self.known_flights: dict[tuple[int, bool], tuple[FreeFit, Folded]] = {}
         self.noise = math.nan
-        #: Whether the scatter from period to period exceeds the noise, and whether it is also a clear share of the
-        #: motion, as for an almost periodic one.
+        #: Whether the scatter from period to period exceeds the noise and is some share of the motion, and whether
+        #: this share is large, as for an almost periodic motion.
         self.scattered = self.restless = False
         #: The picked impacts that the single flights resolve.
         self.resolved: NDArray[np.bool_] = np.empty(0, dtype=bool)
@@ -277,8 +279,9 @@ def of_record(
             "record would help"
         )
     step.noise = noise
-    step.scattered = noise > RESTLESS * white_noise(values) or colour > COLOURED
-    step.restless = step.scattered and noise > MUCH * float(np.std(values))
+    differs = noise > RESTLESS * white_noise(values) or colour > COLOURED
+    share = noise / float(np.std(values))
+    step.scattered, step.restless = differs and share > SOME, differs and share > MUCH
     step.most_cycles = most_cycles(cycles)
     return step
 
