@@ -41,7 +41,7 @@ module vi_key
       real(wp) :: low = -unbounded, high = unbounded
       logical :: above = .false., below = .false.
       !> The words that it accepts, separated by blanks; empty if the study checks the word.
-      character(60) :: words = ''
+      character(80) :: words = ''
       !> Description of its values, if kind, range and words are not enough.
       character(longest) :: takes = ''
       !> Another key that may be given instead, but not together with it.

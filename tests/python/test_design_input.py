@@ -125,6 +125,19 @@ def test_bad_arguments_for_a_structure_are_refused(change, message):
         vi.design(lambda r, load, clearance: None, **{**GOOD, **QUICK, **change})
 
 
+def test_all_tolerances_may_be_normal(tmp_path):
+    """The names of all parameters are words of the key `normal`."""
+    names = ["xi", "mu", "R1", "R2", "friction", "wall_stiffness", "wall_damping"]
+    spread = ", ".join(f"tolerance_{name} = 0.1, 0.01" for name in names)
+    words = ", ".join(f"'{name}'" for name in (*names, "load"))
+    (tmp_path / "normal.nml").write_text(
+        "&system xi = 0.1, mu = 0.1, restitution = 0.7 /\n&design band = 1, 1.02, free_clearance = 20, 40, "
+        f"load = 1, 0.1, {spread}, normal = {words} /\n"
+    )
+    (case,) = vi.read_namelist(tmp_path / "normal.nml")
+    assert list(case.keys["normal"]) == [*names, "load"]
+
+
 def test_without_scipy_the_extra_is_named(monkeypatch):
     """The error says how to install what is missing."""
     for name in ("scipy", "scipy.optimize", "scipy.stats"):
