@@ -127,7 +127,7 @@ def test_bad_arguments_for_a_structure_are_refused(change, message):
 
 def test_all_tolerances_may_be_normal(tmp_path):
     """The names of all parameters are words of the key `normal`."""
-    names = ["xi", "mu", "R1", "R2", "friction", "wall_stiffness", "wall_damping"]
+    names = ["xi", "mu", "friction", "wall_stiffness", "wall_damping"]
     spread = ", ".join(f"tolerance_{name} = 0.1, 0.01" for name in names)
     words = ", ".join(f"'{name}'" for name in (*names, "load"))
     (tmp_path / "normal.nml").write_text(
