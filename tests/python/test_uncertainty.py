@@ -588,7 +588,7 @@ def test_limits_of_a_rig_are_shown_in_its_units():
         ),
         (
             {"uncertain": {"friction": 0.1}, "limit": {"least_gap": 1.0}},
-            "must be left out with friction or walls that give",
+            "must be left out with friction or compliant walls",
         ),
         ({"r": []}, "0 points"),
         ({"clearance": math.nan}, "clearance = nan"),

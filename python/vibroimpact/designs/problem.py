@@ -124,7 +124,7 @@ class OscillatorHost:
     def slopes(
         self, values: Mapping[str, float], r: float, load: float, place: _Array
     ) -> dict[str, float] | None:
-        """As for all hosts; friction and walls that give have none."""
+        """As for all hosts; friction and compliant walls have none."""
         if {*ELEMENTS} & {*values}:
             return None
         one = {name: np.array([value]) for name, value in values.items()}

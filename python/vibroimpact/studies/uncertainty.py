@@ -560,7 +560,7 @@ def limit_probability(
     load, elements = values_of["load"], elements_of(values_of, values_of["load"], rubs, walls)
     if elements and "least_gap" in limits:
         raise ParameterError(
-            f"limit['least_gap'] = {limits['least_gap']!r}: must be left out with friction or walls that give"
+            f"limit['least_gap'] = {limits['least_gap']!r}: must be left out with friction or compliant walls"
         )
     for values, factors, name in zip(places_of, changes, ("r", "clearance"), strict=False):
         for value in (values.min() * factors.min(), values.max() * factors.max()):

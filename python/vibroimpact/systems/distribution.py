@@ -25,7 +25,7 @@ CUT = 6.0
 QUANTILES, TAIL = 1001, 1e-9
 #: Parameters whose nominal values are those of a point, and that may be uncertain by a factor.
 FACTORS = ("r", "clearance", "load")
-#: Friction in the slot over F0, and stiffness over K and damping over sqrt(K M) of the walls that give, or of both
+#: Friction in the slot over F0, and stiffness over K and damping over sqrt(K M) of the compliant walls, or of both
 #: if none does.
 ELEMENTS = ("friction", "wall_stiffness", "wall_damping")
 #: Rows of `systems`.

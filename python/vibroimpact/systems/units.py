@@ -811,7 +811,7 @@ def units_to_show(osc: Any) -> Units | None:
 
 
 def units_of_system(system: Any) -> Units | None:
-    """The units of an oscillator that knows M, K and F0, or of its structure; else None."""
+    """The units of an oscillator with known M, K and F0, or of its structure; else None."""
     units: Units | None = getattr(system, "_units", None)
     return system.units() if getattr(system, "F0", None) is not None else units
 

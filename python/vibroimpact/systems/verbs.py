@@ -324,7 +324,7 @@ def physical_arguments(function: Callable[Given, Found]) -> Callable[Given, Foun
         parts = inspect.cleandoc(function.__doc__ or "").split("\n\n")
         # after the summary and the further forms of call
         place = 2 if len(parts) > 1 and has_forms(parts[1]) else 1
-        note = f"With units, such as {EXAMPLES}, of an oscillator that knows M, K and F0: {with_units}."
+        note = f"With units, such as {EXAMPLES}, of an oscillator with known M, K and F0: {with_units}."
         function.__doc__ = "\n\n".join([*parts[:place], note, *parts[place:]]) + "\n"
 
     @functools.wraps(function)

@@ -280,7 +280,7 @@ contains
       end associate
    end subroutine check_design
 
-   !> Refuses coefficients of restitution of walls that give, the damping of walls that do not, and
+   !> Refuses coefficients of restitution of compliant walls, the damping of walls that do not, and
    !! the figure that structures lack.
    subroutine check_walls(case)
       !> The case.
@@ -305,7 +305,7 @@ contains
       end associate
    end subroutine check_walls
 
-   !> Refuses coefficients of restitution of walls that give.
+   !> Refuses coefficients of restitution of compliant walls.
    subroutine forbid_restitution(case, key)
       !> The case.
       type(case_type), intent(inout) :: case
