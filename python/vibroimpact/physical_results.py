@@ -20,6 +20,7 @@ from .base.errors import ParameterTypeError
 from .motions.quantities import Quantities, Signal
 from .results import namelist
 from .results.events import Sample
+from .results.gradient import Gradient, frozen
 from .results.noun import Savable
 from .results.systems import system_of
 from .results.tables import Column, Found, Result, declared, settled
@@ -53,6 +54,12 @@ UNITS = {
 } | Quantities.units  # fmt: skip
 
 
+#: Those of quantities that only derivatives have, and of the parameters by which they are taken.
+OF_GRADIENT = {
+    "approach_speeds": "omega F0/K", "gaps_right": "F0/K", "gaps_left": "F0/K", "x_rms": "F0/K",
+    "fundamental_amplitude": "F0/K", "fundamental_phase": "rad", "stability_margin": "", "z": "F0/K",
+    "z_dot": "omega F0/K", "R": "",
+}  # fmt: skip
 #: The dimensionless units of the numbers of a point.
 POINT = {"r": "", "clearance": "F0/K", "amplitude": "F0", "friction": "F0"}
 #: Methods of a zone at points.
@@ -308,6 +315,63 @@ class Physical(Generic[From]):
         amounts = self._of.quantities(*args, **self._with_window(options))
         found: Quantities = self._converted("quantities", amounts)
         return found
+
+    def gradient(self) -> Gradient:
+        """The derivatives in physical units, as from `gradient` of a motion or a trajectory of an oscillator.
+
+        Returns
+        -------
+        Gradient
+            Its parameter `frequency`, in place of r, is the frequency of the load in cycles per unit of time.
+            M, K and F0 stay the same; `load` is the amplitude of the load.
+
+        Raises
+        ------
+        ParameterError, SingularError
+            As `gradient` of the result.
+
+        Examples
+        --------
+        The change of the largest displacement per millimetre of clearance, which has no unit, and per hertz:
+
+        >>> import vibroimpact as vi
+        >>> rig = vi.Oscillator.from_dimensional(
+        ...     M=2.7, K=42e3, xi=0.011, m=0.11, restitution=0.75, F0=6.0, units="m N s"
+        ... )
+        >>> motion = vi.find(rig, "19.5 Hz", "4 mm", sides="RL")[0]
+        >>> gradient = motion.physical("mm N s").gradient()
+        >>> gradient.units["x_max"], gradient.units["clearance"], gradient.units["frequency"]
+        ('mm', 'mm', 'Hz')
+        """
+        found: Gradient = self._of.gradient()
+        units, known = self.units, units_by_name(self._of.study) | OF_GRADIENT
+        of = {name: known[name.removeprefix("final_")] for name in found.values}
+        names = ["frequency" if name == "r" else name for name in found.parameters]
+        scales = np.array(
+            [units.frequency if name == "frequency" else units.scale(known[name]) for name in names]
+        )
+        unit_names = {name: units.name(known.get(name, "")) for name in names}
+        unit_names |= {"frequency": units.hertz}
+        place = (
+            f"{self._of.r * units.frequency:.6g} {units.hertz}, "
+            f"d = {self._of.clearance * units.length:.6g} {units.names.split()[0]}"
+        )
+        dimensionless = f"r = {self._of.r:.6g}, d K/F0 = {self._of.clearance:.6g}"
+        return Gradient(
+            found.of.replace(dimensionless, place),
+            tuple(names),
+            {
+                name: frozen(np.asarray(value * units.scale(of[name])))
+                for name, value in found.values.items()
+            },
+            {
+                name: frozen(table * (units.scale(of[name]) / scales))
+                for name, table in found.derivatives.items()
+            },
+            found.dimensions,
+            found.status,
+            unit_names | {name: units.name(unit) for name, unit in of.items()},
+        )
 
     def plot(self, *args: Any, **options: Any) -> Any:
         """Draw the result with physical axes; the arguments are those of its `plot`, with physical times.

@@ -356,6 +356,57 @@ def test_quantities_in_physical_units(every):
     )
 
 
+@pytest.mark.parametrize(
+    ("parameter", "unit", "steps"),
+    [("frequency", "Hz", ("19.5 Hz", 19.5, 1e-4)), ("clearance", "mm", ("4 mm", 4.0, 1e-4))],
+)
+def test_derivatives_in_physical_units(parameter, unit, steps):
+    """Derivatives per hertz and per millimetre are those of motions at other frequencies and clearances."""
+    text, value, step = steps
+    motion = vi.exact(RIG, "19.5 Hz", "4 mm", vi.equispaced(RIG, R, D)[0])
+    gradient = motion.physical(MM).gradient()
+    assert gradient.units[parameter] == unit
+    assert (gradient.units["x_max"], gradient.units["X_dot_before"]) == ("mm", "mm/s")
+    assert gradient.units["multipliers"] == gradient.units["mu"] == gradient.units["R1"] == ""
+    places = [
+        {"frequency": "19.5 Hz", "clearance": "4 mm"}
+        | {parameter: text.replace(f"{value:g}", f"{value + sign * step:.6f}")}
+        for sign in (1, -1)
+    ]
+    above, below = (
+        vi.exact(RIG, place["frequency"], place["clearance"], motion).physical(MM)
+        for place in places
+    )
+    for name in ("x_max", "X", "X_dot_before", "Z", "A"):
+        slope = (getattr(above, name) - getattr(below, name)) / (2 * step)
+        scale = np.abs(gradient.values[name]).max()
+        assert gradient[name, parameter] == pytest.approx(slope, rel=1e-6, abs=1e-8 * scale)
+        np.testing.assert_allclose(gradient.values[name], getattr(motion.physical(MM), name))
+
+
+def test_derivatives_of_runs_in_physical_units():
+    """Quantities, and the initial state by which they are differentiated, have their units; a table shows them."""
+    run = vi.simulate(RIG, "19.5 Hz", "4 mm", cycles=2)
+    plain, found = run.gradient(), run.physical(MM).gradient()
+    assert len(run.events) == 0
+    assert (found.units["final_z_dot"], found.units["x_dot"], found.units["t"]) == (
+        "mm/s",
+        "mm/s",
+        "s",
+    )
+    units = RIG.units().to(MM)
+    ratio = found["final_x", "frequency"] / plain["final_x", "r"]
+    assert ratio == pytest.approx(units.length / units.frequency, rel=1e-14)
+    text = str(found)
+    assert all(
+        part in text for part in ("19.5 Hz, d = 4 mm", "frequency [Hz]", "final_z_dot [mm/s]")
+    )
+    pytest.importorskip("xarray")
+    table = found.to_xarray()
+    assert table["final_x"].attrs["units"] == "mm"
+    assert table["parameter_unit"].sel(parameter="clearance") == "mm"
+
+
 @pytest.mark.parametrize("extension", [".json", ".nc", ".mat"])
 def test_files(every, tmp_path, extension):
     """A file restores the result with its units; in physical units it gives the same view."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -37,6 +37,8 @@ class Gradient:
         Names of the dimensions of each quantity.
     status : dict of str to str
         Why a quantity, or one of its entries such as ``"multipliers[0]"``, has no derivatives.
+    units : dict of str to str
+        The units of quantities and parameters in physical units; empty for dimensionless derivatives.
     """
 
     of: str
@@ -45,6 +47,7 @@ class Gradient:
     derivatives: Mapping[str, NDArray[Any]]
     dimensions: Mapping[str, tuple[str, ...]]
     status: Mapping[str, str]
+    units: Mapping[str, str] = field(default_factory=dict)
 
     def __getitem__(self, name: str | tuple[str, str]) -> NDArray[Any]:
         """Derivatives of one quantity with respect to all parameters or to one."""
@@ -83,40 +86,59 @@ class Gradient:
         ('impact',)
         """
         data = {
-            name: ((*self.dimensions[name], "parameter"), table)
+            name: (
+                (*self.dimensions[name], "parameter"), table,
+                {"units": self.units[name]} if self.units.get(name) else {},
+            )
             for name, table in self.derivatives.items()
-        }
-        return xarray("derivatives").Dataset(
-            data, {"parameter": list(self.parameters)}, {"title": f"Derivatives of {self.of}"}
+        }  # fmt: skip
+        attributes = {"title": f"Derivatives of {self.of}"}
+        if self.units:
+            attributes["comment"] = (
+                "units are those of the quantities; divide by the unit of the parameter"
+            )
+        parameters = list(self.parameters)
+        units = [self.units.get(name, "") for name in parameters]
+        coordinates = {"parameter": parameters} | (
+            {"parameter_unit": ("parameter", units)} if self.units else {}
         )
+        return xarray("derivatives").Dataset(data, coordinates, attributes)
 
     def __repr__(self) -> str:
         return f"<Gradient of {self.of}: {len(self.values)} quantities by {', '.join(self.parameters)}>"
 
     def __str__(self) -> str:
-        widths = [12, *(max(12, len(name) + 2) for name in self.parameters)]
-        head = "".join(
-            f"{name:>{width}}"
-            for name, width in zip(("value", *self.parameters), widths, strict=True)
-        )
-        lines = [f"Derivatives of {self.of}", f"{'':20}{head}"]
+        titles = [self._labelled(name) for name in ("value", *self.parameters)]
+        widths = [max(12, len(title) + 2) for title in titles]
+        head = "".join(f"{title:>{width}}" for title, width in zip(titles, widths, strict=True))
+        labels = [
+            self._labelled(name, place) for name in self.derivatives for place in ("", "[00]")
+        ]
+        first = max(20, *(len(label) + 6 for label in labels)) if self.units else 20
+        lines = [f"Derivatives of {self.of}", f"{'':{first}}{head}"]
         for name, table in self.derivatives.items():
             values = np.atleast_1d(self.values[name]).ravel()
-            rows = table.reshape(len(values), -1)
+            rows = table.reshape(len(values), table.shape[-1])
             for i, numbers in enumerate(np.column_stack([values, rows])):
                 if np.isnan(numbers[0]):
                     continue
                 place = np.unravel_index(i, np.shape(self.values[name]))
-                label = f"{name}[{', '.join(map(str, place))}]" if place else name
+                entry = f"[{', '.join(map(str, place))}]" if place else ""
+                label = f"{name}{entry}"
                 parts = {"": numbers.real}
                 if np.iscomplexobj(numbers):
                     parts = {" real": numbers.real, " imag": numbers.imag}
                 for part, row in parts.items():
                     shown = (f"{x:>{width}.5g}" for x, width in zip(row, widths, strict=True))
-                    lines.append(f"{label + part:20}{''.join(shown)}")
+                    lines.append(f"{self._labelled(name, entry + part):{first}}{''.join(shown)}")
                 if label in self.status:
-                    lines.append(f"{'':20}  {self.status[label]}")
+                    lines.append(f"{'':{first}}  {self.status[label]}")
         return "\n".join(lines)
+
+    def _labelled(self, name: str, entry: str = "") -> str:
+        """A quantity or a parameter with its unit, for a table."""
+        unit = self.units.get(name, "")
+        return f"{name}{entry} [{unit}]" if unit else f"{name}{entry}"
 
 
 def frozen(array: NDArray[Any]) -> NDArray[Any]:
