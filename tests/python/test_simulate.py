@@ -1,5 +1,7 @@
 """Simulations: energy balance, and the symmetries of the equations."""
 
+import sys
+
 import numpy as np
 import pytest
 import vibroimpact as vi
@@ -169,3 +171,22 @@ def test_namelist_event_budget(tmp_path):
     log = vi.run_namelists([path], tmp_path)
     assert log.status == 1
     assert any("max_events" in text for _, text in log.lines)
+
+
+def test_a_call_is_short():
+    """A call runs at most 40 functions of Python around the core: they take most of the time of a short run."""
+    names = []
+
+    def note(frame, event, _):
+        if event == "call":
+            names.append(frame.f_code.co_name)
+
+    vi.simulate(RIG, 0.9, 6.0, cycles=1)
+    before = sys.getprofile()
+    sys.setprofile(note)
+    try:
+        vi.simulate(RIG, 0.9, 6.0, cycles=1)
+    finally:
+        sys.setprofile(before)
+    assert "simulate" in names
+    assert len(names) <= 40

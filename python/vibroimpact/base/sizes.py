@@ -5,8 +5,8 @@ from __future__ import annotations
 import contextlib
 import math
 import os
-from collections.abc import Iterator
 from pathlib import Path
+from types import TracebackType
 from typing import Any
 
 from .errors import OutOfMemoryError, ParameterError, VibroimpactError
@@ -77,8 +77,7 @@ def check_file(path: Path, each: int = TEXT, what: str = "it") -> None:
     check_size(path.stat().st_size, each, what)
 
 
-@contextlib.contextmanager
-def memory_for(what: str) -> Iterator[None]:
+class memory_for(contextlib.ContextDecorator):  # noqa: N801
     """Turn a MemoryError into an error of the package; `what` says what the arrays are for, and which argument can
     make them smaller.
 
@@ -94,12 +93,20 @@ def memory_for(what: str) -> Iterator[None]:
     Traceback (most recent call last):
     vibroimpact.OutOfMemoryError: all of it: needs more memory than is available; Unable to allocate 1 PiB
     """
-    try:
-        yield
-    except VibroimpactError:
-        raise
-    except MemoryError as error:
-        raise OutOfMemoryError(f"{what}: needs more memory than is available; {error}") from None
+
+    def __init__(self, what: str) -> None:
+        self.what = what
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(
+        self, kind: type | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if isinstance(error, MemoryError) and not isinstance(error, VibroimpactError):
+            raise OutOfMemoryError(
+                f"{self.what}: needs more memory than is available; {error}"
+            ) from None
 
 
 def unpacked(data: Any) -> int:

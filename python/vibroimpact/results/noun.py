@@ -339,8 +339,9 @@ class Solution(Savable):
     _instead: ClassVar[tuple[Mapping[str, str], Mapping[str, str]]] = ({}, {})
 
     def __init__(self, **values: Any) -> None:
+        put = object.__setattr__
         for name, value in values.items():
-            object.__setattr__(self, name, value)
+            put(self, name, value)
 
     def __getattr__(self, name: str) -> Any:
         """A value that the solver did not provide: computed from the others, or an error."""

@@ -518,7 +518,8 @@ class Oscillator:
     @property
     def _has_law(self) -> bool:
         """Whether a coefficient of restitution depends on the speed."""
-        return not all(isinstance(each, float) for each in self.restitution)
+        right, left = self.restitution
+        return not (isinstance(right, float) and isinstance(left, float))
 
     def _keys(self, r: float | None = None) -> dict[str, Any]:
         """The keys of a &system; None where they are not known."""

@@ -107,6 +107,15 @@ def every_system(
 
         @functools.wraps(of_oscillator)
         def either(*args: Any, **kwargs: Any) -> Any:
+            # most calls: all but the oscillator are numbers
+            if (
+                args
+                and type(args[0]) is Oscillator
+                and not args[0]._has_law
+                and kwargs.keys() <= signature.keys()
+                and all(type(value) in PLAIN for value in kwargs.values())
+            ):
+                return of_oscillator(*args, **kwargs)
             given = dict(zip(["the first argument"], args, strict=False)) | kwargs
             if any(
                 isinstance(x, kind or Structure) and getattr(x, "of_structure", True)
