@@ -846,7 +846,7 @@ def test_every_verb_takes_units():
 
 
 @pytest.mark.parametrize(("given", "message"), [
-    (("19.5", 4.0), r"r = '19\.5': must be a number with .*, not str"),
+    (("19.5", 4.0), r"r = '19\.5': must be a number with .*, not str \(a number without a unit has no quotes\)"),
     (("19.5 mm", 4.0), r"r = 19\.5 mm: must be a frequency"),
     (("3 1/s", 4.0), r"r = 3 1/s: must be in Hz, rpm or rad/s"),
     ((1.0, "4 parsec"), r"clearance = '4 parsec': unknown unit 'parsec'; must be made of m, mm"),

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import operator
 import os
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -38,6 +39,8 @@ MAX_CYCLES = 10_000
 MOST_SHOWN = 300
 #: The argument `rng` of functions that draw random numbers (SPEC 7): a seed, a generator, or None.
 Rng: TypeAlias = int | np.random.Generator | None
+#: A text that is a number.
+NUMERAL = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*")
 #: Largest number of values that a study may keep at once.
 MOST_NUMBERS = 12_500_000
 
@@ -65,8 +68,10 @@ def number(value: Any, name: str, label: str | None = None) -> float:
 def to_float(value: Any, label: str, wanted: str) -> float:
     """A float from any real number; bool, str, None and complex are rejected."""
     if isinstance(value, (bool, str, bytes, complex)) or not hasattr(type(value), "__float__"):
+        quoted = isinstance(value, str) and NUMERAL.fullmatch(value)
+        note = " (a number without a unit has no quotes)" if quoted else ""
         raise ParameterTypeError(
-            f"{label} = {value!r}: must be {wanted}, not {type(value).__name__}"
+            f"{label} = {value!r}: must be {wanted}, not {type(value).__name__}{note}"
         )
     try:
         return float(value)
