@@ -146,24 +146,41 @@ contains
    pure logical function keeps_gaps(path)
       !> The path.
       type(structure_path_type), intent(in) :: path
+
+      ! only with a dashpot a stop may have to pull
+      keeps_gaps = .not. allocated(path%part) .and. .not. any_changes(path, [of_mass, &
+         of_direction, of_wall_cosine, of_wall_sine], 2)
+   end function keeps_gaps
+
+   !> Whether no parameter changes matrices either, nor the stiffness of stops, and no wall moves:
+   !! then regimes can be renewed.
+   pure logical function keeps_matrices(path)
+      !> The path.
+      type(structure_path_type), intent(in) :: path
+
+      keeps_matrices = keeps_gaps(path) .and. .not. path%structure%moves .and. &
+         .not. any_changes(path, [of_damping, of_stiffness], 1)
+   end function keeps_matrices
+
+   !> Whether a parameter changes an entry of some kinds, or a number of the law of a stop.
+   pure logical function any_changes(path, kinds, number)
+      !> The path.
+      type(structure_path_type), intent(in) :: path
+      !> Kinds of entries, and the number of the law: 1 stiffness, 2 damping.
+      integer, intent(in) :: kinds(:), number
       integer :: i, k
 
-      keeps_gaps = .not. allocated(path%part)
+      any_changes = .false.
       do k = 1, size(path%changes)
-         do i = 1, size(path%changes(k)%entries, 2)
-            select case (path%changes(k)%entries(1, i))
-            case (of_mass, of_direction, of_wall_cosine, of_wall_sine)
-               keeps_gaps = .false.
-            case (of_law)
-               ! only with a dashpot a stop may have to pull
-               if (path%changes(k)%entries(3, i) == 2) keeps_gaps = keeps_gaps .and. &
-                  path%structure%laws(path%changes(k)%entries(2, i))%kind == friction_law
-            case default
-               continue
-            end select
-         end do
+         associate (entries => path%changes(k)%entries)
+            do i = 1, size(entries, 2)
+               if (any(kinds == entries(1, i))) any_changes = .true.
+               if (entries(1, i) /= of_law .or. entries(3, i) /= number) cycle
+               if (path%structure%laws(entries(2, i))%kind /= friction_law) any_changes = .true.
+            end do
+         end associate
       end do
-   end function keeps_gaps
+   end function any_changes
 
    !> The structure and the load of the motions q = V y: V^T M V, .., V^T G_j and V^T f.
    pure subroutine reduce(part, kept, structure, load)
@@ -268,29 +285,6 @@ contains
          sums = [2*(2*share - 1)*sums(1) - sums(2) + series(i), sums(1)]
       end do
    end function clenshaw
-
-   !> Whether no parameter changes matrices either, nor the stiffness of stops, and no wall moves:
-   !! then regimes can be renewed.
-   pure logical function keeps_matrices(path)
-      !> The path.
-      type(structure_path_type), intent(in) :: path
-      integer :: i, k
-
-      keeps_matrices = keeps_gaps(path) .and. .not. path%structure%moves
-      do k = 1, size(path%changes)
-         do i = 1, size(path%changes(k)%entries, 2)
-            select case (path%changes(k)%entries(1, i))
-            case (of_damping, of_stiffness)
-               keeps_matrices = .false.
-            case (of_law)
-               if (path%changes(k)%entries(3, i) == 1) keeps_matrices = keeps_matrices .and. &
-                  path%structure%laws(path%changes(k)%entries(2, i))%kind == friction_law
-            case default
-               continue
-            end select
-         end do
-      end do
-   end function keeps_matrices
 
    !> The derivatives of the structure and its load by a parameter, as a share.
    pure subroutine rates_of(path, k, share, rates)
