@@ -17,8 +17,8 @@ module vi_text
       character(:), allocatable :: text
    end type line_type
 
-   !> Characters that `brief` keeps at each end of a message, and of one word.
-   integer, parameter :: kept = 400, kept_of_word = 100
+   !> Length up to which `brief` keeps a message whole, and characters that it keeps of longer ones.
+   integer, parameter :: longest = 805, head = 200, tail = 400
 
 contains
 
@@ -87,36 +87,15 @@ contains
       n = merge(0, i, bytes(1) == 194 .and. bytes(2) < 160)
    end function letter_length
 
-   !> A message, shortened in the middle if it is very long; so is each very long word of it, which
-   !! can only be the user's.
+   !> A message, shortened in the middle if it is very long: what the user wrote comes first in it.
    pure function brief(text) result(short)
       !> The message.
       character(*), intent(in) :: text
-      character(:), allocatable :: short, whole_text
-      integer :: first, last
-
-      whole_text = middle_cut(text, kept)//' '
-      short = ''
-      first = 1
-      do while (first <= len(whole_text))
-         last = first + scan(whole_text(first:), ' ') - 1
-         short = short//middle_cut(whole_text(first:last - 1), kept_of_word)//' '
-         first = last + 1
-      end do
-      short = short(:len(short) - 1)
-   end function brief
-
-   !> A text without its middle if it is longer than both ends together.
-   pure function middle_cut(text, ends) result(short)
-      !> The text.
-      character(*), intent(in) :: text
-      !> Characters to keep at each end.
-      integer, intent(in) :: ends
-      character(min(len(text), 2*ends + 5)) :: short
+      character(merge(len(text), head + tail + 5, len(text) <= longest)) :: short
 
       short = text
-      if (len(text) > len(short)) short = text(:ends)//' ... '//text(len(text) - ends + 1:)
-   end function middle_cut
+      if (len(text) > longest) short = text(:head)//' ... '//text(len(text) - tail + 1:)
+   end function brief
 
    !> The text in lower case (ASCII).
    pure function lower(text) result(lowered)
