@@ -338,7 +338,7 @@ class Physical(Generic[From]):
         >>> rig = vi.Oscillator.from_dimensional(
         ...     M=2.7, K=42e3, xi=0.011, m=0.11, restitution=0.75, F0=6.0, units="m N s"
         ... )
-        >>> motion = vi.find(rig, "19.5 Hz", "4 mm", sides="RL")[0]
+        >>> motion = vi.find(rig, "19.5 Hz", "4 mm")[0]
         >>> gradient = motion.physical("mm N s").gradient()
         >>> gradient.units["x_max"], gradient.units["clearance"], gradient.units["frequency"]
         ('mm', 'mm', 'Hz')
