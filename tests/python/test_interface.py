@@ -610,3 +610,13 @@ def test_a_load_that_a_verb_does_not_know_is_refused():
     ):
         vi.equispaced(OSC.at(0.94, 37.0, 2.0))
     assert len(vi.equispaced(OSC.at(0.94, 37.0, 1.0))) == 2
+    for friction, wanted in (
+        (0.0, "divide its clearance by"),
+        (0.1, "its clearance and friction by"),
+    ):
+        with pytest.raises(vi.ParameterTypeError, match=wanted):
+            vi.limit_probability(
+                OSC.at(0.94, 37.0, 2.0, friction=friction),
+                {"load": (0.9, 1.1)},
+                {"displacement": 9.0},
+            )

@@ -256,9 +256,10 @@ def of_plain_point(
             f"osc = {point!r}: must have rigid walls, no friction, and a number as its load"
         )
     if point.amplitude != 1 and "load" not in parameters:
+        both = "clearance and friction" if point.friction else "clearance"
         raise ParameterTypeError(
-            f"osc = {point!r}: must have the load amplitude 1, for which {verb} is defined; divide its clearance "
-            "by the load"
+            f"osc = {point!r}: must have the load amplitude 1, for which {verb} is defined; divide its {both} by "
+            "the load"
         )
     return spread_out(verb, parameters, point, args, kwargs)
 
