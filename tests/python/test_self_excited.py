@@ -568,6 +568,8 @@ def test_what_is_not_self_excited():
     free = vi.Structure([1.0], [0.1], [0.0], friction=[vi.Friction([1], **BELT)])
     with pytest.raises(vi.SingularError, match="no spring holds it"):
         vi.basins(free, None, states=3)
+    with pytest.raises(vi.SingularError, match="no spring holds it"):
+        vi.atlas(free, None, ("speed", (0.1, 0.3)), ("damping_0_0", (0.1, 0.5)), survey=3)
     with pytest.raises(vi.ParameterError, match="must have 2 coordinates"):
         vi.exact(PAIR, vi.Load.none(), motion)
 

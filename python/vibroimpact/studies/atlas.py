@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..base import checks
+from ..base.errors import SingularError
 from ..results import door, namelist
 from ..results.namelist import SYMMETRIC
 from ..results.parameters import Span
@@ -209,6 +210,11 @@ class Atlas(OnPlane, study="atlas"):
     """
 
     __slots__ = ("__dict__",)
+
+    def require(self) -> None:
+        """Raise a SingularError if nothing was simulated."""
+        if "points" not in self._result.tables:
+            raise SingularError(self._result.notes[0][1])
 
     @cached_property
     def zones(self) -> list[Zone]:
@@ -437,9 +443,11 @@ def atlas_structure(
         "max_impacts": max_impacts, "max_cycles": max_cycles, "survey": survey, "settling": settling,
         "lines": lines, "max_points": max_points, "max_events": max_events,
     }  # fmt: skip
-    return door.run_structure(
+    found = door.run_structure(
         Atlas, structure, load, keys, threads, progress, names, needs_frequency=False, stops=True
     )
+    found.require()
+    return found
 
 
 @overload
@@ -530,6 +538,8 @@ def atlas(
     ------
     ParameterError, ParameterTypeError
         If an argument is not allowed; nothing was computed.
+    SingularError
+        If a structure without a periodic load has no natural period, in which `settling` is counted.
 
     Examples
     --------

@@ -490,7 +490,8 @@ def basins(
     ParameterError, ParameterTypeError
         If an argument is not allowed; nothing was computed.
     SingularError
-        If random states of a structure are requested but a gap is closed at q = 0.
+        If random states of a structure are requested but a gap is closed at q = 0, or if a structure without a
+        periodic load has no natural period, in which `settling` is counted.
     StudyInterrupted
         After Ctrl-C; its attribute `result` is the part that was finished: states that were not reached have the
         label -2, and the shares refer to the others.

@@ -3,19 +3,19 @@ module vi_atlas_study
    use vi_atlas, only: atlas_request_type, atlas_type, family_type, find_atlas, outcomes_of
    use vi_common_keys, only: check_window, max_events_key, window_keys
    use vi_family, only: can_be_symmetric
-   use vi_free_states, only: is_free
+   use vi_free_states, only: find_pace, is_free
    use vi_kinds, only: wp
    use vi_pattern, only: starred_symbols
    use vi_zone_request, only: zone_request_type
-   use vi_survey_outcome, only: beyond, count_outcomes, outcome_names, periodic
+   use vi_survey_outcome, only: beyond, count_outcomes, not_settled, outcome_names, periodic
    use vi_progress, only: is_stopped
-   use vi_structure, only: check_structure
+   use vi_structure, only: check_structure, load_type, structure_type
    use vi_structure_atlas, only: find_structure_atlas, structure_request_type, &
       survey_point_type, traced_type
    use vi_structure_groups, only: load_frequency, structure_of
    use vi_structure_keys, only: needs_frequency
    use vi_structure_parameter, only: parameter_change, x_function_keys, y_function_keys
-   use vi_structure_path, only: structure_path_type, value_at
+   use vi_structure_path, only: changed, structure_path_type, value_at
    use vi_structure_tables, only: put_path, put_structure, set_unit
    use vi_study, only: a_whole, case_type, column_type, every_model, key_type, list_for, &
       of_oscillator, of_structure, result_type, study_type, truths, wholes, words
@@ -259,9 +259,12 @@ contains
       type(survey_point_type), allocatable :: points(:)
       type(traced_type), allocatable :: families(:)
       type(pieces_type), allocatable :: found(:)
-      character(:), allocatable :: outcomes, message
+      character(:), allocatable :: fault, outcomes, message
       type(line_type), allocatable :: orders(:)
       integer, allocatable :: followed(:), gaps(:, :)
+      type(structure_type) :: centre
+      type(load_type) :: load, paced
+      real(wp) :: unit
       integer :: i, j, lost, n, status
 
       call structure_of(case, plane%structure, plane%load)
@@ -284,6 +287,12 @@ contains
          result%cut = counted(n, 'zone')//' of a survey of '//counted(size(points), 'point')// &
             ' were found'
          result%empty = n == 0
+         if (result%empty) return
+      else if (is_free(case) .and. all(points%outcome == not_settled)) then
+         call changed(path, [0.5_wp, 0.5_wp], centre, load)
+         call find_pace(centre, load, unit, paced, fault)
+         result%empty = len(fault) > 0
+         if (result%empty) call result%fail(fault)
          if (result%empty) return
       end if
       allocate (found(n), orders(n), gaps(maxval([1, (size(gaps_followed(families(i)%motion)), &
