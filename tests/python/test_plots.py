@@ -329,3 +329,20 @@ def test_legends_are_not_cut_off(name, engine, results, attractors):
                 assert box.y1 < figure.bbox.y1 + 1
     finally:
         plt.close(figure)
+
+
+def test_the_shares_of_basins_are_of_the_same_states():
+    """Undecided states and attractors are shares of the states without a closed gap, and make 100 %."""
+    gap = vi.Gap([1], 0.3, 0.5)
+    belt = vi.Friction([1], slip=0.6, stick=0.9, speed=0.2)
+    mass = vi.Structure([1.0], [0.1], [1.0], [gap], friction=[belt])
+    plane = (("q_0", (-0.9, 0.9)), ("q_dot_0", (-0.3, 0.1)))
+    basins = vi.basins(mass, None, plane, points=(6, 3), settling=0)
+    assert (basins.labels == -4).mean() == pytest.approx(1 / 3)
+    texts = [text.get_text() for text in basins.plot().get_legend().get_texts()]
+    of_open = [text for text in texts if "closed gap" not in text]
+    assert "closed gap  33.3%" in texts
+    assert any("undecided" in text for text in of_open)
+    assert sum(float(text.split()[-1].rstrip("%")) for text in of_open) == pytest.approx(
+        100, abs=0.2
+    )

@@ -197,8 +197,11 @@ def draw_basins(basins: Basins, ax: Any = None, units: Units | None = None) -> A
     ax.set_ylabel(second)
     named = zip(basins.attractors, basins.fractions, colors[2:], strict=True)
     patches = [Patch(color=c, label=f"{item.name}  {share:.1%}") for item, share, c in named]
-    for label, name, color in ((-1, "undecided", colors[1]), (-2, "closed gap", colors[0])):
-        share = np.mean(labels == label)
+    # like the fractions of attractors, a share of the states without a closed gap
+    lost = np.sum(labels == -1) / max(1, np.sum(labels > -2))
+    for share, name, color in (
+        (lost, "undecided", colors[1]), (np.mean(labels == -2), "closed gap", colors[0])
+    ):  # fmt: skip
         if share > 0:
             patches.append(Patch(fc=color, ec="0.5", lw=0.5, label=f"{name}  {share:.1%}"))
     style.add_legend(
