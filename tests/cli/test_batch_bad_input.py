@@ -150,8 +150,9 @@ def value_cases():
     group = {2: "system", 3: "system", 4: "system", 5: "system", 13: "output", 14: "output"}
     for line, text, allowed in VALUES:
         start = f"&{group.get(line, 'motion')} {text}: must be "
-        # messages omit the middle of a value of a thousand letters
-        yield text[:40], changed(line, "  " + text), line, start[:250], allowed
+        # messages keep a hundred letters at each end of a very long value
+        begin = start if len(text) < 200 else start[:115]
+        yield text[:40], changed(line, "  " + text), line, begin, allowed
     for text, allowed in KEYS:
         yield text, changed(9, "  " + text), 9, f"&motion {text}: must be ", allowed
 
