@@ -113,7 +113,7 @@ def every_system(
                 and type(args[0]) is Oscillator
                 and not args[0]._has_law
                 and kwargs.keys() <= signature.keys()
-                and all(type(value) in PLAIN for value in kwargs.values())
+                and all(type(value) in PLAIN for value in (*args[1:], *kwargs.values()))
             ):
                 return of_oscillator(*args, **kwargs)
             given = dict(zip(["the first argument"], args, strict=False)) | kwargs
