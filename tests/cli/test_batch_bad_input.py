@@ -150,9 +150,8 @@ def value_cases():
     group = {2: "system", 3: "system", 4: "system", 5: "system", 13: "output", 14: "output"}
     for line, text, allowed in VALUES:
         start = f"&{group.get(line, 'motion')} {text}: must be "
-        # messages keep a hundred letters at each end of a very long value
-        begin = start if len(text) < 200 else start[:115]
-        yield text[:40], changed(line, "  " + text), line, begin, allowed
+        # a very long message keeps its first 200 characters
+        yield text[:40], changed(line, "  " + text), line, start[:200], allowed
     for text, allowed in KEYS:
         yield text, changed(9, "  " + text), 9, f"&motion {text}: must be ", allowed
 
