@@ -862,6 +862,7 @@ contains
          call settle_all(run, sticks, phase, state, status)
          if (status /= stat%ok) return
       end if
+      changed = .false.
       do while (size(state%pending) > 0)
          ! friction along a gap that rests again at this instant has no part in the motion
          changed = .not. is_absorbed(run%structure, state%pending(1), &
