@@ -662,3 +662,94 @@ def test_searches_of_random_systems():
         for one, other in itertools.pairwise(periods):
             assert abs(one[0] - other[0]) > 1e-6 or n > 1
     assert number >= 15
+
+
+# -- motions that are their own mirror images
+
+
+def between_belts(stick):
+    """A mass between two belts in opposite directions, with a second mass between two stops."""
+    belts = [vi.Friction([side, 0], slip=0.6, stick=stick, speed=0.32) for side in (1, -1)]
+    stops = [vi.Stop([0, side], 0.54, 5.0) for side in (1, -1)]
+    return vi.Structure([1, 0.13], [0.01, 0.01], [[1.9, -0.9], [-0.9, 1.2]], stops, belts)
+
+
+def half_map(motion):
+    """Minus the derivative of half a period, by differences of simulations, from a flight without stick."""
+    system, period = motion.structure, motion.period
+    run = motion._run()
+    times = np.append(run.events["time"], run.end)
+    middles = 0.5 * (times[1:] + times[:-1])[np.diff(times) > 0.05]
+    q, rate = run.sample(middles)
+    free = np.abs(np.abs(rate[0]) - 0.32) > 1e-2
+    at = np.flatnonzero(free)[0]
+    state = np.concatenate([q[:, at], rate[:, at]])
+
+    def moved(start):
+        run = vi.simulate(system, vi.Load.none(), duration=period / 2, state=(start[:2], start[2:]))
+        return -np.concatenate(run.final_state)
+
+    assert moved(state) == pytest.approx(state, abs=1e-9)
+    steps = 1e-6 * np.eye(4)
+    return np.array([(moved(state + h) - moved(state - h)) / 2e-6 for h in steps]).T
+
+
+def test_a_symmetric_self_excited_motion_has_pitchforks():
+    """Half a period and the mirror are the map Q with [P] = Q^2: a pitchfork is where a multiplier of Q passes -1,
+    by differences of simulations, and multipliers along the branch are those of `exact` over the whole period."""
+    (motion,) = vi.find(between_belts(1.72), vi.Load.none(), states=8)
+    branch = vi.branch(motion, "stick", bounds=(1.7, 2.0))
+    points = [point for point in branch.special_points if point.type == "pitchfork"]
+    assert [point.type for point in branch.special_points] == [
+        "bound",
+        "pitchfork",
+        "pitchfork",
+        "bound",
+    ]
+    for point in points:
+        one = branch.multipliers[:, point.index] - 1
+        assert np.sort(np.abs(one))[:2] == pytest.approx(0, abs=1e-7)
+    assert [branch.stable[i] for i in (0, points[0].index + 1, -1)] == [1, 0, 1]
+    for i in (5, len(branch) - 6):
+        whole = vi.exact(between_belts(branch.values[i]), vi.Load.none(), branch[i])
+        assert branch.period[i] == pytest.approx(whole.period, rel=1e-13)
+        assert np.sort_complex(branch.multipliers[:, i]) == pytest.approx(
+            np.sort_complex(whole.multipliers), abs=1e-12
+        )
+    near = points[0].index + np.array([-2, -1, 1, 2])
+    least = []
+    for i in near:
+        found = np.linalg.eigvals(half_map(branch[int(i)]))
+        assert np.abs(found - 1).min() < 1e-6  # the trivial one
+        assert np.sort_complex(found**2) == pytest.approx(
+            np.sort_complex(branch.multipliers[:, i]), abs=1e-6
+        )
+        least.append(found.real.min())
+    assert least[0] > least[1] > -1 > least[2] > least[3]
+    away = branch.values[near] - points[0].value
+    assert np.polyfit(away, least, 3)[-1] == pytest.approx(-1, abs=1e-3)
+
+
+def test_only_one_belt_breaks_the_symmetry():
+    """Along the speed of one of two belts the motion is symmetric at one value alone, so there is no pitchfork."""
+    (motion,) = vi.find(between_belts(1.72), vi.Load.none(), states=8)
+    both = vi.branch(motion, "speed", bounds=(0.31, 0.33))
+    one = vi.branch(motion, "speed_2", bounds=(0.31, 0.33))
+    i, j = (int(np.abs(branch.values - 0.32).argmin()) for branch in (both, one))
+    assert both.period[i] == pytest.approx(one.period[j], rel=1e-6)
+    assert all(point.type != "pitchfork" for point in one.special_points)
+    states = vi.exact(one[0].structure, vi.Load.none(), one[0]).states
+    assert np.abs(np.roll(states, -4, axis=0) + states).max() > 1e-4
+
+
+def test_a_zone_of_symmetric_self_excited_motions_is_bounded_by_pitchforks():
+    """The boundary passes through the pitchforks of the branch."""
+    (motion,) = vi.find(between_belts(1.72), vi.Load.none(), states=8)
+    zone = vi.zone(motion, ("stick", 1.72, 2.0), ("speed", 0.31, 0.33), lines=5)
+    assert zone.closed
+    assert {piece.type for piece in zone.boundary} == {"pitchfork", "window"}
+    branch = vi.branch(motion, "stick", bounds=(1.7, 2.0))
+    _, first, second, _ = branch.special_points
+    for point, sides in ((first, [True, False]), (second, [False, True])):
+        found = zone.contains(point.value + np.array([-1e-4, 1e-4]), [0.32, 0.32])
+        assert found.tolist() == sides

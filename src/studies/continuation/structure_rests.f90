@@ -20,7 +20,8 @@
 !!
 !! Of self-excited motions the period T is unknown and the phase is free. Then phases are times over
 !! the fixed unit 1/Omega of the load, which has no harmonics, and in place of the phase of the
-!! event that begins the period, which is 0, Omega T is the unknown.
+!! event that begins the period, which is 0, Omega T is the unknown, or its half if half a period is
+!! followed.
 module vi_structure_rests
    use vi_channels, only: leaving_type, row_derivatives
    use vi_columns, only: solve_columns
@@ -265,8 +266,8 @@ contains
             if (s%free) then
                ! the last event comes at T, and the state at the end is that just after it
                course%slopes(2*n + 1, :) = course%slopes(2*n + m + 1, :)
-               course%slopes(2*n + 1, :2*n) = course%slopes(2*n + 1, :2*n) + [rate, &
-                  acceleration]/(regime%frequency*unit)
+               course%slopes(2*n + 1, :2*n) = course%slopes(2*n + 1, :2*n) + merge(-1, 1, &
+                  s%halved)*[rate, acceleration]/(regime%frequency*unit)
             end if
          end if
       end associate

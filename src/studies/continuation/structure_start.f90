@@ -244,12 +244,11 @@ contains
                mirrored, message)
             if (len(message) > 0) return
             start%gaps = s%gaps
-            if (s%free) then
-               ! phases from the event that begins the period, the end of which is unknown
-               unknowns(2*n + 2:) = unknowns(2*n + 2:) - unknowns(2*n + 1)
-               unknowns(2*n + 1) = s%whole_turn()
-            end if
+            ! phases from the event that begins the period
+            if (s%free) unknowns(2*n + 1:) = unknowns(2*n + 1:) - unknowns(2*n + 1)
             if (half .and. size(family%repetitions) == 0) call take_half(family, unknowns)
+            ! the end of what is followed is unknown
+            if (s%free) unknowns(2*n + 1) = s%whole_turn()
             call finish_resting(family, unknowns, changes, curve, point)
             return
          end if
@@ -732,8 +731,8 @@ contains
       period = 0
       select type (known => curve%family)
       type is (structure_resting_type)
-         if (known%rests%free) period = known%rests%end_of_turn(unknowns_of(curve, point))/ &
-            known%rests%path%load%frequency
+         if (known%rests%free) period = merge(2, 1, known%rests%halved)*known%rests%end_of_turn( &
+            unknowns_of(curve, point))/known%rests%path%load%frequency
       end select
    end function period_at
 

@@ -788,18 +788,19 @@ contains
       end do
    end function is_odd
 
-   !> The image of a gap, a stop or friction, as of `is_odd`; 0 if there is none.
+   !> The image of a gap, a stop or friction, as of `is_odd`; 0 if there is none. That of friction
+   !! on a belt has the opposite direction, so that its belt moves in the opposite sense.
    pure integer function mirror_of(structure, i) result(image)
       !> The structure.
       type(structure_type), intent(in) :: structure
       !> The element.
       integer, intent(in) :: i
 
-      if (structure%laws(i)%kind == friction_law) then
-         image = merge(0, i, abs(structure%laws(i)%numbers(3)) > 0)
-      else
-         image = opposite_gap(structure, i)
-      end if
+      associate (law => structure%laws(i))
+         image = i
+         if (law%kind /= friction_law .or. abs(law%numbers(3)) > 0) image = opposite_gap( &
+            structure, i)
+      end associate
    end function mirror_of
 
    !> The last gap of opposite direction with the same opening and law as a given one; 0 if there is
