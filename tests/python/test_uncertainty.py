@@ -143,6 +143,126 @@ def test_a_pattern_with_rest_has_a_map():
     assert 0 < found.probability.sum() < found.probability.size
 
 
+# -- maps with friction in the slot and compliant walls
+
+
+def has_stable_pair(point, states):
+    """Whether simulations from some states settle on a stable motion that hits each wall once in a load cycle."""
+    for x, x_dot, y, z_dot in states:
+        place = 0.5 * point.clearance * y
+        state = [5 * x, 5 * x + place], [5 * x_dot, 5 * z_dot]
+        try:
+            motion = vi.exact(point, vi.simulate(point, cycles=20, discard=300, state=state))
+        except (vi.ParameterError, vi.SingularError):
+            continue
+        pairs = zip(motion.gaps, motion.kinds, strict=True)
+        contacts = sorted(int(gap) for gap, kind in pairs if kind in ("impact", "touch"))
+        if motion.stable and motion.admissible and motion.cycles == 1 and contacts == [0, 1]:
+            return True
+    return False
+
+
+@pytest.mark.parametrize(("parts", "stops"), [
+    ({"friction": (0.0, 0.4), "r": (0.99, 1.01)}, None),
+    ({"friction": (0.0, 0.3), "wall_stiffness": (10.0, 60.0)}, (None, (20.0, 0.3))),
+    ({"wall_stiffness": (10.0, 60.0), "wall_damping": (0.05, 0.4), "load": (0.9, 1.1)}, None),
+])  # fmt: skip
+def test_a_map_with_friction_is_that_of_simulations_at_each_point(parts, stops):
+    """Whatever simulations of the system of a sample settle on is in the map, and hardly anything else: eight
+    random states miss up to two motions of small basins."""
+    osc, n = vi.Oscillator(xi=0.04, mu=0.05, restitution=0.75), 2
+    r, clearance = np.linspace(0.95, 1.07, 4), np.geomspace(5, 40, 4)
+    found = vi.uncertainty(
+        osc, "RL", r, clearance, parts, stops=stops, samples=n, bands=False, rng=4
+    )
+    low, high = np.array(list(parts.values())).T[..., None]
+    values = low + (high - low) * shares(n, len(parts), np.random.default_rng(4))
+    states = np.random.default_rng(1).uniform(-1, 1, (8, 4))
+    total = np.zeros((4, 4))
+    for sample in values.T.tolist():
+        at = dict(zip(parts, sample, strict=True))
+        load = at.get("load", 1.0)
+        walls = None
+        if "wall_stiffness" in parts:
+            wall = at["wall_stiffness"], at.get("wall_damping", 0.3 if stops else 0.0)
+            walls = (None if stops else wall, wall)
+        for i, j in np.ndindex(4, 4):
+            point = osc.at(
+                r[j] * at.get("r", 1.0), clearance[i] / load, friction=at.get("friction", 0.0) / load, stops=walls
+            )  # fmt: skip
+            total[i, j] += has_stable_pair(point, states)
+    assert 0.05 < total.mean() / n < 0.95
+    more = found.probability * n - total
+    assert more.min() == 0
+    assert more.sum() <= 2
+    assert not found.undecided.any()
+
+
+@pytest.mark.parametrize("symmetric", [True, None])
+def test_weak_friction_and_stiff_walls_do_not_change_a_map(symmetric):
+    """Friction of 1e-7, and walls of stiffness 1e8 with the dashpot of the coefficient of restitution, leave the
+    map of rigid walls without friction as it is: both change boundaries by less than their distance from its
+    points."""
+    r, clearance = R[::6], D[::5]
+    zeta = -math.log(0.75) / math.hypot(math.pi, math.log(0.75))
+    k, effective = 1e8, FIGURE6.mu / (1 + FIGURE6.mu)
+    stiff = {"wall_stiffness": k, "wall_damping": 2 * zeta * math.sqrt(k * effective)}
+    options = {"symmetric": symmetric, "bands": False, "samples": 1}
+    rigid = vi.uncertainty(FIGURE6, "RL", r, clearance, {"xi": (0.0113, 0.0115)}, **options)
+    assert set(np.unique(rigid.probability)) >= {0.0, 1.0}
+    for parts in ({"friction": 1e-7}, stiff):
+        found = vi.uncertainty(
+            FIGURE6, "RL", r, clearance, {"xi": (0.0113, 0.0115)} | parts, **options
+        )
+        assert np.array_equal(found.probability, rigid.probability)
+
+
+def test_limits_of_a_map_with_friction_are_those_of_its_motions():
+    """Limits just below and above the figures of the one stable motion at a point, in F0/K of the nominal load."""
+    point = FIGURE6.at(1.04, 25.0, friction=0.05)
+    motion = vi.exact(point, vi.simulate(point, cycles=600))
+    largest = motion.quantities().q.peak[0]
+    figures = {
+        "displacement": largest, "attenuation": largest * math.hypot(1 - 1.04**2, 2 * FIGURE6.xi * 1.04),
+        "multiplier": abs(motion.multipliers[0]),
+    }  # fmt: skip
+    for name, value in figures.items():
+        for factor in (1 - 1e-6, 1 + 1e-6):
+            found = vi.uncertainty(
+                point, "RL", {}, True, limit={name: factor * value}, samples=2, bands=False
+            )
+            assert found.probability.item() == 1
+            assert found.within.item() == (factor > 1)
+
+
+def test_threads_do_not_change_a_map_with_friction():
+    given = {"friction": (0.0, 0.2), "r": (0.99, 1.01)}
+    r, clearance = np.linspace(0.95, 1.05, 3), [12.0, 25.0]
+    one, two = (
+        vi.uncertainty(FIGURE6, "RL", r, clearance, given, bands=False, samples=3, threads=threads)
+        for threads in (1, 2)
+    )
+    assert np.array_equal(one.probability, two.probability)
+    assert np.array_equal(one.undecided, two.undecided)
+
+
+@pytest.mark.parametrize(("options", "message"), [
+    ({"uncertain": {"friction": (0.0, 0.1)}}, "bands = True: must be False with friction"),
+    ({"stops": ((100.0, 0.1), None)}, "bands = True: must be False with friction in the slot or compliant walls"),
+    ({"friction": 0.1, "pattern": "RL*", "bands": False}, r"pattern = RL\*/1: must be without rest"),
+    ({"uncertain": {"R1": 0.5}, "stops": ((9.0, 0.1), None), "bands": False}, "'R1': must be left out for a wall"),
+    ({"uncertain": {"wall_damping": 0.5}, "bands": False}, "'wall_damping': must be given with a wall_stiffness"),
+    ({"friction": -0.1, "bands": False}, "friction = -0.1: must be"),
+])  # fmt: skip
+def test_bad_input_of_maps_with_friction_is_named(options, message):
+    given = {"pattern": "RL", "uncertain": {"xi": 0.0114}} | options
+    with pytest.raises(vi.ParameterError, match=message):
+        vi.uncertainty(FIGURE6, r=[0.9, 1.1], clearance=[10.0, 20.0], samples=2, **given)
+    zone = vi.zone(FIGURE6, "RL", (1.0, 1.1), (20, 30), symmetric=True)
+    with pytest.raises(vi.ParameterError, match="'friction': must be left out"):
+        vi.boundary_bands(zone, {"friction": 0.1})
+
+
 # -- bands
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..base.errors import ParameterError, SingularError
 from ..results import door, performance
 from ..results.performance import Performance, perform
-from ..systems.distribution import ELEMENTS
+from ..systems.distribution import element_of
 from ..systems.oscillator import Oscillator
 from ..systems.record import Record
 from ..systems.structure import Load, Structure
@@ -122,18 +122,12 @@ def perform_points(
         )
     n, asked = places.shape[1], {*wanted} & {*FIGURES}
     amplitude = amplitudes(parameters)
-    rigid = np.full((2, n), np.nan)
-    friction = elements.get("friction", np.zeros(n))
-    walls = np.stack([elements.get(name, rigid) for name in ELEMENTS[1:]], axis=-1)
 
     def one(i: int) -> list[float]:
         r, clearance, xi, mu, right, left = parameters[:, i].tolist()
-        first, second = (None if math.isnan(k) else (k, c) for k, c in walls[:, i].tolist())
+        friction, stops = element_of(elements, i)
         point = Oscillator(xi=xi, mu=mu, restitution=(right, left)).at(
-            r,
-            clearance,
-            friction=friction[i].item(),
-            stops=(first, second) if first or second else None,
+            r, clearance, friction=friction, stops=stops
         )
         long = max(settling, math.ceil(min(DECAYED / xi, LONGEST))) if xi > 0 else settling
         try:

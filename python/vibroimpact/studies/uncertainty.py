@@ -23,6 +23,7 @@ from ..results.performance import FIGURES, LEAST, LIMITED, Performance
 from ..systems.distribution import (
     Uncertain,
     drawn,
+    element_of,
     elements_of,
     interval,
     shares,
@@ -34,6 +35,7 @@ from ..systems.units import value_text, wanted_figure
 from ..systems.verbs import physical_arguments
 from .boundary_band import BoundaryBand, bands_of, keeps_symmetry, quantile_pair
 from .chart import compute_chart
+from .grid_motions import grid_verdicts
 from .zone import Zone, zone
 
 if TYPE_CHECKING:
@@ -221,6 +223,8 @@ def uncertainty(
     uncertain: Mapping[str, Any],
     symmetric: bool | None = None,
     *,
+    friction: float = 0.0,
+    stops: Stops | None = None,
     points: int | tuple[int, int] | None = None,
     limit: Mapping[str, float] | None = None,
     samples: int = 64,
@@ -235,6 +239,12 @@ def uncertainty(
 
     The samples are a Latin hypercube, so that the standard error is at most that of independent samples. For each
     sample a chart of the pattern is computed, or its zone if the pattern has rest.
+
+    With friction in the slot or compliant walls, each sample is treated as a structure. A motion has the pattern
+    if its contacts do, whatever friction does in between; with equal walls the mirror image of the pattern counts
+    as well. Newton's method starts from the motions of the chart without friction between rigid walls, and from
+    simulations; each motion is followed from point to point of the map, and where no stable one is known,
+    simulations start from the motions nearby. Motions that none of these lead to are missed.
 
     Parameters
     ----------
@@ -253,9 +263,12 @@ def uncertainty(
         rejected, since one deviation would not suit all clearances of a map. Where there is a single nominal
         value, a range with units, such as ("3.8 mm", "4.2 mm"), is converted to factors. Each is a pair (low,
         high) between which all values are equally probable, a frozen distribution of scipy.stats, or a number.
-        They are independent.
+        They are independent. Also values of ``friction`` in the slot (over F0), and of ``wall_stiffness`` and
+        ``wall_damping`` (over K and sqrt(K M)): of the compliant walls, or of both walls if `stops` is omitted.
     symmetric : bool, optional
         As in `zone` and `chart`.
+    friction, stops : float, tuple or None
+        Nominal friction in the slot and nominal walls, as in `Oscillator.at`; a `Point` provides both.
     points : int or (int, int), optional
         Numbers of evenly spaced values in these ranges.
     limit : dict, optional
@@ -264,7 +277,8 @@ def uncertainty(
     samples : int
         1 to 100000. Each takes as long as a chart.
     bands : bool
-        Whether to trace the nominal zone and to find the bands, as `boundary_bands` does.
+        Whether to trace the nominal zone and to find the bands, as `boundary_bands` does; False with friction or
+        compliant walls.
     vertices : int
         Largest number of vertices of a piece that are examined, 2 to 10000.
     quantiles : (float, float)
@@ -304,7 +318,9 @@ def uncertainty(
     """
     of_numbers(osc)
     pattern = pattern_of(pattern)
-    parameters = uncertain_parameters(uncertain, "uncertain", factors=True)
+    nominal_point = osc.at(1.5, 1.0, friction=friction, stops=stops)
+    rubs, walls = nominal_point.friction, nominal_point.stops
+    parameters = uncertain_parameters(uncertain, "uncertain", True, True, walls)
     limits = limits_of(limit, OF_MOTION)
     count = checks.integer(samples, "samples", 1, 100_000)
     wanted = checks.truth(bands, "bands")
@@ -319,7 +335,18 @@ def uncertainty(
     if limits and pattern.has_rest:
         raise ParameterError("limit: must be left out for a pattern with rest, which has no chart")
     where = shares(count, len(parameters), np.random.default_rng(number))
-    changes, load = systems(osc, parameters, where), drawn(parameters, where)["load"]
+    changes, values_of = systems(osc, parameters, where), drawn(parameters, where)
+    load, elements = values_of["load"], elements_of(values_of, values_of["load"], rubs, walls)
+    if elements and wanted:
+        raise ParameterError(
+            "bands = True: must be False with friction in the slot or compliant walls, since bands of their zones "
+            "have not been implemented"
+        )
+    if elements and pattern.has_rest:
+        raise ParameterError(
+            f"pattern = {pattern.sides}/{pattern.cycles}: must be without rest with friction in the slot or "
+            "compliant walls"
+        )
     for values, factors, name in zip(axes, changes, ("r", "clearance"), strict=False):
         for value in (values[0] * factors.min(), values[-1] * factors.max()):
             checks.number(float(value), name)
@@ -327,16 +354,19 @@ def uncertainty(
         keeps_symmetry(osc, changes)
     told = Told(progress, 0.8 if wanted else 1.0)
     _, first, times = np.unique(
-        np.vstack([changes, load]), axis=1, return_index=True, return_counts=True
-    )
+        np.nan_to_num(np.vstack([changes, load, *elements.values()]), nan=-1.0), axis=1, return_index=True,
+        return_counts=True,
+    )  # fmt: skip
     total = np.zeros((3, len(axes[1]), len(axes[0])))
     nominal, found, done, stopped = None, [], 0, False
     try:
         # in the order in which they were drawn, so that the first ones are a valid sample, too
         for i, here in enumerate(np.argsort(first)):
             told.part(i, len(times), "samples")
+            n = first[here]
             total += times[here] * verdicts(
-                osc, pattern, axes, changes[:, first[here]], load[first[here]], symmetric, limits, threads, told
+                osc, pattern, axes, changes[:, n], load[n], element_of(elements, n), symmetric, limits,
+                threads, told,
             )  # fmt: skip
             done += int(times[here])
         if wanted:
@@ -685,14 +715,19 @@ def window_of(values: _Array, margin: float = 0.0) -> tuple[float, float]:
 
 def verdicts(
     osc: Oscillator, pattern: Pattern, axes: tuple[_Array, _Array], change: _Array, load: float,
-    symmetric: bool | None, limits: Mapping[str, float], threads: int | None, told: Told,
+    element: tuple[float, Stops | None], symmetric: bool | None, limits: Mapping[str, float],
+    threads: int | None, told: Told,
 ) -> _Array:  # fmt: skip
     """For one sample: whether a stable motion exists, whether this is unknown, whether all are within the limits;
-    (3, n, m). The load is a factor of the nominal one."""
+    (3, n, m). The load is a factor of the nominal one; the element: friction and walls as in `Oscillator.at`."""
     system = Oscillator(
         xi=float(change[2]), mu=float(change[3]), restitution=tuple(change[4:].tolist())
     )
     r, clearance = axes[0] * change[0], axes[1] * change[1]
+    if any(element):
+        return grid_verdicts(
+            system, pattern, (r, clearance), *element, load, symmetric, limits, threads, told.inner
+        )
     if pattern.has_rest:
         window = window_of(r, MARGIN), window_of(clearance, MARGIN)
         found = zone(system, pattern, *window, symmetric=symmetric, progress=told.inner)

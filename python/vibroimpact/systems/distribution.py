@@ -181,7 +181,8 @@ def uncertain_parameters(
     for key in given:
         if key in ELEMENTS and not elements:
             raise ParameterError(
-                f"{name}: parameter {key!r}: must be left out; only limit_probability and design vary it"
+                f"{name}: parameter {key!r}: must be left out; uncertainty (without bands), limit_probability and "
+                "design vary it"
             )
         if key not in names:
             raise ParameterError(
@@ -326,6 +327,18 @@ def elements_of(
         own = np.broadcast_to(values.get(key, nominal[:, None]), (2, len(load)))
         found[key] = np.where(np.isnan(nominal)[:, None], np.nan, own)
     return found
+
+
+def element_of(elements: Mapping[str, NDArray[np.float64]], i: int) -> tuple[float, Stops | None]:
+    """Friction and walls of one unit, as `Oscillator.at` takes them, from what `elements_of` returns."""
+    friction = elements["friction"][i].item() if "friction" in elements else 0.0
+    if ELEMENTS[1] not in elements:
+        return friction, None
+    right, left = (
+        None if np.isnan(k) else (float(k), float(c))
+        for k, c in zip(*(elements[name][:, i] for name in ELEMENTS[1:]), strict=True)
+    )
+    return friction, (right, left) if right or left else None
 
 
 def interval(holds: int, count: int, confidence: float = 0.95) -> tuple[float, float]:
