@@ -236,8 +236,15 @@ contains
       !> The number.
       integer, intent(in) :: value
       character(whole_width(value)) :: text
+      integer :: i, rest
 
-      write (text, '(i0)') value
+      ! digit by digit: a formatted write takes forty times as long
+      rest = value
+      do i = len(text), 1, -1
+         text(i:i) = achar(iachar('0') + abs(mod(rest, 10)))
+         rest = rest/10
+      end do
+      if (value < 0) text(1:1) = '-'
    end function whole
 
    !> Number of characters of `whole`.

@@ -43,6 +43,7 @@ contains
       call test_lists_in_parts()
       call test_near_zero()
       call test_printable()
+      call test_whole()
       call test_names()
       open (newunit=i, file=path)
       close (i, status='delete')
@@ -63,6 +64,20 @@ contains
       call check(all([(index(parts(i)%text, ';') == 0, i=1, size(parts))]), &
          'no part holds a separator')
    end subroutine test_split
+
+   !> A whole number has the digits of a formatted write.
+   subroutine test_whole()
+      integer, parameter :: numbers(*) = [0, 7, -7, 10, -10, 99, 100, -1234567890, huge(1), &
+         -huge(1), -huge(1) - 1]
+      character(12) :: written
+      integer :: i
+
+      do i = 1, size(numbers)
+         write (written, '(i0)') numbers(i)
+         call check(whole(numbers(i)) == trim(written) .and. len(whole(numbers(i))) == &
+            len_trim(written), 'digits of a whole number')
+      end do
+   end subroutine test_whole
 
    !> Groups that are written with comments and in any layout, in a file and in a result.
    subroutine test_namelist(n_groups)
