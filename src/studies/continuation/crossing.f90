@@ -221,9 +221,11 @@ contains
       real(wp), intent(out) :: share
       !> Whether it is found.
       logical, intent(out) :: good
+      !> Share of the step on which a value changes by much less than on all of it unless it jumps.
+      real(wp), parameter :: narrow = 1.0e-3_wp
       type(condition_type) :: extra(1)
       real(wp), dimension(size(from%point)) :: low, high
-      real(wp) :: at_low, at_high, near
+      real(wp) :: at_low, at_high, length, near
       integer :: i, iterations
 
       ! the details of a touch are taken from the end where the gap is less
@@ -245,7 +247,11 @@ contains
          good = iterations > 0 .and. share > -1.0e-6_wp .and. share < 1 + 1.0e-6_wp .and. &
             norm2(place%point - from%point) < 2*to%came
          if (good) exit
-         if (norm2(high - low) < 1.0e-12_wp) exit
+         length = norm2(high - low)
+         if (length < 1.0e-12_wp) exit
+         ! a value that jumps has no zero, as that of Neimark-Sacker where a flip makes it negative
+         if (length < narrow*norm2(to%point - from%point) .and. abs(at_low) > 0.5_wp &
+            *abs(from%values(which)) .and. abs(at_high) > 0.5_wp*abs(to%values(which))) exit
          ! narrow the bracket
          place%point = low + near*(high - low)
          call correct(curve, conditions, place%point, iterations, from%tangent)
