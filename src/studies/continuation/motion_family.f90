@@ -63,6 +63,12 @@ module vi_motion_family
       real(wp), allocatable :: origin(:), scale(:)
    end type coordinates_type
 
+   !> The motions that a search from guesses has found at a point, for all families of a pattern:
+   !! x_i/D and theta_i of all impacts (2N, m); not allocated before the search.
+   type, public :: searched_type
+      real(wp), allocatable :: motions(:, :)
+   end type searched_type
+
    !> A family of motions. To follow another kind of motions, extend this type.
    type, abstract, public :: motion_family_type
       !> Ways in which motions can repeat themselves, where the family ends; and images of every
@@ -207,7 +213,7 @@ contains
    end function from_vertex
 
    !> Unknowns, or guesses of them, of motions at a point.
-   subroutine motions_at(family, c, guesses, skip, found, releases, progress, longer)
+   subroutine motions_at(family, c, guesses, skip, found, releases, progress, longer, searched)
       !> The family; no way is known to search for its motions.
       class(motion_family_type), intent(in) :: family
       !> The parameters.
@@ -223,9 +229,12 @@ contains
       integer, intent(inout), optional :: progress(3)
       !> Factor of the load cycles simulated; 1 by default.
       integer, intent(in), optional :: longer
+      !> In: the motions of the pattern, if another of its families has been searched at this point
+      !! by the same guesses. Out: them.
+      type(searched_type), intent(inout), optional :: searched
 
       associate (not_used => [size(c), guesses, skip], nor => [present(releases), &
-         present(progress), present(longer)])
+         present(progress), present(longer), present(searched)])
          allocate (found(family%unknown_count(), 0))
       end associate
    end subroutine motions_at

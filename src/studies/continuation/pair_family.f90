@@ -11,8 +11,8 @@ module vi_pair_family
    use vi_kinds, only: wp
    use vi_linear, only: most
    use vi_motion_family, only: condition_type, coordinates_type, edge, flip, fold, grazing, &
-      neimark_sacker, parameters_at, repetition, rest_vanishes, set_differences, to_point, &
-      zero_approach
+      neimark_sacker, parameters_at, repetition, rest_vanishes, searched_type, set_differences, &
+      to_point, zero_approach
    use vi_orbit, only: by_clearance, by_left, by_position, by_right, by_speed, flight_at, &
       n_parameters, orbit_by_parameter, orbit_slopes, orbit_type, set_orbit
    use vi_oscillation, only: derivatives
@@ -428,7 +428,7 @@ contains
    end subroutine touch_slope
 
    !> The motions that Newton's method finds from guesses.
-   subroutine motions_at(family, c, guesses, skip, found, releases, progress, longer)
+   subroutine motions_at(family, c, guesses, skip, found, releases, progress, longer, searched)
       !> The family.
       class(pair_family_type), intent(in) :: family
       !> r, log(D), xi, mu, R1, R2
@@ -443,25 +443,34 @@ contains
       integer, intent(inout), optional :: progress(3)
       !> Not used.
       integer, intent(in), optional :: longer
+      !> In: the motions of the pattern, if another of its families has been searched at this point
+      !! by the same guesses. Out: them.
+      type(searched_type), intent(inout), optional :: searched
       !> Largest number of motions of a pattern at a point.
       integer, parameter :: capacity = 64
+      type(pattern_type) :: pattern
       real(wp), allocatable :: whole(:, :)
+      logical :: known
       integer :: k, n, tried
 
-      associate (sides => family%impacts%sides, no => [present(releases), present(progress), &
+      associate (impacts => family%impacts, no => [present(releases), present(progress), &
          present(longer)])
-         allocate (whole(2*size(sides)*merge(2, 1, family%impacts%mirror), capacity))
-         n = 0
-         if (family%impacts%mirror) then
-            call search_pattern(pattern_type([sides, -sides], family%impacts%cycles), c, guesses, &
-               whole, n, tried, skip)
-         else
-            call search_pattern(pattern_type(sides, family%impacts%cycles), c, guesses, whole, n, &
-               tried, skip)
-         end if
+         pattern = pattern_type(impacts%sides, impacts%cycles)
+         if (impacts%mirror) pattern%sides = [impacts%sides, -impacts%sides]
       end associate
-      allocate (found(family%unknown_count(), n))
-      do k = 1, n
+      known = .false.
+      if (present(searched)) known = allocated(searched%motions)
+      if (known) then
+         whole = searched%motions
+      else
+         allocate (whole(2*size(pattern%sides), capacity))
+         n = 0
+         call search_pattern(pattern, c, guesses, whole, n, tried, skip)
+         whole = whole(:, :n)
+         if (present(searched)) searched%motions = whole
+      end if
+      allocate (found(family%unknown_count(), size(whole, 2)))
+      do k = 1, size(whole, 2)
          found(:, k) = family%part_of(c, whole(:, k))
       end do
    end subroutine motions_at

@@ -5,7 +5,7 @@ module vi_resting_family
    use vi_linear, only: most
    use vi_motion_family, only: at_fault, condition_type, coordinates_type, edge, flip, fold, &
       grazing, motion_family_type, neimark_sacker, parameters_at, rest_splits, rest_vanishes, &
-      set_differences, to_point, zero_approach
+      searched_type, set_differences, to_point, zero_approach
    use vi_orbit, only: by_clearance
    use vi_oscillator, only: left, right
    use vi_releases, only: most_simulations, release_type, simulate_releases
@@ -307,7 +307,7 @@ contains
    end function from_vertex
 
    !> Guesses of motions, from the last releases of some simulations.
-   subroutine motions_at(family, c, guesses, skip, found, releases, progress, longer)
+   subroutine motions_at(family, c, guesses, skip, found, releases, progress, longer, searched)
       !> The family.
       class(resting_family_type), intent(in) :: family
       !> r, log(D), xi, mu, R1, R2
@@ -322,11 +322,13 @@ contains
       integer, intent(inout), optional :: progress(3)
       !> Factor of the load cycles simulated; 1 by default.
       integer, intent(in), optional :: longer
+      !> Not used.
+      type(searched_type), intent(inout), optional :: searched
       type(release_type), allocatable :: simulated(:)
       integer :: k, kept, wall
       logical :: good
 
-      associate (not_used => skip)
+      associate (not_used => skip, nor => present(searched))
       end associate
       if (present(releases)) then
          allocate (simulated, source=releases)

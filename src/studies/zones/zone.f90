@@ -11,7 +11,7 @@ module vi_zone
    use vi_join, only: join_loose_ends, set_apart
    use vi_kinds, only: wp
    use vi_lattice, only: even_lattice, lattice_type, nearest_lines, new_lattice
-   use vi_motion_family, only: condition_type, edge, repeats, repetition
+   use vi_motion_family, only: condition_type, edge, repeats, repetition, searched_type
    use vi_net, only: add_seed, border_type, cover, cover_from, follow_both, net_type, new_net, &
       reach_border
    use vi_net_line, only: line_of, start_type
@@ -61,7 +61,8 @@ module vi_zone
 contains
 
    !> All zones of a pattern in a window.
-   subroutine find_zone(request, seeds, zone, status, progress, releases, pitchforks, returns)
+   subroutine find_zone(request, seeds, zone, status, progress, releases, pitchforks, returns, &
+      searched)
       !> The request.
       type(zone_request_type), intent(in) :: request
       !> Motions known beforehand, in the whole pattern: r, D, x_i/D, theta_i (2 + 2N, m).
@@ -80,6 +81,8 @@ contains
       type(start_type), allocatable, intent(inout), optional :: pitchforks(:)
       !> Simulations in the window, which all families of the pattern share; some are added.
       type(return_type), allocatable, intent(inout), optional :: returns(:)
+      !> As in `search_window`.
+      type(searched_type), allocatable, intent(inout), optional :: searched(:, :, :)
       type(net_type) :: net
       type(seed_type), allocatable :: items(:)
       integer :: i, reported
@@ -103,7 +106,7 @@ contains
       if (present(releases)) then
          call search(request, net, reported, progress, pitchforks, releases)
       else
-         call search(request, net, reported, progress, pitchforks)
+         call search(request, net, reported, progress, pitchforks, searched=searched)
       end if
       if (present(returns) .and. request%simulations > 0) call search_by_simulation(request, net, &
          items, returns, progress)
@@ -344,7 +347,7 @@ contains
    !! the window that the first pass misses. Motions with rest are found by simulation; if none is
    !! found, the second pass simulates longer at a few nodes, since with little damping the first
    !! one ends long before the motion is reached.
-   subroutine search_window(request, net, reported, progress, releases, symmetric)
+   subroutine search_window(request, net, reported, progress, releases, symmetric, searched)
       !> The request.
       type(zone_request_type), intent(in) :: request
       !> In and out: nodes and borders are added.
@@ -357,6 +360,9 @@ contains
       type(release_type), intent(in), optional :: releases(:, :, :)
       !> In and out: the net of the symmetric motions of the pattern, to which the guesses lead too.
       type(net_type), intent(inout), optional :: symmetric
+      !> (r, D, pass) The motions found from guesses in the same lattice, which all families of the
+      !! pattern share; those that are missing are added.
+      type(searched_type), allocatable, intent(inout), optional :: searched(:, :, :)
       !> Share of the motions found that lie on parts of the surface not followed so far, from which
       !! further parts are expected.
       real(wp), parameter :: many = 0.05_wp
@@ -364,9 +370,14 @@ contains
       real(wp) :: q(2), c(n_parameters)
       !> How much longer motions with rest are simulated where none was found.
       integer, parameter :: longer = 10
+      type(searched_type) :: here
       integer :: i, j, k, all_found(2), guesses, new(2), pass, passes, skip, stride
       logical :: chosen, simulated
 
+      if (present(searched)) then
+         if (.not. allocated(searched)) allocate (searched(size(net%head, 1), size(net%head, 2), &
+            most_passes(request%pattern)))
+      end if
       skip = 0
       all_found = 0
       new = 0
@@ -389,12 +400,18 @@ contains
                if (chosen .neqv. (mod(pass, 2) == 1 .or. simulated)) cycle
                q = [net%lines%axes(1)%at(i), net%lines%axes(2)%at(j)]
                c = parameters_of(net%surface, [(0.0_wp, k=1, size(net%unknowns, 1)), q])
+               if (present(searched)) call move_alloc(searched(i, j, pass)%motions, here%motions)
                if (present(releases)) then
                   call net%surface%family%motions_at(c, guesses, skip, found, &
                      releases(:, i, j), progress)
                else
-                  call net%surface%family%motions_at(c, guesses, skip, found, &
-                     progress=progress, longer=merge(longer, 1, simulated .and. pass == 2))
+                  call net%surface%family%motions_at(c, guesses, skip, found, progress=progress, &
+                     longer=merge(longer, 1, simulated .and. pass == 2), searched=here)
+               end if
+               if (present(searched)) then
+                  call move_alloc(here%motions, searched(i, j, pass)%motions)
+               else if (allocated(here%motions)) then
+                  deallocate (here%motions)
                end if
                skip = skip + guesses
                call add_found(net, found, [i, j], all_found(1), new(1), progress)
@@ -410,9 +427,17 @@ contains
          ! the more impacts, the fewer guesses lead to a motion
          if (simulated .or. pass == 1 .or. all(new < many*all_found)) cycle
          if (all(new == 0) .and. request%simulations == 0) cycle
-         passes = min(pass + 1, max(2, size(request%pattern%sides)/2))
+         passes = min(pass + 1, most_passes(request%pattern))
       end do
    end subroutine search_window
+
+   !> Largest number of passes of a search from guesses.
+   pure integer function most_passes(pattern)
+      !> The pattern.
+      type(pattern_type), intent(in) :: pattern
+
+      most_passes = max(2, size(pattern%sides)/2)
+   end function most_passes
 
    !> Adds motions found at a node of the lattice, and covers the surface from there.
    subroutine add_found(net, found, place, all_found, new, progress)
@@ -510,7 +535,7 @@ contains
 
    !> Searches the window, then follows the surface from every flip and pitchfork at which motions
    !! of the pattern begin, on the lattice lines of the motions that repeat themselves.
-   recursive subroutine search(request, net, reported, progress, pitchforks, releases)
+   recursive subroutine search(request, net, reported, progress, pitchforks, releases, searched)
       !> The request.
       type(zone_request_type), intent(in) :: request
       !> In and out: nodes and borders are added.
@@ -523,6 +548,8 @@ contains
       type(start_type), allocatable, intent(in), optional :: pitchforks(:)
       !> (simulations, r, D) of `simulate_nodes`.
       type(release_type), intent(in), optional :: releases(:, :, :)
+      !> As in `search_window`.
+      type(searched_type), allocatable, intent(inout), optional :: searched(:, :, :)
       type(zone_request_type) :: shorter
       type(net_type), allocatable :: of_shorter
       integer :: done, i
@@ -541,7 +568,7 @@ contains
          else if (present(releases)) then
             call search_window(request, net, reported, progress, releases)
          else
-            call search_window(request, net, reported, progress)
+            call search_window(request, net, reported, progress, searched=searched)
          end if
          do i = 1, size(ways)
             ! other multipliers of the shorter period than -1 start no motions of this pattern

@@ -6,7 +6,7 @@ module vi_zone_pieces
    use vi_family, only: can_be_symmetric
    use vi_kinds, only: wp
    use vi_loop, only: begins, loop_type
-   use vi_motion_family, only: condition_type, edge
+   use vi_motion_family, only: condition_type, edge, searched_type
    use vi_net_line, only: start_type
    use vi_outline, only: ring_of
    use vi_zone_request, only: zone_request_type
@@ -118,6 +118,7 @@ contains
       logical :: possible, wanted(2)
       type(start_type), allocatable :: pitchforks(:)
       type(return_type), allocatable :: returns(:)
+      type(searched_type), allocatable :: searched(:, :, :)
       integer :: i, status
 
       possible = can_be_symmetric(request%pattern, request%osc%restitution)
@@ -132,7 +133,8 @@ contains
       do i = 1, 2
          if (.not. wanted(i)) cycle
          one%symmetric = i == 1
-         call find_zone(one, seeds, zone, status, progress, pitchforks=pitchforks, returns=returns)
+         call find_zone(one, seeds, zone, status, progress, pitchforks=pitchforks, &
+            returns=returns, searched=searched)
          call add_pieces(zone, one, possible .and. .not. one%symmetric, found)
          if (.not. allocated(found%open_seeds)) allocate (found%open_seeds(size(seeds, 2)), &
             found%used_seeds(size(seeds, 2)), source=.false.)
