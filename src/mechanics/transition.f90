@@ -70,8 +70,8 @@ contains
       !> Damping ratio, frequency ratio, and the components A cos(lag) and A sin(lag) of the forced
       !! motion (F0/K).
       real(wp), intent(in) :: xi, r, in_phase, behind
-      !> All tables filled.
-      type(transition_type), intent(out) :: m
+      !> Out: all tables filled.
+      type(transition_type), intent(inout) :: m
       !> Whether vi_march will use them, true if it is left out: vi_bounce needs no tables.
       logical, intent(in), optional :: marched
       integer :: n

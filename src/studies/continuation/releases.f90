@@ -7,7 +7,7 @@ module vi_releases
    use vi_kinds, only: two_pi, wp
    use vi_oscillator, only: left, right
    use vi_pattern, only: pattern_type
-   use vi_rest_family, only: last_release, system_of
+   use vi_rest_family, only: last_release, set_system
    use vi_simulate, only: event_type, forced_system_type, simulate_cycles, &
       simulate_on, state_type
    use vi_starts, only: state_start
@@ -59,7 +59,7 @@ contains
 
       cycles = settling
       if (present(longer)) cycles = longer*settling
-      system = system_of(c, .true.)
+      call set_system(c, .true., system)
       allocate (events(chunk))
       do k = 1, size(releases)
          state = initial_state(system, state_start(system%osc, system%r, system%load, &
@@ -130,7 +130,7 @@ contains
 
       allocate (motion(0))
       m = size(pattern%sides)
-      system = system_of(c, .true.)
+      call set_system(c, .true., system)
       state = initial_state(system, state_start(system%osc, system%r, system%load, &
          system%clearance, start))
       allocate (events(most_events*between*m))

@@ -24,7 +24,7 @@
 !! Without restitution (R = 0) the first impact of an accumulation is also the last one.
 module vi_rest_family
    use vi_contact, only: contact_type, departure_type, first_contact
-   use vi_forced_system, only: forced_system_type, event_type, new_forced_system, release_event
+   use vi_forced_system, only: forced_system_type, event_type, release_event, set_forced_system
    use vi_extrema, only: relative_extrema
    use vi_flight, only: flight_position, flight_state, flight_type, new_flight
    use vi_bounce, only: bounce, series
@@ -39,7 +39,7 @@ module vi_rest_family
    private
 
    public :: critical, follow_symbols, last_release, new_rest_family, plane_map, rest_period, &
-      rest_stability, rest_unknowns, system_of
+      rest_stability, rest_unknowns, set_system
 
    !> Largest number of impacts followed in one accumulation.
    integer, parameter :: most_hops = 20000
@@ -168,7 +168,7 @@ contains
 
       n = size(family%symbols)
       m = rest_unknowns(family)
-      system = system_of(c, .false.)
+      call set_system(c, .false., system)
       allocate (period%equations(m), period%approach(n), period%rest(n), period%gap(n), &
          period%touched(n), period%touched_at(n))
       period%rest%value = 1
@@ -300,15 +300,17 @@ contains
    end function determinant
 
    !> The forced system with given parameters, for a load amplitude of 1.
-   pure function system_of(c, marched) result(system)
+   pure subroutine set_system(c, marched, system)
       !> (6) r, log(D), xi, mu, R1, R2
       real(wp), intent(in) :: c(:)
-      !> As in `new_forced_system`.
+      !> As in `set_forced_system`.
       logical, intent(in) :: marched
-      type(forced_system_type) :: system
+      !> Out: the system.
+      type(forced_system_type), intent(inout) :: system
 
-      system = new_forced_system(oscillator_of(c), c(by_r), 1.0_wp, exp(c(by_clearance)), marched)
-   end function system_of
+      call set_forced_system(oscillator_of(c), c(by_r), 1.0_wp, exp(c(by_clearance)), marched, &
+         system)
+   end subroutine set_system
 
    !> The release with which a period starts.
    pure function start_of(system, side, unknowns, m) result(start)
@@ -412,7 +414,7 @@ contains
       real(wp) :: limit, touched_at
       integer :: i, touched
 
-      system = system_of(c, .false.)
+      call set_system(c, .false., system)
       unknowns(:2) = release
       here = start_of(system, sign(1, family%symbols(size(family%symbols))), release, 2)
       touched = 0

@@ -16,21 +16,32 @@ module vi_forced_system
    private
 
    public :: forced_system_type, state_type, event_type, impact_event, stick_event, release_event
-   public :: new_forced_system, initial_state, least_clearance, state_time, flight_from, &
-      rest_from, departure_from, stays_together
+   public :: new_forced_system, set_forced_system, initial_state, least_clearance, state_time, &
+      flight_from, rest_from, departure_from, stays_together
 
 contains
 
    !> A system under a load, with its walls.
-   pure function new_forced_system(osc, r, load, clearance, marched) result(system)
+   pure function new_forced_system(osc, r, load, clearance) result(system)
+      !> As in `set_forced_system`.
+      type(oscillator_type), intent(in) :: osc
+      real(wp), intent(in) :: r, load, clearance
+      type(forced_system_type) :: system
+
+      call set_forced_system(osc, r, load, clearance, .true., system)
+   end function new_forced_system
+
+   !> Sets a system in place, where many are needed: its tables take 14 kB.
+   pure subroutine set_forced_system(osc, r, load, clearance, marched, system)
       !> Oscillator without its load.
       type(oscillator_type), intent(in) :: osc
       !> Frequency ratio Omega/omega, load amplitude f, and clearance d in the unit of length of f
       !! (D = d K/F0 for f = 1).
       real(wp), intent(in) :: r, load, clearance
-      !> Whether it will be simulated, true if it is left out: this takes tables.
-      logical, intent(in), optional :: marched
-      type(forced_system_type) :: system
+      !> Whether it will be simulated: this takes tables.
+      logical, intent(in) :: marched
+      !> Out: the system.
+      type(forced_system_type), intent(inout) :: system
 
       system%osc = osc
       system%r = r
@@ -41,7 +52,7 @@ contains
       system%wide = runs_wide() /= 0
       call new_transition(osc%xi, r, system%amplitude*cos(system%lag), &
          system%amplitude*sin(system%lag), system%transition, marched)
-   end function new_forced_system
+   end subroutine set_forced_system
 
    !> Time of a state in 1/omega.
    pure real(wp) function state_time(cycle, phase, r) result(time)
