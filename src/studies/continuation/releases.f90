@@ -55,30 +55,83 @@ contains
       type(forced_system_type) :: system
       type(state_type) :: state, final
       type(event_type), allocatable :: events(:)
-      integer :: k, n, status, events_left, cycles
+      integer :: k, n, part, parts, status, events_left
 
-      cycles = settling
-      if (present(longer)) cycles = longer*settling
+      parts = 1
+      if (present(longer)) parts = longer
       call set_system(c, .true., system)
       allocate (events(chunk))
       do k = 1, size(releases)
          state = initial_state(system, state_start(system%osc, system%r, system%load, &
             system%clearance, k))
-         status = stat%more_events
          events_left = 10*chunk
-         do while (status == stat%more_events)
-            call simulate_on(system, state, int(cycles, int64), 0.0_wp, events, n, final, &
-               events_left, status, progress)
+         do part = 1, parts
+            status = stat%more_events
+            do while (status == stat%more_events)
+               call simulate_on(system, state, int(part*settling, int64), 0.0_wp, events, n, &
+                  final, events_left, status, progress)
+            end do
+            ! where accumulations are long, the limit of events is reached after fewer load cycles
+            if (.not. any(status == [stat%ok, stat%event_limit])) then
+               releases(k)%there = .false.
+               exit
+            end if
+            call note_release(1, events(:n), system%clearance, releases(k)%at(:, right), &
+               releases(k)%there(right))
+            call note_release(-1, events(:n), system%clearance, releases(k)%at(:, left), &
+               releases(k)%there(left))
+            if (status == stat%event_limit .or. part == parts) exit
+            if (repeats_itself(system, events(:n))) exit
          end do
-         ! where accumulations are long, the limit of events is reached after fewer load cycles
-         if (.not. any(status == [stat%ok, stat%event_limit])) cycle
-         call last_release(1, events(:n), system%clearance, releases(k)%at(:, right), &
-            releases(k)%there(right))
-         call last_release(-1, events(:n), system%clearance, releases(k)%at(:, left), &
-            releases(k)%there(left))
-         if (present(longest)) call read_end(events(:n), longest, releases(k))
+         if (present(longest) .and. any(status == [stat%ok, stat%event_limit])) call read_end( &
+            events(:n), longest, releases(k))
       end do
    end subroutine simulate_releases
+
+   !> The last release from a wall, unless a part of a simulation has none.
+   pure subroutine note_release(side, events, clearance, at, there)
+      !> As in `last_release`.
+      integer, intent(in) :: side
+      type(event_type), intent(in) :: events(:)
+      real(wp), intent(in) :: clearance
+      !> In: the last release of the parts before, if there is one. Out: of this part, too.
+      real(wp), intent(inout) :: at(2)
+      logical, intent(inout) :: there
+      real(wp) :: later(2)
+      logical :: found
+
+      call last_release(side, events, clearance, later, found)
+      if (found) at = later
+      there = there .or. found
+   end subroutine note_release
+
+   !> Whether the state at the last event of a simulation repeats an earlier one, so that nothing
+   !! else follows. With little damping it has to do so more exactly.
+   pure logical function repeats_itself(system, events) result(repeats)
+      !> The forced system.
+      type(forced_system_type), intent(in) :: system
+      !> (n) Events in the order of time.
+      type(event_type), intent(in) :: events(:)
+      !> Largest difference of a phase (rad), of positions over D and of velocities over D omega.
+      real(wp), parameter :: same = 1.0e-7_wp
+      real(wp) :: limit
+      integer :: i
+
+      repeats = .false.
+      if (size(events) == 0) return
+      limit = same*min(1.0_wp, 100*system%osc%xi)
+      associate (last => events(size(events)), d => system%clearance)
+         do i = size(events) - 1, 1, -1
+            ! impacts of one accumulation are as near to each other
+            if (events(i)%cycle == last%cycle) cycle
+            repeats = events(i)%kind == last%kind .and. events(i)%side == last%side .and. &
+               abs(events(i)%phase - last%phase) < limit .and. abs(events(i)%x - last%x) < limit*d &
+               .and. abs(events(i)%x_dot_after - last%x_dot_after) < limit*d .and. &
+               abs(events(i)%z_dot_after - last%z_dot_after) < limit*d
+            if (repeats) return
+         end do
+      end associate
+   end function repeats_itself
 
    !> The period up to the last release that nearly repeats the previous one.
    pure subroutine read_end(events, longest, release)
