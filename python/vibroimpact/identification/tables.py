@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..results.tables import made
+from ..results.tables import Result, made
 from .fit import DOUBTFUL, TYPICAL_FRICTION, Fit
 from .flights import LEAST_GAIN, Measured, predicted, rung, unexplained
 from .friction import slid
@@ -71,7 +71,7 @@ def tables_of(
     law: Law,
     case: str,
     doubted: Mapping[str, tuple[Doubted, Mapping[str, float]]] | None = None,
-) -> Any:
+) -> Result:
     """All columns of a result; `doubted` are the known values that have a standard error, and the changes of all
     values over it."""
     parameters = parameters_of(steps, found, scale, shared, law)

@@ -1,0 +1,266 @@
+"""The steps of an identification in sequence: from records and options, or a case, to the tables of a result."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ..base import checks
+from ..base.errors import ParameterError, ParameterTypeError, SingularError
+from ..results.tables import Result
+from ..systems.oscillator import Oscillator, of_numbers
+from ..systems.units import SI as SI_UNITS
+from ..systems.units import Units, has_unit, own_number, positive
+from .known import Doubted, Known, known_values, with_errors
+from .laws import KINDS, Law
+from .measured import OF_SENSORS, SensorRecord
+from .sliding import with_friction
+from .stages import identified_by
+from .steps import Step, of_record, of_times
+from .tables import tables_of
+
+#: Relative standard error of the calibration of a sensor.
+CALIBRATION = 0.01
+#: The keys of &identify for known values.
+OF_KEYS = {
+    "primary_mass": "M", "spring": "K", "dashpot": "C", "free_mass": "m", "travel": "d", "load_amplitude": "F0",
+}  # fmt: skip
+#: The shares of the standard error of a known value over which the change of the parameters is computed, in order.
+SHARES = (1.0, 0.3, 0.1)
+
+
+def identified(
+    records: Sequence[SensorRecord] = (), *, impact_times: Any = None, impact_sides: Any = None,
+    frequency: float | None = None, load_phase: float | None = None, known: Mapping[str, Known] | None = None,
+    start: Oscillator | None = None, law: str = "constant", law_speed: float | None = None,
+    law_knots: int | None = None, friction: float | str | bool | np.bool_ | None = None,
+    calibration: float = CALIBRATION, case: str = "", progress: Callable[[float, str], None] | None = None,
+) -> Result:  # fmt: skip
+    """All steps; arguments as in `identify`, and the text of a case."""
+    if frequency is not None:
+        frequency = positive(own_number(frequency, "frequency"), "frequency", given=frequency)
+    values, doubted = with_errors(known or {})
+    scale, shared = known_values(values)
+    calibration = positive(calibration, "calibration", zero=True)
+    if not calibration < 1:
+        raise ParameterError(
+            f"calibration = {calibration!r}: must be below 1, such as 0.01 for 1 %"
+        )
+    law = checks.choice(law, "law", KINDS)
+    if law_speed is not None:
+        law_speed = positive(law_speed, "law_speed")
+    if law_speed is not None and law == "constant":
+        raise ParameterError(f"law_speed = {law_speed!r}: must be left out with law = 'constant'")
+    tabulated = law.startswith("table")
+    if law_knots is not None and not tabulated:
+        raise ParameterError(
+            f"law_knots = {law_knots!r}: must be given with law = 'table' or 'tables'"
+        )
+    knots = checks.integer(3 if law_knots is None else law_knots, "law_knots", 2, 20)
+    own = Law(law, knots if tabulated else 0)
+    if isinstance(friction, np.bool_):
+        friction = bool(friction)
+    if friction is not None:
+        if law != "constant":
+            raise ParameterError(f"friction = {friction!r}: must be left out with law = {law!r}")
+        if len(records) != 1:
+            raise ParameterError(
+                f"friction = {friction!r}: must be given with one record, not {len(records)}"
+            )
+        if friction is False:
+            raise ParameterError("friction = False: must be left out, a known friction, or True")
+    for name in shared:
+        if name not in own.shared:
+            of = [repr(kind) for kind in KINDS if name in Law(kind).shared]
+            raise ParameterError(
+                f"known {name} = {shared[name]!r}: must be given with law = {' or '.join(of)}"
+            )
+        if name in ("R1", "R2") and law != "constant" and law_speed is None:
+            raise ParameterError(
+                f"known {name} = {shared[name]!r}: must be given with law_speed, at which it is known"
+            )
+    guess = {"xi": 0.01, "mu": 0.05, "R1": 0.7, "R2": 0.7}
+    if start is not None:
+        of_numbers(start, "start")
+        guess = {
+            "xi": start.xi,
+            "mu": start.mu,
+            "R1": start.restitution[0],
+            "R2": start.restitution[1],
+        }
+    if impact_times is not None:
+        steps = [of_times(impact_times, impact_sides, frequency, load_phase, scale, shared)]
+    else:
+        steps = [
+            of_record(record, frequency, scale, i, len(records), calibration)
+            for i, record in enumerate(records)
+        ]
+    steps, found, own = identified_by(steps, scale, shared, guess, own, law_speed, progress)
+    if friction is not None:
+        share = friction_over(friction, steps[0], scale)
+        steps, found, own = with_friction((steps, found, own), scale, shared, guess, share)
+        if share is not None:
+            shared["friction"] = share
+
+    def refitted(name: str, value: float) -> dict[str, float]:
+        """The values of all parameters with another known value."""
+        other = identified(
+            records, impact_times=impact_times, impact_sides=impact_sides, frequency=frequency,
+            load_phase=load_phase, known={**values, name: value}, start=start, law=law, law_speed=law_speed,
+            law_knots=law_knots, friction=friction, calibration=calibration, progress=lambda share, task: None,
+        )  # fmt: skip
+        return by_parameter(other, "value")
+
+    changes = {item.name: (item, change_over(item, refitted)) for item in doubted}
+    return tables_of(steps, found, scale, shared, own, case, changes)
+
+
+def by_parameter(result: Result, name: str) -> dict[str, Any]:
+    """A column of the table of parameters of a result, by their names."""
+    names = result.column("parameters", "name").decoded().tolist()
+    return dict(zip(names, result.column("parameters", name).decoded().tolist(), strict=True))
+
+
+def change_over(
+    item: Doubted, refitted: Callable[[str, float], dict[str, float]]
+) -> dict[str, float]:
+    """Half the difference of all parameters between fits with a known value one standard error above and below; in
+    proportion to that of closer values where no motion fits."""
+    reason = ""
+    for share in SHARES:
+        try:
+            above, below = (
+                refitted(item.name, item.value + sign * share * item.error) for sign in (1, -1)
+            )
+        except SingularError as error:
+            reason = reason or str(error).partition("; tried:")[0]
+            continue
+        return {name: (above[name] - below[name]) / (2 * share) for name in above}
+    raise SingularError(
+        f"known {item.name} = {item.value:.6g} +- {item.error:.2g}: no motion fits with a value within this "
+        f"error; state a smaller one ({reason})"
+    )
+
+
+def records_of(
+    record: Any, rate: float | None, arrays: Mapping[str, Any], sensors: Mapping[str, Any]
+) -> list[SensorRecord]:
+    """The given records, or one made from the arrays."""
+    given = [name for name, values in arrays.items() if values is not None]
+    if record is None:
+        if not given:
+            raise ParameterError(
+                f"record = None: must be given, or one of {', '.join(arrays)}, or impact_times"
+            )
+        if rate is None:
+            raise ParameterTypeError("rate = None: must be the sampling rate in Hz")
+        record = SensorRecord(rate, **arrays, **sensors)
+    elif extra := [
+        *given,
+        *(name for name, x in {"rate": rate, **sensors}.items() if x is not None),
+    ]:
+        raise ParameterError(
+            f"{extra[0]}: must be left out if a record is given, which has its own"
+        )
+    several = record if isinstance(record, (list, tuple)) else [record]
+    if not several:
+        raise ParameterError("record = []: must be at least one record")
+    return [one_record(item) for item in several]
+
+
+def one_record(item: Any) -> SensorRecord:
+    """A record, possibly from a file."""
+    if isinstance(item, (str, os.PathLike)):
+        from .sensor_files import read_record
+
+        try:
+            return read_record(item)
+        except ParameterError as error:
+            raise ParameterError("record" + str(error).removeprefix("path")) from None
+    checks.instance(item, "record", SensorRecord)
+    record: SensorRecord = item
+    return record
+
+
+def identified_of(case: Any, progress: Callable[[float, str], None] | None = None) -> Result:
+    """The steps for an &identify case and the files that it names."""
+    from .sensor_files import read_record
+
+    keys = case.keys
+    known = {name: keys[key] for key, name in OF_KEYS.items() if key in keys}
+    if "natural_frequency" in keys:
+        known["omega"] = (2 * math.pi * np.array(keys["natural_frequency"])).tolist()
+    right, left = case.osc.restitution
+    for name in ("exponent", "knee"):
+        each = np.atleast_1d(keys.get(f"law_{name}", [])).tolist()
+        known |= {
+            name + wall: value
+            for wall, value in zip("12" if len(each) > 1 else [""], each, strict=False)
+        }
+    start = {"xi": case.osc.xi, "mu": case.osc.mu, "R1": right, "R2": left}
+    if case.osc.M is not None:
+        F0 = case.osc.F0
+        units = Units(case.osc.M, case.osc.K, F0 or 1.0, case.osc.unit_names or SI_UNITS).to(
+            SI_UNITS
+        )
+        own = {"M": units.M, "K": units.K} | ({} if F0 is None else {"F0": units.F0})
+        known = own | known
+    fixed = keys.get("fixed", [])
+    known |= {name: start[name] for name in ([fixed] if isinstance(fixed, str) else fixed)}
+    options: dict[str, Any] = {
+        "frequency": keys.get("frequency"),
+        "known": known,
+        "start": case.osc,
+        "law": keys.get("law", "constant"),
+        "law_speed": keys.get("law_speed"),
+        "law_knots": keys.get("law_knots"),
+        "friction": friction_of(keys.get("friction")),
+        "calibration": keys.get("calibration", CALIBRATION),
+        "progress": progress,
+    }
+    if "impact_times" in keys:
+        options |= {
+            "impact_times": keys["impact_times"], "impact_sides": keys.get("impact_sides"),
+            "load_phase": keys.get("load_phase"),
+        }  # fmt: skip
+        return identified(case=case.text, **options)
+    paths = keys["records"]
+    how = {name: keys.get(name) for name in ("rate", "channels", *OF_SENSORS)}
+    how["units"] = keys.get("channel_units")
+    records = [read_record(path, **how) for path in ([paths] if isinstance(paths, str) else paths)]
+    return identified(records, case=case.text, **options)
+
+
+def friction_of(text: str | None) -> float | str | bool | None:
+    """The argument `friction` of a key: a number, a force with its unit, or True for 'fit'."""
+    if text is None or text.lower() == "fit":
+        return None if text is None else True
+    try:
+        return float(text)
+    except ValueError:
+        if not has_unit(text):
+            raise ParameterError(
+                f"friction = {text!r}: must be 'fit', a fraction of F0, or a force such as '0.3 N'"
+            ) from None
+        return text
+
+
+def friction_over(
+    friction: float | str | bool, step: Step, scale: Mapping[str, float]
+) -> float | None:
+    """A known friction over F0; None if it is to be fitted."""
+    if friction is True:
+        return None
+    if not has_unit(friction):
+        return positive(friction, "friction", zero=True)
+    force = positive(own_number(friction, "load", label="friction"), "friction", zero=True)
+    F0 = scale.get("F0", step.F0)
+    if F0 is None:
+        raise ParameterError(
+            "friction: must be a fraction of F0 if there is neither a load channel nor a known F0"
+        )
+    return force / F0
