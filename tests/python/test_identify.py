@@ -262,6 +262,31 @@ def test_a_minimum_of_rounding_is_an_end():
     assert not converged
 
 
+def test_a_fit_that_cannot_become_good_is_given_up():
+    """In the valley of Rosenbrock's function the sum of squares falls slowly: with residuals that stay large the
+    iteration ends early, unless they may be as large as that."""
+    count = 0
+
+    def valley(x):
+        nonlocal count
+        count += 1
+        f = np.array([10 * (x[1] - x[0] ** 2), 1 - x[0], 100.0])
+        return f, np.array([[-20 * x[0], 10.0], [-1.0, 0.0], [0.0, 0.0]])
+
+    found = []
+    for hopeless in (np.inf, 1e4, 25.0):
+        count = 0
+        x, _, _, converged = levenberg(
+            valley, np.array([-1.2, 1.0]), np.array([0.1, 0.1]), hopeless=hopeless
+        )
+        found.append((*x, converged, count))
+    assert found[0] == found[1]
+    assert found[0][:2] == pytest.approx((1.0, 1.0), abs=1e-3)
+    assert found[0][2]
+    assert not found[2][2]
+    assert found[2][3] < found[0][3]
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [

@@ -7,6 +7,7 @@ import vibroimpact as vi
 
 pytest.importorskip("scipy")
 from shared_identify import BENCH
+from vibroimpact.identification import fit, flights
 from vibroimpact.identification.attempts import Attempt, Attempts
 from vibroimpact.identification.steps import of_record
 
@@ -31,6 +32,27 @@ def test_a_refusal_lists_what_was_tried():
         "what would help most: ",
     ):  # fmt: skip
         assert part in text
+
+
+def test_what_failed_is_not_tried_again(monkeypatch):
+    """All attempts on a record that no motion describes, in evaluations of residuals: flights are searched once
+    for each period (902 evaluations), and fits of motions end where they cannot become good (1213 without it)."""
+    counts = dict.fromkeys((flights, fit), 0)
+    for module in counts:
+
+        def counted(function, *args, module=module, search=module.levenberg, **options):
+            def once(x):
+                counts[module] += 1
+                return function(x)
+
+            return search(once, *args, **options)
+
+        monkeypatch.setattr(module, "levenberg", counted)
+    record = vi.VirtualRig(**BENCH).record(duration=2.0, rng=3)
+    with pytest.raises(vi.SingularError, match="no exact motion RLL/1"):
+        vi.identify(record, known={"M": 2.7, "K": 42e3, "m": 2.7}, calibration=0)
+    assert counts[flights] < 950
+    assert counts[fit] < 700
 
 
 def test_the_best_attempt_has_the_least_misfit():

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.errors import SingularError
-from .flights import Measured, predicted
+from .flights import HOPELESS, Measured, predicted
 from .friction import Rubbing, of_no_friction
 from .known import HINT
 from .laws import Law
@@ -226,10 +226,11 @@ def fit(
             raise SingularError(f"{nothing}: {error}; {HINT}") from None
         if abs(guesses[i].angles - data.angles).max() > 2 * math.pi * NEAR:
             raise SingularError(f"{nothing}: Newton's method converges to a different one; {HINT}")
-    x, f, J, converged = levenberg(residuals, x, scales, WEAK, accept, low, high)
+    hopeless = math.inf if rough else HOPELESS
+    x, f, J, converged = levenberg(residuals, x, scales, WEAK, accept, low, high, hopeless=hopeless)
     if not converged and not rough:
         raise SingularError(
-            f"the fit did not converge: after {MOST_ITERATIONS} steps the squares of the {f.size} weighted "
+            f"the fit does not converge within {MOST_ITERATIONS} steps: the squares of the {f.size} weighted "
             f"residuals add up to {float(f @ f):.3g}; {HINT}"
         )
     if ones and abs(x[-1] - 1) > FAR_OFF * calibration:
@@ -237,6 +238,12 @@ def fit(
     # components that are projected out are also degrees of freedom
     freedoms = [size - data.beside.shape[1] for size, data in zip(sizes, records, strict=True)]
     found = finished(sizes, freedoms, records, x, f, J, names, place, shared(x), guesses, scales)
+    for i, data in enumerate(records):
+        rest = [explained(data, found, i, share) for share in (1.0, 0.0)]
+        if rest[0] > BAD * rest[1]:
+            raise SingularError(
+                f"no exact motion {data.pattern.sides}/{data.k} near the picked impacts fits the record; {HINT}"
+            )
     residuals(x)
     free_of = dict(zip(held, beyond, strict=True))
     starts_at = np.cumsum([0, *sizes])
@@ -247,12 +254,6 @@ def fit(
         with contextlib.suppress(SingularError):
             free_of["friction"] = by_friction(records, law, found, points(x), sizes, f.size)
     found.strains, found.leans = of_known(f, J, scales, names, free_of, found.spread)
-    for i, data in enumerate(records):
-        rest = [explained(data, found, i, share) for share in (1.0, 0.0)]
-        if rest[0] > BAD * rest[1]:
-            raise SingularError(
-                f"no exact motion {data.pattern.sides}/{data.k} near the picked impacts fits the record; {HINT}"
-            )
     return found
 
 
@@ -307,7 +308,8 @@ def covariance_of(J: _Array, scales: _Array) -> tuple[_Array, set[int], int]:
     """Covariance of the parameters by the derivatives of weighted residuals, places of those that are not
     determined,
     and how many combinations are."""
-    _, s, Vt = np.linalg.svd(J * scales, full_matrices=True)
+    # many residuals need no complete basis of their own
+    _, s, Vt = np.linalg.svd(J * scales, full_matrices=J.shape[0] < J.shape[1])
     s = np.concatenate([s, np.zeros(Vt.shape[0] - s.size)])
     determined = s > 1 / VAGUE
     # a parameter that is not determined may be wrong by as much as its value; one that depends on it slightly, by

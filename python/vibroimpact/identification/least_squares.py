@@ -12,12 +12,14 @@ from ..base.errors import SingularError, VibroimpactError
 
 _Array = NDArray[np.float64]
 MOST_ITERATIONS = 60
+#: Number of steps by which it is judged whether the remaining ones can make a fit good.
+JUDGED = 10
 
 
 def levenberg(
     function: Callable[[_Array], tuple[_Array, _Array]], start: _Array, scales: _Array, weak: float = 0.0,
     accepted: Callable[[], None] = lambda: None, low: float | _Array = -math.inf, high: float | _Array = math.inf,
-    most: int = MOST_ITERATIONS,
+    most: int = MOST_ITERATIONS, hopeless: float = math.inf,
 ) -> tuple[_Array, _Array, _Array, bool]:  # fmt: skip
     """The Levenberg–Marquardt method; return the point, its residuals and their derivatives, and whether the
     iteration converged.
@@ -25,7 +27,8 @@ def levenberg(
     `function` returns residuals and derivatives, or raises an error of the package where they do not exist.
     Directions along which the residuals change by less than `weak` over a step of `scales` are not changed.
     `accepted` is called after each accepted step, at the point where the function was last evaluated. All points
-    lie between `low` and `high`; the number of steps is limited.
+    lie between `low` and `high`; the number of steps is limited. The iteration also ends if at the rate of the
+    last steps all remaining ones would leave a mean square of the residuals above `hopeless`.
     """
     x = start.copy()
     f, J = function(x)
@@ -33,7 +36,12 @@ def levenberg(
         raise SingularError("residuals too large for floating-point numbers")
     accepted()
     damping, at_end = 1e-3, False
-    for _ in range(most):
+    sums: list[float] = []
+    for i in range(most):
+        sums.append(float(f @ f))
+        rate = (sums[max(0, i - JUDGED)] - sums[i]) / JUDGED
+        if i >= JUDGED and sums[i] - rate * (most - i) > hopeless * f.size:
+            return x, f, J, False
         A = J * scales
         outward = A.T @ f
         A[:, ((x <= low) & (outward > 0)) | ((x >= high) & (outward < 0))] = 0

@@ -200,6 +200,7 @@ def halved(
         data = [step.data for step in others if step.data is not None]
         if len(data) < len(others):
             return None
+        ensure_possible(others)
         M, K = scale.get("M"), scale.get("K")
         near = [first_half(motion, one) for motion, one in zip(found.motions, data, strict=True)]
         # it does not converge if it ends at a fold, beyond which no motion exists
@@ -237,6 +238,7 @@ def twice_as_long(
         flown(step, scale, shared, guess)
         if step.rhythm.status != "periodic":
             return None
+        ensure_possible([step])
         found, own = fitted([step], scale, shared, guess, law, law_speed)
     except SingularError:
         return None
@@ -282,6 +284,7 @@ def from_single(
     assert data is not None
     assert near is not None
     try:
+        ensure_possible(steps)
         found = fit(
             [data],
             shared,
@@ -379,6 +382,9 @@ def identified_by(
                     why = f"{number} picked impacts do not show in the flights"
                     return explained(because(single, why), tried, shared)
                 return explained((others, None, law), tried, shared)
+            # of a fit that only another pattern makes possible, the misfit must be small
+            if failed is not None:
+                ensure_possible(measured)
             if attempt == "other walls":
                 if len(steps) > 1 or law.kind != "constant":
                     raise NotTriedError("several records, or a law")
@@ -447,9 +453,21 @@ def part_of(
     progress((begin + size * share) / parts, note)
 
 
+def ensure_possible(steps: Sequence[Step]) -> None:
+    """Raises an error if the misfit of exact motions would be too large even if these left no more residuals than
+    the flights alone, which have more parameters."""
+    for step in steps:
+        free = step.free
+        if free is not None and free.square > DOUBTFUL * free.data.places.size:
+            raise SingularError(f"misfit of {free.misfit:.3g} of the flights alone")
+
+
 def hopeless(step: Step) -> bool:
     """Whether no periodic flights were found that describe a record even roughly."""
-    known = [free.misfit for free, _ in step.known_flights.values()]
+    known = [
+        found[1].misfit
+        for found in step.known_flights.values() if not isinstance(found, SingularError)
+    ]  # fmt: skip
     return bool(known) and min(known) > HOPELESS
 
 
@@ -583,6 +601,7 @@ def with_other_loads(
                 flown(step, scale, shared, guess, quick=True)
             if any(step.data is None for step in others):
                 continue  # no impacts
+            ensure_possible(others)
             found = fitted(others, scale, shared, guess, Law(), None)[0]
         except SingularError:
             continue

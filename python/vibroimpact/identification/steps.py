@@ -103,9 +103,9 @@ class Step:
         #: sample.
         self.free: FreeFit | None = None
         self.fold: Folded | None = None
-        #: Flights by the number of load cycles of a period and whether the sensors count as exact; copies of a
-        #: step share them.
-        self.known_flights: dict[tuple[int, bool], tuple[FreeFit, Folded]] = {}
+        #: Flights, or the error that there are none, by the number of load cycles of a period and whether the
+        #: sensors count as exact; copies of a step share them.
+        self.known_flights: dict[tuple[int, bool], tuple[Flights, FreeFit] | SingularError] = {}
         self.noise = math.nan
         #: Whether the scatter from period to period exceeds the noise and is some share of the motion, and whether
         #: this share is large, as for an almost periodic motion.
@@ -329,21 +329,16 @@ def flown(
 ) -> None:  # fmt: skip
     """The free flights of a record, which give its impact times to better than a sample. Options: without the
     weakest impact, with sensors taken as exact (as the start of a fit), or from one start only."""
-    assert step.data is not None
-    record = step.record
+    data, record = step.data, step.record
+    assert data is not None
     assert record is not None
-    values = step.motion
-    starts = onsets(values, record.rate, step.data.Omega, step.data.k)
-    starts = starts[:1] if quick else starts
-    flights = flights_of(step, scale, known, guess, exactly)
-    free = best_of(step, flights, starts, exactly)
-    if free.misfit > POOR and not (exactly or quick):
+    flights, free = best_of(step, scale, known, guess, exactly, quick)
+    uncertain = data.calibration > 0 and data.F0 is not None
+    if free.misfit > POOR and uncertain and not (exactly or quick):
         # a load known only to within its calibration may lead to other impacts
-        other = flights_of(step, scale, known, guess, True)
-        if free.misfit > HOPELESS:
-            starts = [flights.begin]
+        begin = flights.begin if free.misfit > HOPELESS else None
         with contextlib.suppress(SingularError):
-            exact = best_of(step, other, starts, True)
+            other, exact = best_of(step, scale, known, guess, True, begin=begin)
             if exact.misfit < LESS * free.misfit:
                 free, flights = exact, other
     data = free.data
@@ -401,29 +396,39 @@ def ordered(data: Measured, signs: _Array) -> Measured:
     )  # fmt: skip
 
 
-def flights_of(
+def best_of(
     step: Step, scale: Mapping[str, float], known: Mapping[str, float], guess: Mapping[str, float],
-    exactly: bool,
-) -> Flights:  # fmt: skip
-    """The folded record for the search for flights, optionally with sensors taken as exact."""
+    exactly: bool, quick: bool = False, begin: _Array | None = None,
+) -> tuple[Flights, FreeFit]:  # fmt: skip
+    """The folded record and the best flights that describe it; copies of the step share them, or the error that
+    there are none.
+
+    The search takes the sensors as exact or not, and begins with the onsets in the record, the first set of them
+    alone (`quick`), or given angles.
+    """
     data, record = step.data, step.record
     assert data is not None
     assert record is not None
-    trusted = replace(data, F0_error=step.F0_scatter, calibration=0.0) if exactly else data
-    omega, priors, force = known_of(trusted, scale, known)
-    fold = folded(step.motion, record.rate, data.Omega, data.k, PLACES)
-    return Flights(data, fold, omega, known.get("xi", guess["xi"]), step.noise, priors, force)
-
-
-def best_of(step: Step, flights: Flights, starts: list[_Array], exactly: bool) -> FreeFit:
-    """The best flights from several starts; copies of the step share them."""
-    which = flights.data.k, exactly
-    if which in step.known_flights:
-        free, flights.fold = step.known_flights[which]
-    else:
-        free = flights.best(starts, step.report, step.aperiodic)
-        step.known_flights[which] = free, flights.fold
-    return free
+    which = data.k, exactly
+    if which not in step.known_flights:
+        trusted = replace(data, F0_error=step.F0_scatter, calibration=0.0) if exactly else data
+        omega, priors, force = known_of(trusted, scale, known)
+        fold = folded(step.motion, record.rate, data.Omega, data.k, PLACES)
+        xi = known.get("xi", guess["xi"])
+        flights = Flights(data, fold, omega, xi, step.noise, priors, force)
+        starts = (
+            [begin] if begin is not None else onsets(step.motion, record.rate, data.Omega, data.k)
+        )
+        try:
+            free = flights.best(starts[:1] if quick else starts, step.report, step.aperiodic)
+        except SingularError as error:
+            step.known_flights[which] = error
+        else:
+            step.known_flights[which] = flights, free
+    found = step.known_flights[which]
+    if isinstance(found, SingularError):
+        raise found
+    return found
 
 
 def flown_apart(
