@@ -1,6 +1,7 @@
 """Designs: the search compared with brute force and the paper, quantiles, limits, and reports."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from shared_design import GOOD, OSC, QUICK
 from vibroimpact.designs.order import Order, asked_by
 from vibroimpact.designs.pool import Pool
 from vibroimpact.designs.problem import OscillatorHost, Outcome, Problem
-from vibroimpact.designs.search import SETTLED, _least, grid, grids, judged, search
+from vibroimpact.designs.search import SETTLED, _least, grid, judged, search
 from vibroimpact.results.performance import perform
 from vibroimpact.systems.distribution import uncertain
 
@@ -92,25 +93,47 @@ JOBS = {
 @pytest.mark.slow
 @pytest.mark.parametrize("job", JOBS)
 def test_ten_designs_are_as_good_as_brute_force(job, runs_of_outcomes):
-    """With any seed no point of a fine grid of the free parameters is better by more than 2 %, or the design says
-    that its searches have not converged; and it takes few runs."""
+    """Every seed gives the same level within 2 %, no point of a fine grid of the free parameters is better by more
+    than 2 %, and it takes few runs."""
     osc, options = JOBS[job]
     runs_of_outcomes.clear()
     many = [
         vi.design(osc, rng=seed, **{"settling": 120, "keep": 16, "samples": 0, **options})
-        for seed in (0, 1, 2)
+        for seed in range(4)
     ]
-    assert sum(runs_of_outcomes) < 3 * 6000
+    assert sum(runs_of_outcomes) < 4 * 60_000
+    levels = [found.level for found in many]
+    assert max(levels) <= 1.02 * min(levels)
+    assert all(found.converged for found in many)
     problem, order = asked_by(osc, many[0].keys)
-    fine, _ = grids(problem, order)
+    fine = grid(problem, order.specimens, order.nodes, order.states)
     each = 400 if len(problem.free) == 1 else 32
     axes = [np.linspace(*map(float, ends), each) for ends in problem.free.values()]
     points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(axes))
-    brute = min(judged(problem, fine, some)[1].min() for some in np.array_split(points, 20))
-    for found in many:
-        assert found.level <= 1.02 * brute or found.converged is False
-        if job not in ("clearance and mass",):
-            assert found.converged
+    for some in np.array_split(points, 20):
+        # a point is dropped only if its level is certainly above this
+        pool = Pool(problem, fine)
+        assert (pool.race(pool.add(some), min(levels) / 1.02, least=4) > max(levels) / 1.02).all()
+
+
+def test_candidates_do_not_win_by_luck():
+    """At the level found no unit of a design without tolerances has a bad attractor with a noticeable share.
+
+    Beside the best motions of this band lie chaotic ones. By two initial states for each frequency, a search ends
+    at half this level, with a third of all initial states above twice the level.
+    """
+    osc, options = JOBS["clearance and mass"]
+    found = vi.design(
+        osc,
+        **{"settling": 120, "keep": 16, "samples": 0, **options, "searches": 1, "evaluations": 32},
+    )
+    problem, order = asked_by(osc, found.keys)
+    fine = grid(problem, order.specimens, order.nodes, order.states)
+    other = replace(fine, places=np.random.default_rng(7).uniform(-1, 1, (4, 500)))
+    target, _ = problem.outcomes(
+        np.array([list(found.values.values())]), other.shares, other.nodes, other.places
+    )
+    assert (target <= 1.1 * found.level).mean(axis=-1).min() > 0.95
 
 
 def test_the_best_motion_at_resonance_is_equispaced():
@@ -161,7 +184,7 @@ def test_quantile_and_penalty_of_candidates():
     few = grid(problem, 5, 3, 2)
     nominal, level, over, _ = judged(problem, few, np.array([[25.0], [35.0]]))
     for i, clearance in enumerate((25.0, 35.0)):
-        table = np.empty((3, 5, 2, 2))
+        table = np.empty((3, 5, few.places.shape[1], 2))
         for a, r in enumerate(few.nodes):
             for b in range(5):
                 restitution, off, load = (
@@ -171,7 +194,9 @@ def test_quantile_and_penalty_of_candidates():
                 )
                 load = 0.8 + 0.4 * load
                 row = [r, (clearance + off) / load, OSC.xi, OSC.mu, restitution, restitution]
-                one = perform(np.tile(np.array(row)[:, None], 2), few.places, 120, 16)
+                one = perform(
+                    np.tile(np.array(row)[:, None], few.places.shape[1]), few.places, 120, 16
+                )
                 table[a, b] = np.stack([one.displacement * load, one.speed * load / 30], axis=1)
         worst = np.sort(table.max(axis=2), axis=1)
         # the 0.75 quantile of five is the fourth
@@ -191,6 +216,7 @@ def pool_of(units, nodes, quantile, limits):
         False, limited=bool(limits),
     )  # fmt: skip
     fine = grid(problem, units, nodes, 2)
+    fine = replace(fine, places=fine.places[:, :2])
     candidates = np.linspace(13, 44, 8)[:, None]
     levels = judged(problem, fine, candidates)[1]
     pool = Pool(problem, fine)
@@ -208,8 +234,8 @@ def test_a_race_judges_as_all_pairs_do(units, nodes, quantile, limits):
     some = np.arange(8)
     limit = float(np.median(levels))
     order = pool.order()
-    assert sorted(order) == list(range(units * nodes))
-    for many in (1, 2, 5, units * nodes // 2):
+    assert sorted(order) == list(range(2 * units * nodes))
+    for many in (1, 2, 5, units * nodes):
         pool.learn(some, pool.first(many))
         assert (pool.bounds <= levels * (1 + 1e-9)).all()
     pool.look_at(0)
@@ -226,11 +252,11 @@ def test_the_best_of_a_pool_is_found_with_few_runs(runs_of_outcomes):
     """The best of some candidates, as if all were judged completely, at a fraction of the runs."""
     pool, levels = pool_of(20, 6, 0.9, {})
     runs_of_outcomes.clear()
-    best = _least(pool, np.ones((6, 20), bool))
+    best = _least(pool, SETTLED)
     assert levels[best] <= levels.min() * (1 + SETTLED)
     assert pool.known[best].all()
     assert sum(runs_of_outcomes) < 0.6 * 8 * 240
-    assert not pool.known.all(axis=(1, 2))[np.argmax(levels)]
+    assert np.argmax(levels) not in pool.complete
 
 
 def test_the_risk_orders_the_units_that_decide_a_level():
@@ -239,21 +265,26 @@ def test_the_risk_orders_the_units_that_decide_a_level():
     pool, _ = pool_of(8, 2, 0.75, {})
     # quantile 0.75 of eight: the sixth value from below, and one unit above it
     assert pool.spare == 1
-    pool.risk = np.array([[1.0, 9, 1, 1, 1, 1, 1, 2], [5.0, 1, 1, 4, 1, 1, 1, 1]])
-    assert pool.order()[:4].tolist() == [8, 11, 1, 7]
+    risk = np.array([[1.0, 9, 1, 1, 1, 1, 1, 2], [5.0, 1, 1, 4, 1, 1, 1, 1]])
+    pool.risk = np.repeat(risk[:, :, None], 2, axis=2)
+    # each unit by one of its initial states, then by the other one
+    assert pool.order()[:8].tolist() == [16, 22, 17, 23, 2, 14, 3, 15]
+    # the order for a candidate is that of its own targets, where they are known
+    pool.known[0, 0], pool.target[0, 0] = True, 0.0
+    pool.known[0, 0, 2:4], pool.target[0, 0, 2:4, 1] = True, 7.0
+    assert pool.order(0)[:2].tolist() == [5, 7]
 
 
 def test_a_failed_run_comes_first_and_keeps_the_risk_finite():
     """The target of a failed run is inf; a difference of two of them must not spoil the order."""
     pool, _ = pool_of(4, 2, 1.0, {})
-    pool.learn(np.arange(2), np.ones((2, 4), bool))
+    pool.learn(np.arange(2), np.ones((2, 4, 2), bool))
     pool.target[0, 1, 2] = np.inf
     for candidate in (0, 0, 1):
         pool.look_at(candidate)
         assert np.isfinite(pool.risk).all()
-        assert pool.order()[0] == 4 + 2
-    risk = pool.target[0].max(axis=-1)
-    again = Pool(pool.problem, pool.grid, risk)
+        assert pool.order()[0] == 2 * (4 + 2)
+    again = Pool(pool.problem, pool.grid, pool.target[0])
     assert np.isfinite(again.risk).all()
 
 
@@ -284,7 +315,7 @@ def test_a_candidate_with_failed_runs_is_not_chosen(excess):
     archive = search(problem, order, None)
     assert not np.isnan(archive.level).any()
     assert 0.7 <= archive.values[archive.best][0] < 0.75
-    fine, _ = grids(problem, order)
+    fine = grid(problem, order.specimens, order.nodes, order.states)
     assert judged(problem, fine, np.array([[0.5], [0.8]]))[1].tolist() == [
         np.inf,
         pytest.approx(1.9, abs=0.02),
@@ -423,7 +454,7 @@ def test_searches_agree_where_they_converge():
     best = np.sort(one.searches["level"])
     assert one.level == best[0]
     assert best[2] - best[0] <= 0.02 * best[0]
-    assert one.searches["candidates"].sum() == len(one.candidates)
+    assert one.searches["candidates"].sum() == len(one.tried) > len(one.candidates)
     # a single search gives no evidence; three that stop at once need not agree
     assert vi.design(OSC, **{**kwargs, "searches": 1}).converged is None
     rough = {

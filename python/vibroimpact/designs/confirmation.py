@@ -14,9 +14,8 @@ from ..base.status import VERDICT
 from ..results import door
 from ..systems.distribution import interval
 from .order import Order
-from .pool import Pool
 from .problem import Problem
-from .search import Archive, foreseen, grids, part_of, refined
+from .search import Archive, part_of, search
 
 _Array = NDArray[np.float64]
 #: Confidence of all intervals, and number of parts of the band for which shares are stated.
@@ -164,17 +163,9 @@ def firmer(problem: Problem, order: Order, archive: Archive) -> tuple[Archive, O
         chosen = dict(zip(problem.free, archive.values[best], strict=True))
         if holds(problem, order, chosen):
             break
-        # the new sets contain the previous units, states and frequencies
-        order = replace(
-            order, specimens=3 * order.specimens, nodes=2 * order.nodes - 1, states=order.states + 1
-        )
-        fine, _ = grids(problem, order)
-        assert archive.grid is not None
-        assert archive.targets is not None
-        pool = Pool(problem, fine, foreseen(archive.grid, archive.targets, fine))
-        refined(pool, np.array(archive.tried), np.array(archive.bounds), None)
-        judged = Archive()
-        judged.add(pool)
-        judged.searches, judged.judged_again = archive.searches, True
-        archive = judged
+        # the new sets contain the previous units and frequencies
+        order = replace(order, specimens=2 * order.specimens, nodes=2 * order.nodes - 1)
+        archive = search(problem, order, None, archive)
+        if archive.stopped:
+            break
     return archive, order

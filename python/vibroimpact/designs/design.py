@@ -64,11 +64,9 @@ class Design(Noun, study="design", example=EXAMPLE):
         The same quantile of the largest ratio of a quantity to its limit; above 1, no candidate met all limits.
     converged : bool or None
         Whether the three best of the independent searches ended at the same level within 2 %; None with fewer than
-        three searches, or if samples contradicted the searches and candidates were evaluated again with more
-        units.
+        three searches. If samples contradicted the searches, this refers to levels by more units.
     searches : dict of ndarray
-        For each search: the number of its ``candidates`` that were evaluated for all units, and the best
-        ``level``.
+        For each search: the number of its ``candidates``, and the best ``level``.
     worst : float
         The worst target among all samples of the confirmation and all units of the search.
     samples, failed : int
@@ -94,6 +92,8 @@ class Design(Noun, study="design", example=EXAMPLE):
         Structured arrays of all candidates that were evaluated for all units, and of the Pareto front: the
         candidates that no other candidate beats both in ``nominal`` (level of the unit without deviations) and in
         ``level``.
+    tried : ndarray
+        Structured array of all candidates, with the number of ``runs`` by which each was judged.
     case : str
         The case as a namelist; empty for a host that is a function.
     """
@@ -247,20 +247,35 @@ class Design(Noun, study="design", example=EXAMPLE):
     @property
     def candidates(self) -> NDArray[Any]:
         """All candidates that were judged by all units: their values, ``nominal`` and ``level``, one row each."""
-        values = self._result.column("candidates", "values").decoded()
-        levels = [
-            self._result.column("candidates", name).decoded() for name in ("nominal", "level")
-        ]
-        found = np.empty(len(values), [(name, "f8") for name in (*self.values, "nominal", "level")])
-        for name, numbers in zip(found.dtype.names or (), (*values.T, *levels), strict=True):
+        tried = self.tried
+        names = [*self.values, "nominal", "level"]
+        return np.array(tried[names][tried["runs"] == tried["runs"].max()])
+
+    @property
+    def tried(self) -> NDArray[Any]:
+        """All candidates in their order, one row each: their values, ``nominal``, ``level``, and ``runs``.
+
+        A candidate is judged run by run (a unit at a frequency from an initial state), and is dropped when its
+        level is certainly too high: ``runs`` is the number of runs it was judged by. If these are not all,
+        ``level`` is a bound (the level is not better), and ``nominal`` is NaN.
+        """
+        names = ("nominal", "level", "runs")
+        columns = [self._result.column("candidates", name).decoded() for name in ("values", *names)]
+        types = [*((name, "f8") for name in (*self.values, *names[:2])), ("runs", "i4")]
+        found = np.empty(len(columns[0]), types)
+        for name, numbers in zip(
+            (*self.values, *names), (*columns[0].T, *columns[1:]), strict=True
+        ):
             found[name] = numbers
         return found
 
     @property
     def front(self) -> NDArray[Any]:
         """The candidates that no other beats both in ``nominal`` and in ``level``, sorted by ``nominal``."""
-        chosen = self.candidates[self._result.column("candidates", "front").decoded().astype(bool)]
-        return np.sort(chosen, order="nominal")
+        front = self._result.column("candidates", "front").decoded().astype(bool)
+        return np.sort(
+            np.array(self.tried[[*self.values, "nominal", "level"]][front]), order="nominal"
+        )
 
     @property
     def _output(self) -> str:
@@ -471,14 +486,12 @@ def designed(problem: Problem, order: Order, case: str, progress: door.Progress 
     searching = part_of(progress, 0, 1, 2 if order.samples else 1)
     archive = search(problem, order, searching)
     stopped = archive.stopped
-    agree = archive.agree if len(archive.searches) > 2 else None
     if not stopped:
         try:
             archive, order = firmer(problem, order, archive)
+            stopped = archive.stopped
         except KeyboardInterrupt:
             stopped = True
-    if archive.judged_again:
-        agree = None
     best = archive.best
     names = list(problem.free)
     low, high = np.array(list(problem.free.values())).T
@@ -492,7 +505,7 @@ def designed(problem: Problem, order: Order, case: str, progress: door.Progress 
             "level": order.sign * level, "excess": archive.excess[best],
             "worst": order.sign * archive.worst[best], "samples": 0, "failed": 0, "probability": math.nan,
             "low": math.nan, "high": math.nan, "feasible": CODE_OF[None],
-            "converged": CODE_OF[agree],
+            "converged": CODE_OF[archive.agree],
         }),
         "searches": (("search",), {
             "candidates": [many for many, _ in archive.searches],
@@ -503,7 +516,7 @@ def designed(problem: Problem, order: Order, case: str, progress: door.Progress 
         }),
         "candidates": (("candidate", "choice"), {
             "nominal": order.sign * np.array(archive.nominal), "level": order.sign * np.array(archive.level),
-            "values": np.array(archive.values), "front": archive.front.astype(np.int32),
+            "values": np.array(archive.values), "runs": archive.runs, "front": archive.front.astype(np.int32),
         }),
     }  # fmt: skip
     bands = ("from", "to", "samples", "good", "probability", "low", "high", "worst")
@@ -600,11 +613,13 @@ def design(
     coordinate : int or str
         For a structure: the coordinate whose motion counts, or the name of one of its outputs.
     states : int
-        Number of initial states of each unit.
+        Number of initial states of each unit. In the search it is larger if there are few units and frequencies,
+        up to 200, of which the worst one does not count: a few would miss bad attractors.
     samples : int
         Number of samples of the confirmation, at least 10; 0 for none.
     evaluations : int
-        Number of candidates of each global search, at least 8 for each free parameter.
+        Number of first candidates of each global search, at least 8 for each free parameter; as long as the
+        searches do not agree, it doubles after every third search.
     searches : int
         Largest number of independent global searches. They end when the best levels of three of them differ by at
         most 2 %; otherwise `Design.converged` is False.

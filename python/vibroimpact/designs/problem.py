@@ -211,60 +211,102 @@ class Problem:
         """Number of uncertain parameters, including the load."""
         return len(self.tolerance) + 1
 
-    def units(self, candidate: _Array, shares: _Array) -> tuple[dict[str, _Array], _Array]:
-        """Parameters (n,) by name, and loads (n,), of units of a candidate.
+    @property
+    def quick(self) -> bool:
+        """Whether the core simulates many units at once; a free decay has no attractors."""
+        return isinstance(self.host, OscillatorHost) and not {*ELEMENTS} & {
+            *self.free,
+            *self.tolerance,
+        }
+
+    @property
+    def ends(self) -> tuple[_Array, _Array]:
+        """Lower and upper ends (free,) of the ranges of the free parameters."""
+        low, high = np.array(list(self.free.values()), dtype=float).T
+        return low, high
+
+    def at(self, shares: _Array) -> _Array:
+        """Candidates (..., free) at shares from 0 to 1 of the ranges."""
+        low, high = self.ends
+        return self.rounded(low + (high - low) * shares)
+
+    def shares(self, candidates: _Array) -> _Array:
+        """Shares of the ranges, from 0 to 1, at which candidates (..., free) lie."""
+        low, high = self.ends
+        return np.asarray((candidates - low) / (high - low))
+
+    def rounded(self, candidates: _Array) -> _Array:
+        """Candidates (..., free) whose whole numbers are whole."""
+        whole = [name in self.whole for name in self.free]
+        return np.asarray(np.where(whole, np.rint(candidates), candidates))
+
+    def units(self, candidates: _Array, shares: _Array) -> tuple[dict[str, _Array], _Array]:
+        """Parameters (..., n) by name, and loads (n,), of units of candidates.
 
         Parameters
         ----------
-        candidate : ndarray (free,)
+        candidates : ndarray (..., free)
         shares : ndarray (dimensions, n)
             Probabilities whose quantiles are the uncertain parameters and the load.
         """
-        n = shares.shape[1]
+        shape = *candidates.shape[:-1], shares.shape[1]
         values = {
-            name: np.full(n, int(value) if name in self.whole else value)
-            for name, value in zip(self.free, candidate, strict=True)
+            name: np.broadcast_to(
+                value[..., None].astype(int if name in self.whole else float), shape
+            )
+            for name, value in zip(self.free, np.moveaxis(candidates, -1, 0), strict=True)
         }
         for (name, uncertain), share in zip(self.tolerance.items(), shares, strict=False):
             these = uncertain.at(share)
-            values[name] = uncertain.around(values[name], these) if name in values else these
+            values[name] = (
+                uncertain.around(values[name], these)
+                if name in values
+                else np.broadcast_to(these, shape)
+            )
         return values, self.load.at(shares[-1])
 
     def outcomes(
         self, candidates: _Array, shares: _Array, nodes: _Array, places: _Array,
-        pairs: NDArray[np.bool_] | None = None,
+        runs: NDArray[np.bool_] | None = None,
     ) -> tuple[_Array, _Array]:  # fmt: skip
         """Target and excess (candidates, nodes, units, states) of each candidate, unit, frequency and initial
         state.
 
         Parameters
         ----------
-        pairs : ndarray (candidates, nodes, units), optional
-            Which (frequency, unit) pairs are simulated; the targets of the other pairs are -inf, and their
-            excesses 0.
+        runs : ndarray (candidates, nodes, units, states), optional
+            Which of them are simulated; the targets of the others are -inf, and their excesses 0.
         """
-        shape = len(candidates), len(nodes), shares.shape[1]
-        states = places.shape[1]
-        which = np.nonzero(np.ones(shape, bool) if pairs is None else pairs)
-        i, node, unit = which
-        each = [self.units(candidate, shares) for candidate in candidates]
-        values = {
-            name: np.repeat(np.stack([one[name] for one, _ in each])[i, unit], states)
-            for name in each[0][0]
-        }
-        load = np.repeat(np.stack([one for _, one in each])[i, unit], states)
+        shape = len(candidates), len(nodes), shares.shape[1], places.shape[1]
         # the runs of a unit are consecutive: the core keeps the data that depend only on the unit
+        which = np.nonzero(np.ones(shape, bool) if runs is None else runs)
+        i, node, unit, state = which
+        values, load = self.units(candidates, shares)
         found = self.host.outcome(
-            values, np.repeat(nodes[node], states), load, np.tile(places, len(i)), None, ""
-        )
-        target, excess = np.full((*shape, states), -np.inf), np.zeros((*shape, states))
-        target[which] = found.target.reshape(-1, states)
-        excess[which] = found.excess.reshape(-1, states)
+            {name: value[i, unit] for name, value in values.items()}, nodes[node], load[unit], places[:, state],
+            None, "",
+        )  # fmt: skip
+        target, excess = np.full(shape, -np.inf), np.zeros(shape)
+        target[which], excess[which] = found.target, found.excess
         return target, excess
 
     def levels(self, figures: _Array) -> _Array:
         """The quantile of figures (candidates, nodes, units, states) at the worst frequency."""
-        each = figures.reshape(*figures.shape[:2], -1) if self.weighted else figures.max(axis=-1)
-        # "higher", so that inf, from a failed run, is never averaged
-        found = np.quantile(each, self.quantile, axis=-1, method="higher")
-        return np.asarray(found.max(axis=-1))
+        if self.weighted:
+            each = figures.reshape(*figures.shape[:2], -1)
+        else:
+            each = _at(figures, spare_states(figures.shape[3]))
+        many = each.shape[-1] - 1
+        # the next higher figure, so that inf, from a failed run, is never averaged
+        return np.asarray(_at(each, many - math.ceil(self.quantile * many)).max(axis=-1))
+
+
+def spare_states(states: int) -> int:
+    """How many initial states of a unit may be above its figure: of 200 states one."""
+    return states // 200
+
+
+def _at(figures: _Array, above: int) -> _Array:
+    """The figure on the last axis that a number of others may be above."""
+    k = figures.shape[-1] - 1 - above
+    return np.asarray(np.partition(figures, k, axis=-1)[..., k])

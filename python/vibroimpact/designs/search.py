@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,91 +14,112 @@ from .pool import Grid, Pool, penalised
 from .problem import Problem
 
 _Array = NDArray[np.float64]
-_Mask = NDArray[np.bool_]
+_Indices = NDArray[np.intp]
 #: Largest relative difference of the levels of two searches that agree.
 AGREEMENT = 0.02
-#: Relative gain below which a candidate that is judged completely is left as it is.
+#: Relative gain below which a better candidate is not worth its evaluation.
 SETTLED = 5e-4
-#: The same if it takes more than `MANY` pairs of a frequency and a unit to judge one.
-ROUGHLY = 5e-3
-#: Number of descents by active pairs, each followed by a judgement of the best candidates by all.
+#: The same before the descent, or if there are more than `MANY` runs; and half of the share within which a search
+#: that comes near the best level ends.
+ROUGHLY, MANY = 5e-3, 600
+#: Number of candidates around which a search goes on, and number of points tried in a step around each of them.
+HEADS, TRIALS = 6, 6
+#: With fewer pairs of a frequency and a unit than this, each unit has more initial states, for twice as many runs
+#: in all, but at most `MOST`. Otherwise candidates win by luck: their runs miss a bad attractor beside a good one.
+LEAST, MOST = 280, 200
+#: Number of steps after which the better half of these candidates is kept, and of all steps.
+HALVED, STEPS = 3, 12
+#: Number of descents by the worst runs of a candidate, each followed by a judgement by all runs.
 TURNS = 4
-#: Points tried in a step besides the best one of the linear program.
-OTHERS = 4
-#: Number of pairs of a frequency and a unit above which judging a candidate by all of them is costly.
-MANY = 256
 
 
 @dataclass
 class Archive:
-    """All candidates that were evaluated for all units of the search.
+    """All candidates of some searches.
 
     Attributes
     ----------
     values : list of ndarray (free,)
-    nominal, level : list of float
-        Level of the unit without deviations, and level of all units, with a penalty for a design above its limits.
-    excess, worst : list of float
-        Level of the largest ratio of a figure to its limit, and the largest target.
-    tried, bounds : list of ndarray (free,), and of float
-        All candidates that were evaluated for some of these units, and lower bounds of their levels.
+    level : list of float
+        Level of all units, with a penalty for a design above its limits; of candidates that were not evaluated for
+        all runs, a lower bound of it.
+    runs : list of int
+        Number of runs by which they were evaluated.
+    nominal, excess, worst : list of float
+        Level of the unit without deviations, level of the largest ratio of a figure to its limit, and the largest
+        target; NaN for candidates that were not evaluated for all runs.
     searches : list of (int, float)
-        For each search: the number of its candidates in this archive, and the best level.
+        For each search: the number of its candidates, and the best level.
     stopped : bool
         Whether Ctrl-C ended the searches.
-    judged_again : bool
-        Whether the candidates come from searches with fewer units.
     grid, targets : Grid, ndarray (nodes, units, states)
         Of the best candidate.
     """
 
     values: list[_Array] = field(default_factory=list)
-    nominal: list[float] = field(default_factory=list)
     level: list[float] = field(default_factory=list)
+    runs: list[int] = field(default_factory=list)
+    nominal: list[float] = field(default_factory=list)
     excess: list[float] = field(default_factory=list)
     worst: list[float] = field(default_factory=list)
-    tried: list[_Array] = field(default_factory=list)
-    bounds: list[float] = field(default_factory=list)
     searches: list[tuple[int, float]] = field(default_factory=list)
     stopped: bool = False
-    judged_again: bool = False
     grid: Grid | None = None
     targets: _Array | None = None
 
     def add(self, pool: Pool) -> None:
-        """Adds the candidates of a further search."""
+        """Adds the candidates of a further search, of which one at least was evaluated for all runs."""
         done = pool.complete
-        found = levels_of(pool.problem, pool.target[done], pool.excess[done])
-        best = int(np.argmin(found[1]))
-        if not self.level or found[1][best] < min(self.level):
-            self.grid, self.targets = pool.grid, pool.target[done[best]]
-        self.values.extend(pool.values[done])
+        found = np.full((4, len(pool.values)), np.nan)
+        found[1] = pool.bounds
+        found[:, done] = levels_of(pool.problem, pool.target[done], pool.excess[done])
+        best = int(done[np.argmin(found[1, done])])
+        if not self.level or found[1, best] < self.level[self.best]:
+            self.grid, self.targets = pool.grid, pool.target[best]
+        self.values.extend(pool.values)
+        self.runs.extend(map(int, pool.judged))
         for name, numbers in zip(("nominal", "level", "excess", "worst"), found, strict=True):
             getattr(self, name).extend(map(float, numbers))
-        self.tried.extend(pool.values)
-        self.bounds.extend(map(float, pool.bounds))
-        self.searches.append((len(done), float(found[1][best])))
+        self.searches.append((len(pool.values), float(found[1, best])))
+
+    def promising(self, number: int, width: _Array, most: int = HEADS) -> _Array:
+        """The best candidates (n, free) of a search, those evaluated for all runs first."""
+        begin = sum(many for many, _ in self.searches[:number])
+        some = slice(begin, begin + self.searches[number][0])
+        order = np.lexsort((np.array(self.level[some]), ~self.complete[some]))
+        return _apart(np.array(self.values[some])[order], width, most)
 
     @property
-    def agree(self) -> bool:
-        """Whether the three best searches ended within `AGREEMENT` of one level; two searches may do so by
-        chance."""
+    def complete(self) -> NDArray[np.bool_]:
+        """Whether candidates were evaluated for all runs."""
+        runs = np.array(self.runs)
+        return np.asarray(runs == runs.max())
+
+    @property
+    def agree(self) -> bool | None:
+        """Whether the three best searches ended within `AGREEMENT` of one level.
+
+        None for fewer, since two searches may do so by chance.
+        """
         levels = sorted(level for _, level in self.searches)
-        return len(levels) > 2 and levels[2] - levels[0] <= AGREEMENT * abs(levels[0])
+        return levels[2] - levels[0] <= AGREEMENT * abs(levels[0]) if len(levels) > 2 else None
 
     @property
     def best(self) -> int:
         """Index of the best candidate."""
-        return int(np.argmin(self.level))
+        return int(np.argmin(np.where(self.complete, self.level, np.inf)))
 
     @property
     def front(self) -> NDArray[np.bool_]:
-        """For each candidate, whether no other one is better in both levels."""
+        """For each candidate, whether it was evaluated for all runs and no other one is better in both levels."""
         pairs = np.stack([self.nominal, self.level], axis=1)
-        beaten = [
-            (np.all(pairs <= pair, axis=1) & np.any(pairs < pair, axis=1)).any() for pair in pairs
+        front = self.complete
+        pairs = pairs[front]
+        front[front] = [
+            not (np.all(pairs <= pair, axis=1) & np.any(pairs < pair, axis=1)).any()
+            for pair in pairs
         ]
-        return ~np.array(beaten)
+        return front
 
     def sensitivity(self, problem: Problem) -> dict[str, float]:
         """Derivatives of the target of the worst unit of the best candidate with respect to its parameters."""
@@ -131,14 +151,11 @@ def grid(problem: Problem, units: int, nodes: int, states: int) -> Grid:
             )
             many = min(corners.shape[1], units - 1)
             shares[: len(corners), 1 : many + 1] = corners[:, ::-1][:, :many]
+    frequencies = np.unique(np.linspace(*problem.band, nodes))
+    if problem.quick:
+        states = max(states, min(MOST, 2 * (LEAST // (len(frequencies) * units))))
     places = 2 * qmc.Sobol(4, seed=1).random(1 << (states - 1).bit_length())[:states].T - 1
-    return Grid(shares, np.unique(np.linspace(*problem.band, nodes)), places)
-
-
-def grids(problem: Problem, order: Order) -> tuple[Grid, Grid]:
-    """The grid that judges the best candidates, and the grid for all candidates of a global search."""
-    few = min(order.specimens, 4), max(2, (order.nodes + 1) // 2), order.states
-    return grid(problem, order.specimens, order.nodes, order.states), grid(problem, *few)
+    return Grid(shares, frequencies, places)
 
 
 def judged(problem: Problem, grid: Grid, candidates: _Array) -> tuple[_Array, ...]:
@@ -156,208 +173,192 @@ def levels_of(problem: Problem, target: _Array, excess: _Array) -> tuple[_Array,
     return *found, over, target.max(axis=(1, 2, 3))
 
 
-def search(problem: Problem, order: Order, progress: door.Progress | None) -> Archive:
+def search(
+    problem: Problem, order: Order, progress: door.Progress | None, earlier: Archive | None = None
+) -> Archive:
     """Run the searches; return the candidates evaluated for all units. The best one has the lowest level.
 
-    Independent global searches are run one after another until the best levels of three of them agree: searches
-    that missed the best region are unlikely to end at the same level.
+    Independent searches are run one after another until the best levels of three of them agree: searches that
+    missed the best region are unlikely to end at the same level. As long as they do not, their number of
+    candidates doubles after every third search.
 
     Parameters
     ----------
     order : Order
-        Units, nodes and initial states for which the best candidates are evaluated, see `grid`; the global search
-        uses few units.
+        Units, frequencies and initial states for which candidates are evaluated, see `grid`.
+    earlier : Archive, optional
+        Searches with other units: each search then starts from the best candidates of an earlier one.
     """
-    fine, coarse = grids(problem, order)
-    archive = Archive()
-    for number in range(order.searches):
-        report = part_of(progress, number, 1, order.searches)
-        pools = [Pool(problem, coarse)]
+    fine = grid(problem, order.specimens, order.nodes, order.states)
+    archive, risk, most = Archive(), None, order.searches
+    if earlier is not None and earlier.grid is not None and earlier.targets is not None:
+        risk = foreseen(earlier.grid, earlier.targets, fine)
+        most = len(earlier.searches)
+    for number in range(most):
+        pool = Pool(problem, fine, risk)
+        # the random numbers depend only on the seed of the order and the number of the search
+        rng = np.random.default_rng((order.seed, number))
+        report = part_of(progress, number, 1, most)
         try:
-            explored(pools[0], order, number, report)
-            pools.append(finer(pools[0], fine))
-            refined(pools[1], *complete_of(pools[0]), report)
-            archive.add(pools[1])
+            if earlier is not None:
+                pool.add(earlier.promising(number, np.subtract(*problem.ends[::-1])))
+            else:
+                many = max(order.evaluations, 8 * len(problem.free))
+                pool.add(problem.at(_even_start(len(problem.free), many << number // 3, rng)))
+                explored(pool, rng, report)
+            refined(pool, rng, archive.level[archive.best] if archive.level else np.inf, report)
+            archive.add(pool)
         except KeyboardInterrupt:
-            # if the first search was stopped: its candidates, judged by all units or by few
+            # if the first search was stopped: its candidates so far
             if not archive.level:
-                judged = [pool for pool in pools if len(pool.complete)]
-                if not judged:
+                if not len(pool.complete):
                     raise
-                archive.add(judged[-1])
+                archive.add(pool)
             archive.stopped = True
         if archive.agree or archive.stopped:
             break
+        risk = pool.risk
     return archive
 
 
-def explored(pool: Pool, order: Order, number: int, progress: door.Progress | None) -> None:
-    """One global search by differential evolution.
+def explored(pool: Pool, rng: np.random.Generator, progress: door.Progress | None) -> None:
+    """A global search from the candidates of a pool.
 
-    Each candidate replaces an earlier candidate if it is not worse: it is evaluated until its level is certainly
-    above that of the earlier one. The random numbers depend only on the seed of the order and the number of the
-    search.
+    By a few runs, which become more, the best third of the candidates is kept until few are left. Then random
+    steps are made around these, judged by the runs that are worst where a step begins.
+    """
+    if not pool.risk.any():
+        # a candidate that is judged by all runs shows which runs are at risk
+        pool.race(np.arange(1), np.inf)
+        pool.look_at(0, 1.0)
+    alive, many = np.arange(len(pool.values)), 3 * pool.least
+    while len(alive) > HEADS and many < 3 * pool.risk.size:
+        told(progress, 0.1, "global search")
+        pool.learn(alive, pool.first(many))
+        alive = alive[np.argsort(pool.bounds[alive], kind="stable")]
+        alive = alive[: max(HEADS, len(alive) // 3)]
+        for one in alive[2::-1]:
+            pool.look_at(one)
+        many *= 3
+    width = np.subtract(*pool.problem.ends[::-1])
+    best = _apart(pool.values[alive[np.argsort(pool.bounds[alive], kind="stable")]], width, HEADS)
+    heads = np.array([alive[(pool.values[alive] == one).all(axis=1)][0] for one in best])
+    radius = np.full(len(heads), max(0.02, len(pool.values) ** (-1 / pool.values.shape[1])))
+    for step in range(STEPS):
+        told(progress, 0.2 + 0.4 * step / STEPS, "global search")
+        heads, radius = stepped(pool, heads, radius, rng)
+        if step % HALVED == HALVED - 1:
+            kept = np.argsort(pool.bounds[heads], kind="stable")[: (len(heads) + 1) // 2]
+            heads, radius = heads[kept], radius[kept]
+
+
+def refined(
+    pool: Pool, rng: np.random.Generator, best: float, progress: door.Progress | None
+) -> None:
+    """Find the best candidate of a pool, judged by all runs, and descend from it.
+
+    There is no descent if its level is about the best one of other searches.
+    """
+    told(progress, 0.6, "best candidates")
+    here = _least(pool, ROUGHLY)
+    if best <= pool.bounds[here] <= best + 2 * ROUGHLY * abs(best):
+        return
+    turns = TURNS if pool.risk.size <= MANY else TURNS // 2
+    for turn in range(turns):
+        told(progress, 0.7 + 0.3 * turn / turns, "steps down the gradient")
+        pool.look_at(here, 1.0)
+        if descended(pool, here, rng) == here:
+            break
+        before, here = here, _least(pool, _settled(pool))
+        if here == before:
+            break
+
+
+def stepped(
+    pool: Pool, heads: _Indices, radius: _Array, rng: np.random.Generator
+) -> tuple[_Indices, _Array]:
+    """The best of some random points near each of some candidates, or the candidate itself; and the radius
+    (heads,) of the next points, as a share of the ranges."""
+    problem, few = pool.problem, pool.few
+    order = np.array([pool.order(head)[:few] for head in heads])
+    for head, own in zip(heads, order, strict=True):
+        pool.race(head[None], np.inf, own)
+    places = problem.shares(pool.values[heads])[:, None]
+    size = len(heads), TRIALS, places.shape[2]
+    trials = np.clip(places + radius[:, None, None] * rng.uniform(-1, 1, size), 0, 1)
+    there = pool.add(problem.at(trials.reshape(-1, size[2])))
+    owner = np.repeat(np.arange(len(heads)), TRIALS)
+    found = pool.race(there, pool.bounds[heads][owner], order[owner], 8).reshape(size[:2])
+    best = found.argmin(axis=1)
+    better = found.min(axis=1) < pool.bounds[heads]
+    there = there.reshape(size[:2])[np.arange(len(heads)), best]
+    return np.where(better, there, heads), radius * np.where(better, 1.2, 0.6)
+
+
+def _settled(pool: Pool) -> float:
+    """The share of a level below which a gain is not worth the evaluations that it takes."""
+    return SETTLED if pool.risk.size <= MANY else ROUGHLY
+
+
+def _least(pool: Pool, share: float) -> int:
+    """The best candidate, judged by all runs: no other one is better by more than a share of its level."""
+    many, new = 1, np.flatnonzero(np.isneginf(pool.bounds))
+    pool.learn(new, pool.first(pool.few))
+    while True:
+        level, done = pool.bounds, pool.complete
+        best = int(done[np.argmin(level[done])]) if len(done) else -1
+        limit = level[best] - share * abs(level[best]) if len(done) else np.inf
+        others = np.setdiff1d(np.flatnonzero(level < limit), done)
+        if not len(others):
+            return best
+        # the most promising ones first: the others may then be above the level of these
+        others = others[np.argsort(level[others], kind="stable")[:many]]
+        none = (pool.race(others, limit, pool.order(), 8) > limit).all()
+        pool.look_at(others[np.argmin(level[others])])
+        many = 2 * many if none else 1
+
+
+def descended(pool: Pool, here: int, rng: np.random.Generator, steps: int = 8) -> int:
+    """Step from a candidate so as to reduce the largest of the linearized targets, within a trust region; return
+    the candidate that is best for the worst runs.
+
+    The level jumps where motions appear or vanish: besides the best point by the linearized targets, some others
+    are tried at which these are also lower; without derivatives, only random points are tried.
     """
     problem = pool.problem
-    low, high = np.array(list(problem.free.values()), dtype=float).T
-    whole = np.array([name in problem.whole for name in problem.free])
-    evaluations = max(order.evaluations, 8 * len(low))
-    size, before = max(8, 8 * len(low)), len(pool.values)
-    rng = np.random.default_rng((order.seed, number))
-
-    def values(shares: _Array) -> _Array:
-        found = low + (high - low) * shares
-        return np.asarray(np.where(whole, np.rint(found), found))
-
-    def report() -> None:
-        if progress is not None:
-            done = (len(pool.values) - before) / (evaluations + size)
-            progress(min(0.7, 0.7 * done), "global search")
-
-    place = _even_start(len(low), size, rng)
-    # the first ones in small parts, so that Ctrl-C soon finds some that are judged
-    ends = [0, *range(1, size, 4), size]
-    at, level = np.empty(0, int), np.empty(0)
-    for begin, end in pairwise(ends):
-        some = pool.add(values(place[begin:end]))
-        # a level far above the best one need not be known
-        limit = level.min() + abs(level.min()) if begin else np.inf
-        at, level = np.append(at, some), np.append(level, pool.race(some, limit))
-        report()
-    for _ in range(max(1, evaluations // size - 1)):
-        if np.std(level) <= 1e-3 * abs(np.mean(level)):
-            break
-        best = int(np.argmin(level))
-        pool.look_at(at[best], 1.0)
-        others = np.array([rng.permutation(np.delete(np.arange(size), i))[:2] for i in range(size)])
-        scale = rng.uniform(0.5, 1)
-        mutant = place[best] + scale * (place[others[:, 0]] - place[others[:, 1]])
-        outside = (mutant < 0) | (mutant > 1)
-        mutant = np.where(outside, rng.random(mutant.shape), mutant)
-        taken = rng.random(mutant.shape) < 0.7
-        taken[np.arange(size), rng.integers(len(low), size=size)] = True
-        trial = np.where(taken, mutant, place)
-        some = pool.add(values(trial))
-        found = pool.race(some, level)
-        better = found <= level
-        at = np.where(better, some, at)
-        place, level = np.where(better[:, None], trial, place), np.where(better, found, level)
-        report()
-
-
-def complete_of(pool: Pool) -> tuple[_Array, _Array]:
-    """The candidates that were judged completely, and their levels."""
-    done = pool.complete
-    return pool.values[done], pool.bounds[done]
-
-
-def finer(coarse: Pool, grid: Grid) -> Pool:
-    """A pool for more units and frequencies, whose risk is that at the best candidate of another one."""
-    done = coarse.complete
-    best = done[np.argmin(coarse.bounds[done])]
-    return Pool(coarse.problem, grid, foreseen(coarse.grid, coarse.target[best], grid))
-
-
-def foreseen(known: Grid, target: _Array, grid: Grid) -> _Array:
-    """Targets (nodes, units) of a candidate as those of the nearest unit and frequency of another grid, where its
-    targets (nodes, units, states) are known."""
-    node = np.abs(grid.nodes[:, None] - known.nodes).argmin(axis=1)
-    apart = grid.shares[:, :, None] - known.shares[:, None, :]
-    unit = np.square(apart).sum(axis=0).argmin(axis=1)
-    return np.asarray(target.max(axis=2)[np.ix_(node, unit)])
-
-
-def refined(pool: Pool, candidates: _Array, levels: _Array, progress: door.Progress | None) -> None:
-    """Find the best candidate, and descend from it; at least one candidate is evaluated for all (frequency, unit)
-    pairs.
-
-    More units and frequencies hardly lower a level, so the known levels of candidates count as lower bounds. Steps
-    use only the active pairs, which are those of the greatest risk. The best candidates are then evaluated for all
-    pairs, and pairs that raise a level become active.
-    """
-    low, high = np.array(list(pool.problem.free.values()), dtype=float).T
-    pool.add(*_promising(candidates, levels, high - low, 64))
-    if progress is not None:
-        progress(0.7, "best candidates")
-    here = _least(pool, pool.first(max(pool.few, pool.risk.size // 4)))
-    turns = TURNS if pool.risk.size <= MANY else 2
-    for turn in range(turns):
-        if progress is not None:
-            progress(0.7 + 0.3 * turn / turns, "steps down the gradient")
-        pool.look_at(here, 1.0)
-        last = descended(pool, here, pool.first(pool.few))
-        if last == here and pool.known[here].all():
-            return
-        here = _least(pool, np.ones(pool.risk.shape, bool))
-
-
-def _below(pool: Pool, level: float, other: float) -> bool:
-    """Whether a level is below another one by more than candidates of a pool are worth."""
-    share = SETTLED if pool.risk.size <= MANY else ROUGHLY
-    return level < other - share * abs(other)
-
-
-def _least(pool: Pool, pairs: _Mask) -> int:
-    """The best candidate, judged by some pairs (nodes, units) at least: no other one is better by more than
-    candidates are worth, see `_below`."""
-    while True:
-        level = pool.bounds
-        here = int(np.argmin(level))
-        done = np.flatnonzero((pool.known[: len(level)] | ~pairs).all(axis=(1, 2)))
-        if len(done):
-            best = int(done[np.argmin(level[done])])
-            if not _below(pool, level[here], level[best]):
-                return best
-        others = np.delete(level, here)
-        pool.race(np.array([here]), others.min(initial=np.inf), pairs, 32)
-        pool.look_at(here)
-
-
-def descended(pool: Pool, here: int, active: _Mask, steps: int = 8) -> int:
-    """Step from a candidate so as to reduce the largest of the linearized targets, within a trust region; return
-    the candidate that is best for the active pairs.
-
-    Each step is a linear program over the worst units. The level jumps where motions appear or vanish: after the
-    optimum of the linear program, some other points are tried at which the linearized targets are also lower;
-    without derivatives, only random points are tried.
-    """
-    linprog = scipy("optimize", "a design", "design").linprog
-
-    problem, rng = pool.problem, np.random.default_rng(len(pool.values))
-    low, high = np.array(list(problem.free.values()), dtype=float).T
-    whole = [name in problem.whole for name in problem.free]
-    k, radius, slopes = len(low), 0.05, None
-    worse: list[_Array] = []
-    for _ in range(0 if all(whole) else steps):
-        if slopes is None:
+    low, high = problem.ends
+    k, radius, found = len(low), 0.05, None
+    for _ in range(steps):
+        if found is None:
             found = gradients(problem, pool.grid, pool.values[here], pool.target[here])
             values = np.array([value for value, _ in found])
             slopes = np.array([[each[name] for name in problem.free] for _, each in found])
         at, level = pool.values[here], pool.bounds[here]
-        reach = np.where(whole, 0, radius * (high - low))
-        least, most = np.maximum(low - at, -reach), np.minimum(high - at, reach)
-        tried = rng.uniform(least, most, (8 * OTHERS, k))
+        reach = radius * (high - low)
+        tried = np.clip(at + reach * rng.uniform(-1, 1, (TRIALS, k)), low, high)
         if len(values):
-            solved = linprog(
-                np.append(np.zeros(k), 1.0), A_ub=np.hstack([slopes, -np.ones((len(values), 1))]), b_ub=-values,
-                bounds=[*zip(least, most, strict=True), (None, None)],
-            )  # fmt: skip
-            if solved.status != 0 or not _below(pool, solved.x[-1], level):
+            points = tried
+            least, most = np.maximum(low, at - reach), np.minimum(high, at + reach)
+            for closer in (1, 0.1, 0.01):
+                # beyond the reach, so that points lie on the sides and at the corners as well
+                about = points[0] if closer < 1 else at
+                more = about + 1.5 * closer * reach * rng.uniform(-1, 1, (256, k))
+                points = np.vstack([points, np.clip(more, least, most)])
+                linear = (values + (points - at) @ slopes.T).max(axis=1)
+                points = points[np.argsort(linear, kind="stable")]
+            linear.sort()
+            if not linear[0] < level - _settled(pool) * abs(level):
                 break
-            lower = (values + tried @ slopes.T).max(axis=1) < level
-            tried = np.vstack([solved.x[:k], tried[lower][:OTHERS]])
-        start = here
-        for share in tried[: 1 + OTHERS] / (high - low):
-            # a point nearer to one that was worse than to the present one is likely to be worse
-            if any(np.sum((share - other) ** 2) < np.sum(share**2) for other in worse):
-                continue
-            there = pool.add((at + share * (high - low))[None])
-            if pool.race(there, level, active, 4)[0] < level:
-                here, slopes = int(there[0]), None
-                worse = [other - share for other in worse]
+            tried = np.vstack([points[0], rng.permutation(points[linear < level])[: TRIALS - 1]])
+        # the best point alone, and the others if it is not better
+        for some in (tried[:1], tried[1:]):
+            there = pool.add(problem.rounded(some))
+            limit = level - _settled(pool) * abs(level)
+            levels = pool.race(there, limit, pool.order(here), 4)
+            if levels.min(initial=np.inf) < limit:
+                here, found = int(there[np.argmin(levels)]), None
                 break
-            worse.append(share)
-        radius *= 0.4 if here == start else 1.5
+        radius *= 1.5 if found is None else 0.4
     return here
 
 
@@ -403,18 +404,23 @@ def _even_start(dimensions: int, size: int, rng: np.random.Generator) -> _Array:
     return np.asarray(shares)
 
 
-def _promising(
-    candidates: _Array, levels: _Array, width: _Array, many: int
-) -> tuple[_Array, _Array]:
-    """Some of the best candidates, not too close to each other, and their levels."""
-    chosen: list[int] = []
-    for number in np.argsort(levels, kind="stable"):
-        apart = np.abs(candidates[number] - candidates[chosen]) / width
-        if np.all(np.max(apart, axis=1, initial=0) > 0.02):
-            chosen.append(int(number))
-        if len(chosen) == many:
-            break
-    return candidates[chosen], levels[chosen]
+def _apart(candidates: _Array, width: _Array, most: int) -> _Array:
+    """The first ones of some candidates (n, free) that are not too close to each other."""
+    chosen = candidates[:1]
+    for one in candidates[1:]:
+        if len(chosen) < most and (np.abs((one - chosen) / width).max(axis=1) > 0.02).all():
+            chosen = np.vstack([chosen, one])
+    return chosen
+
+
+def foreseen(known: Grid, target: _Array, grid: Grid) -> _Array:
+    """Targets (nodes, units, states) of a candidate as the worst ones of the nearest unit and frequency of another
+    grid, where its targets (nodes, units, states) are known."""
+    node = np.abs(grid.nodes[:, None] - known.nodes).argmin(axis=1)
+    apart = grid.shares[:, :, None] - known.shares[:, None, :]
+    unit = np.square(apart).sum(axis=0).argmin(axis=1)
+    worst = target.max(axis=2)[np.ix_(node, unit)]
+    return np.repeat(worst[:, :, None], grid.places.shape[1], axis=2)
 
 
 def part_of(
@@ -424,3 +430,9 @@ def part_of(
     if progress is None:
         return None
     return lambda done, note: progress((begin + done * share) / whole, note)
+
+
+def told(progress: door.Progress | None, done: float, note: str) -> None:
+    """Calls the progress, if there is one."""
+    if progress is not None:
+        progress(done, note)

@@ -112,6 +112,11 @@ def _lines(design: Design) -> list[str]:
         value_text(osc, design.target, level, 4) for level in sorted(design.searches["level"])
     )
     lines += _wrapped(f"Best levels of the independent searches: {levels}.")
+    tried = design.tried["runs"]
+    lines += _wrapped(
+        f"Candidates: {len(tried)}, of which {len(design.candidates)} were judged by all {tried.max()} runs of "
+        "units, and the others until their levels were certainly worse."
+    )
     if design.samples:
         worst = value_text(osc, design.target, design.worst, 4)
         lines.append(
@@ -272,35 +277,39 @@ def _draw_slopes(ax: Any, design: Design, scales: style.Scales) -> None:
 
 
 def _draw_history(ax: Any, design: Design, scales: style.Scales) -> None:
-    """The best level of each search so far, over the number of candidates judged by all units."""
+    """The candidates in their order, and the best level of each search so far; a candidate that was judged by few
+    pairs shows a bound of its level."""
     unit, label = _of_target(design, scales)
-    levels = scales(design.candidates["level"], unit)
-    best = np.maximum if design.target == "damping" else np.minimum
-    searches, first = list(design.searches["candidates"]), 0
-    again = sum(searches) != levels.size
-    for number, many in enumerate([levels.size] if again else searches):
-        counts = np.arange(first, first + many) + 1
+    tried, chosen = design.tried, scales(design.level, unit)
+    levels, runs = scales(tried["level"], unit), tried["runs"]
+    whole = runs == runs.max()
+    worst, best = (-math.inf, np.maximum) if design.target == "damping" else (math.inf, np.minimum)
+    count, first = np.arange(len(tried)) + 1, 0
+    shown = np.isfinite(levels) & (abs(levels) <= 4 * abs(chosen))
+    for these, style_of_these, meaning in (
+        (shown & ~whole, {"ms": 1.5, "color": "0.6"}, f"judged by fewer: a bound (at least {runs.min()})"),
+        (shown & whole, {"ms": 3, "mfc": "none", "color": style.PRIMARY}, f"judged by all {runs.max()} runs"),
+    ):  # fmt: skip
+        ax.plot(count[these], levels[these], "o", **style_of_these, label=meaning)
+    for number, many in enumerate(design.searches["candidates"]):
+        part = slice(first, first + many)
+        so_far = best.accumulate(np.where(whole, levels, worst)[part])
         ax.plot(
-            counts, best.accumulate(levels[first : first + many]), marker="o", ms=2, lw=1,
-            drawstyle="steps-post", color=style.PRIMARY, label=None if number else "best of a search so far",
+            count[part], np.where(np.isfinite(so_far), so_far, math.nan), lw=1, drawstyle="steps-post",
+            color=style.PRIMARY, label=None if number else "best of a search so far",
         )  # fmt: skip
         if number:
             ax.axvline(first + 0.5, color="0.7", lw=0.6)
         first += many
-    chosen = scales(design.level, unit)
     ax.axhline(chosen, color=style.FREE, lw=0.8, label="chosen")
-    shown = levels[abs(levels) <= 4 * abs(chosen)]
+    seen = levels[shown & whole]
     limit = math.nan if design.limit is None else scales(design.limit, unit)
     if abs(limit) <= 4 * abs(chosen):
         ax.axhline(limit, color=style.LOAD, lw=0.8, ls="--", label="limit")
-        shown = np.append(shown, limit)
-    if shown.size and np.ptp(shown) > 0:
-        ax.set_ylim(shown.min() - 0.05 * np.ptp(shown), shown.max() + 0.05 * np.ptp(shown))
-    ax.set_xlabel(
-        "candidates, judged again by more units"
-        if again
-        else "candidates judged by all units; vertical lines separate independent searches"
-    )
+        seen = np.append(seen, limit)
+    if seen.size and np.ptp(seen) > 0:
+        ax.set_ylim(seen.min() - 0.05 * np.ptp(seen), seen.max() + 0.05 * np.ptp(seen))
+    ax.set_xlabel("candidates; vertical lines separate independent searches")
     ax.xaxis.get_major_locator().set_params(integer=True)
     ax.set_ylabel(f"quantile of\n{label}")
     style.add_legend(ax, **style.ABOVE)

@@ -127,12 +127,12 @@ module vi_design_study
       key_type('cycles', a_whole, default='5', low=1.0_wp, high=1.0e4_wp, only='amplitude', &
       meaning='oscillations over which the damping of free vibration is averaged'), &
       key_type('states', a_whole, default='2', low=1.0_wp, high=64.0_wp, &
-      meaning='initial states of each unit'), &
+      meaning='initial states of each unit; the search uses more if there are few units'), &
       key_type('samples', a_whole, default='100000', low=0.0_wp, high=1.0e9_wp, &
       takes='0 or a whole number from 10 to 1e9', &
       meaning='independent samples of the confirmation; 0 for none'), &
       key_type('evaluations', a_whole, default='96', low=8.0_wp, high=1.0e6_wp, &
-      meaning='candidates of each global search'), &
+      meaning='first candidates of each global search'), &
       key_type('searches', a_whole, default='8', low=1.0_wp, high=1000.0_wp, &
       meaning='maximum number of independent global searches; they end when three agree'), &
       key_type('specimens', a_whole, default='16', low=1.0_wp, high=1.0e5_wp, &
@@ -178,10 +178,10 @@ module vi_design_study
       column_type('design', 'feasible', verdicts, listed=.false., meaning='whether the limit &
       &holds for the quantile of the units in every part of the band'), &
       column_type('design', 'converged', verdicts, listed=.false., &
-      meaning='whether the three best searches ended at the same level; not known if &
-      &candidates were judged again by more units'), &
+      meaning='whether the three best searches ended at the same level; not known with &
+      &fewer than three'), &
       column_type('searches', 'candidates', wholes, listed=.false., &
-      meaning='candidates of a search judged by all units'), &
+      meaning='candidates of a search'), &
       column_type('searches', 'level', unit='mixed', listed=.false., meaning='its best level'), &
       column_type('bands', 'from', listed=.false., meaning='lowest r of a part of the band'), &
       column_type('bands', 'to', listed=.false., meaning='highest r'), &
@@ -198,9 +198,11 @@ module vi_design_study
       column_type('candidates', 'values', unit='mixed', each='choice', listed=.false., &
       meaning='the free parameters'), &
       column_type('candidates', 'nominal', unit='mixed', listed=.false., &
-      meaning='level of the unit without deviations'), &
+      meaning='level of the unit without deviations; NaN if not judged by all runs'), &
       column_type('candidates', 'level', unit='mixed', listed=.false., &
-      meaning='level of all units'), &
+      meaning='level of all units; a bound of it for a candidate judged by fewer runs'), &
+      column_type('candidates', 'runs', wholes, listed=.false., &
+      meaning='runs by which it was judged'), &
       column_type('candidates', 'front', truths, listed=.false., &
       meaning='whether no other candidate is better in both')]
 
