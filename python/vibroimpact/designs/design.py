@@ -532,7 +532,7 @@ def designed(problem: Problem, order: Order, case: str, progress: door.Progress 
                 )
             ) from None
     if stopped:
-        ended = f"interrupted with {len(archive.level)} candidates judged"
+        ended = f"interrupted with {int(archive.complete.sum())} candidates judged"
         raise StudyInterrupted(answered(case, tables, (problem, order), ended))
     return answered(case, tables, (problem, order))
 
