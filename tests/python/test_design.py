@@ -112,8 +112,8 @@ def test_ten_designs_are_as_good_as_brute_force(job, runs_of_outcomes):
     points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(axes))
     for some in np.array_split(points, 20):
         # a point is dropped only if its level is certainly above this
-        pool = Pool(problem, fine)
-        assert (pool.race(pool.add(some), min(levels) / 1.02, least=4) > max(levels) / 1.02).all()
+        pool, limit = Pool(problem, fine), max(levels) / 1.02
+        assert (pool.race(pool.add(some), limit, least=4) > limit).all()
 
 
 def test_candidates_do_not_win_by_luck():
@@ -329,8 +329,8 @@ def test_a_search_takes_few_runs(runs_of_outcomes):
         tolerance={"restitution": (0.65, 0.8)}, samples=0, settling=120, keep=16,
     )  # fmt: skip
     searches = len(found.searches["level"])
-    # all candidates of a global search by few units are 4480 runs, and each one by all units 288
-    assert sum(runs_of_outcomes) < 7500 * searches
+    # the first candidates by few runs, random steps around six of them, and 288 for each one judged by all runs
+    assert sum(runs_of_outcomes) < 10_000 * searches
     assert len(runs_of_outcomes) < 250 * searches
 
 

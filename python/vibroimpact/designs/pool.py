@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,9 +57,9 @@ class Pool:
         self.risk = np.zeros(shape) if risk is None else np.minimum(risk, HUGE)
         # how many units, or initial states of units, may be above the level at a frequency
         many = shape[1] * (shape[2] if problem.weighted else 1) - 1
-        self.spare = many - math.ceil(problem.quantile * many)
+        self.spare: int = many - math.ceil(problem.quantile * many)
         # how many initial states of a unit may be above its figure
-        self.spare_states = 0 if problem.weighted else spare_states(shape[2])
+        self.spare_states: int = 0 if problem.weighted else spare_states(shape[2])
 
     def add(self, values: _Array) -> _Indices:
         """Adds candidates (n, free); returns their indices."""
@@ -123,7 +124,8 @@ class Pool:
         Units that together determine the level at a frequency are adjacent, each with its worst initial state. For
         a candidate, its own targets count as the risk as far as they are known.
         """
-        risk, number = self.risk, np.arange(self.risk.size).reshape(self.risk.shape)
+        risk = self.risk
+        number: NDArray[Any] = np.arange(risk.size).reshape(risk.shape)
         if candidate is not None:
             own = np.minimum(self.target[candidate], HUGE)
             risk = np.where(self.known[candidate], own, risk)
