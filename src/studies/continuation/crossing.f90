@@ -3,7 +3,8 @@ module vi_crossing
    use vi_conditions, only: condition_value
    use vi_curve, only: correct, curve_type, parameters_of, unknowns_of
    use vi_kinds, only: wp
-   use vi_motion_family, only: condition_type, grazing, is_inside, rest_splits, rest_vanishes
+   use vi_motion_family, only: condition_type, grazing, is_inside, neimark_sacker, rest_splits, &
+      rest_vanishes
    use vi_steps, only: can_shorten, place_type, survey
    implicit none (type, external)
    private
@@ -221,13 +222,16 @@ contains
       real(wp), intent(out) :: share
       !> Whether it is found.
       logical, intent(out) :: good
-      !> Share of the step on which a value changes by much less than on all of it unless it jumps.
+      !> Share of the step on which a value that does not jump changes by much less than on all of it.
       real(wp), parameter :: narrow = 1.0e-3_wp
       type(condition_type) :: extra(1)
       real(wp), dimension(size(from%point)) :: low, high
       real(wp) :: at_low, at_high, length, near
       integer :: i, iterations
+      logical :: may_jump
 
+      may_jump = from%conditions(which)%kind == neimark_sacker .and. &
+         .not. curve%family%every_crossing
       ! the details of a touch are taken from the end where the gap is less
       extra(1) = to%conditions(which)
       if (any(extra(1)%kind == [grazing, rest_splits, rest_vanishes]) .and. &
@@ -249,9 +253,9 @@ contains
          if (good) exit
          length = norm2(high - low)
          if (length < 1.0e-12_wp) exit
-         ! a value that jumps has no zero, as that of Neimark-Sacker where a flip makes it negative
-         if (length < narrow*norm2(to%point - from%point) .and. abs(at_low) > 0.5_wp &
-            *abs(from%values(which)) .and. abs(at_high) > 0.5_wp*abs(to%values(which))) exit
+         ! where a flip makes it negative, the value of Neimark-Sacker jumps and has no zero
+         if (may_jump .and. length < narrow*norm2(to%point - from%point) .and. abs(at_low) > &
+            0.5_wp*abs(from%values(which)) .and. abs(at_high) > 0.5_wp*abs(to%values(which))) exit
          ! narrow the bracket
          place%point = low + near*(high - low)
          call correct(curve, conditions, place%point, iterations, from%tangent)
