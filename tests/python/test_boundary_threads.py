@@ -79,6 +79,7 @@ def public_calls(folder):
     run.sample([5.0, 6.0])
     run.gradient()
     run.period()
+    vi.simulate(TABLE, 0.94, 5e-9, 1e-3)  # a gap so narrow that rounding is compared with it
     vi.simulate_bundle(TABLE, [0.94, 0.95], 37.0, 3)
     vi.exact(RIG, 0.9, 6.0, vi.simulate(RIG, 0.9, 6.0, 4, discard=60))
     zone = vi.zone(RIG, "RL", (1.0, 1.1), (20.0, 60.0), lines=9)
