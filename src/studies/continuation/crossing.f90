@@ -222,7 +222,8 @@ contains
       real(wp), intent(out) :: share
       !> Whether it is found.
       logical, intent(out) :: good
-      !> Share of the step on which a value that does not jump changes by much less than on all of it.
+      !> Share of the step on which a value changes by much less than on all of it, if it does not
+      !! jump.
       real(wp), parameter :: narrow = 1.0e-3_wp
       type(condition_type) :: extra(1)
       real(wp), dimension(size(from%point)) :: low, high
