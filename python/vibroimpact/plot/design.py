@@ -277,8 +277,8 @@ def _draw_slopes(ax: Any, design: Design, scales: style.Scales) -> None:
 
 
 def _draw_history(ax: Any, design: Design, scales: style.Scales) -> None:
-    """The candidates in their order, and the best level of each search so far; a candidate that was judged by few
-    pairs shows a bound of its level."""
+    """The candidates in their order, and the best level of each search so far; a candidate that was not judged
+    by all runs shows a bound of its level."""
     unit, label = _of_target(design, scales)
     tried, chosen = design.tried, scales(design.level, unit)
     levels, runs = scales(tried["level"], unit), tried["runs"]
