@@ -10,7 +10,6 @@ bodies.
 Run with `python benchmarks/scaling.py [LARGEST]`; the largest numbers, up to 10⁸, take four minutes.
 """
 
-import resource
 import subprocess
 import sys
 import tempfile
@@ -123,10 +122,15 @@ def alone(name, count):
     """Seconds and bytes for one of a number, measured in this process."""
     work, _, _, small = WORKS[name]
     work(small)
-    before = int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()
+    before = memory("VmRSS")
     spent, done = work(count)
-    most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
-    return spent / done, max(most - before, 0) / done
+    return spent / done, max(memory("VmHWM") - before, 0) / done
+
+
+def memory(kind):
+    """Bytes of this process, now (VmRSS) or at most (VmHWM); `getrusage` would count the calling process too."""
+    lines = Path("/proc/self/status").read_text().splitlines()
+    return next(1024 * int(line.split()[1]) for line in lines if line.startswith(f"{kind}:"))
 
 
 def measured(name, count):
