@@ -293,6 +293,16 @@ def test_trajectory_that_does_not_repeat(cycles):
         vi.exact(TABLE, 0.94, 37.0, quiet)
 
 
+@pytest.mark.parametrize("as_structure", [False, True])
+def test_a_simulation_that_may_not_have_settled_is_named_as_the_reason(as_structure):
+    rig = vi.Oscillator.from_dimensional(M=2.7, K=42e3, xi=0.011, m=0.11, restitution=0.75, F0=6.0)
+    point = rig.at("19.5 Hz", "4 mm")
+    system = (point.structure, point.load) if as_structure else (point,)
+    run = vi.simulate(*system, cycles=200, discard=200)
+    with pytest.raises(vi.SingularError, match="discard more load cycles, unless it is chaotic"):
+        vi.exact(*system, run)
+
+
 @pytest.mark.parametrize("make", [rest_motion, lambda: vi.exact(TABLE, 0.94, 37.0, COLUMN)])
 def test_motions_are_read_only(make):
     """Arrays and attributes of a motion cannot be written; it has a repr and converts to a dict."""

@@ -41,6 +41,10 @@ ALIKE = 1e-6
 #: Load cycles that are simulated for a motion with rest from q = 0, and how far its impacts may be from those of
 #: the guess, in load phase.
 SETTLING, NEAR = 500, 0.05
+#: What may be the reason why no motion is found from a simulation.
+UNSETTLED = (
+    "the simulation may not have settled on a period; discard more load cycles, unless it is chaotic (see `lyapunov`)"
+)
 
 
 def _guess_by_gaps(given: dict[str, Any]) -> None:
@@ -78,7 +82,7 @@ def exact_structure(
             return settled(structure, load, guess.end, guess.final_state)
         except SingularError as error:
             if guess.complete:
-                raise
+                raise SingularError(f"{error}; {UNSETTLED}") from None
             raise SingularError(
                 f"{error}; the simulation was cut short, {guess.cut or FULL}"
             ) from None
@@ -498,7 +502,10 @@ def motion_at_end(
             raise not_periodic(run)
     except ParameterError as error:
         raise ParameterError(f"guess = {error}, or give phases and a pattern") from None
-    return described_motion(osc, r, clearance, load, answer[5:])
+    try:
+        return described_motion(osc, r, clearance, load, answer[5:])
+    except SingularError as error:
+        raise SingularError(f"{error}; {UNSETTLED}") from None
 
 
 def newton(
