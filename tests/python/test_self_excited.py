@@ -753,3 +753,11 @@ def test_a_zone_of_symmetric_self_excited_motions_is_bounded_by_pitchforks():
     for point, sides in ((first, [True, False]), (second, [False, True])):
         found = zone.contains(point.value + np.array([-1e-4, 1e-4]), [0.32, 0.32])
         assert found.tolist() == sides
+
+
+def test_simulations_of_no_duration_are_refused():
+    """Without a period of the load, nothing repeats within no time."""
+    message = "settling = 0: must be .*; without a periodic load at least 1"
+    for study in (vi.basins, vi.find):
+        with pytest.raises(vi.ParameterError, match=message):
+            study(bow(0.05), vi.Load.none(), states=2, settling=0)

@@ -11,7 +11,7 @@ module vi_basins_study
    use vi_common_keys, only: clearance_key, half_gap, load_key, max_events_key, &
       most_numbers, most_state, state_keys
    use vi_forced_system, only: new_forced_system
-   use vi_free_states, only: find_pace, is_free, settle_free_states
+   use vi_free_states, only: check_settling, find_pace, is_free, settle_free_states
    use vi_kinds, only: wp
    use vi_pattern, only: starred_symbols
    use vi_progress, only: is_stopped
@@ -594,6 +594,7 @@ contains
          if (len(s%fault) > 0) return
          call check_start_state(case)
          if (.not. is_free(case)) call needs_frequency(case, 'max_cycles')
+         call check_settling(case)
          if (len(s%fault) > 0 .or. .not. s%has('axes')) return
          places = [(place_in_state(s%word('axes', i), case%coordinates), i=1, 2)]
          if (any(places == 0) .or. places(1) == places(2)) call s%refuse('axes', &

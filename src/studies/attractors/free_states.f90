@@ -15,7 +15,7 @@ module vi_free_states
    implicit none (type, external)
    private
 
-   public :: find_pace, is_free, settle_free_states
+   public :: check_settling, find_pace, is_free, settle_free_states
 
    !> States between which the list of motions is brought up to date.
    integer, parameter :: block = 512
@@ -29,6 +29,17 @@ contains
 
       is_free = .not. load_frequency(case) > 0 .and. record_end(case) < 0
    end function is_free
+
+   !> Refuses simulations of no duration where motions are self-excited: they have no period of the
+   !! load in which they could repeat.
+   subroutine check_settling(case)
+      !> The case; its study has the key `settling`.
+      type(case_type), intent(inout) :: case
+
+      if (.not. is_free(case)) return
+      if (case%study%whole_number('settling') == 0) call case%study%refuse('settling', &
+         'without a periodic load at least 1')
+   end subroutine check_settling
 
    !> The time that stands for a load cycle, which is the longest natural period.
    subroutine find_pace(structure, load, unit, paced, fault)

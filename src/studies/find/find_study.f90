@@ -5,7 +5,7 @@ module vi_find_study
    use vi_forced_system, only: event_type, impact_event, new_forced_system, release_event, &
       stick_event
    use vi_found_motion, only: described_type, found_type
-   use vi_free_states, only: find_pace, is_free, settle_free_states
+   use vi_free_states, only: check_settling, find_pace, is_free, settle_free_states
    use vi_kinds, only: wp
    use vi_motion, only: motion_type, yes
    use vi_motion_study, only: exact_kind, motion_columns, put_motions, put_origin
@@ -335,6 +335,7 @@ contains
          if (is_free(case)) then
             if (s%whole_number('states') == 0) call s%refuse('states', &
                'without a &load with a frequency motions come from simulations alone')
+            call check_settling(case)
             return
          end if
          gaps = count([(case%parts(i)%name == 'gap', i=1, size(case%parts))])
