@@ -253,11 +253,14 @@ def test_threads_do_not_change_a_map_with_friction():
     ({"uncertain": {"R1": 0.5}, "stops": ((9.0, 0.1), None), "bands": False}, "'R1': must be left out for a wall"),
     ({"uncertain": {"wall_damping": 0.5}, "bands": False}, "'wall_damping': must be given with a wall_stiffness"),
     ({"friction": -0.1, "bands": False}, "friction = -0.1: must be"),
+    ({"friction": 0.1, "uncertain": {"mu": (0.0, 0.0)}, "bands": False}, "mu = 0.0: must be above 0 in all"),
+    ({"r": 1.0}, "bands = True: must be False where r or clearance has a single value"),
+    ({"r": 1.0, "friction": 0.1}, "bands = True: must be False with friction"),
 ])  # fmt: skip
 def test_bad_input_of_maps_with_friction_is_named(options, message):
-    given = {"pattern": "RL", "uncertain": {"xi": 0.0114}} | options
+    given = {"pattern": "RL", "uncertain": {"xi": 0.0114}, "r": [0.9, 1.1]} | options
     with pytest.raises(vi.ParameterError, match=message):
-        vi.uncertainty(FIGURE6, r=[0.9, 1.1], clearance=[10.0, 20.0], samples=2, **given)
+        vi.uncertainty(FIGURE6, clearance=[10.0, 20.0], samples=2, **given)
     zone = vi.zone(FIGURE6, "RL", (1.0, 1.1), (20, 30), symmetric=True)
     with pytest.raises(vi.ParameterError, match="'friction': must be left out"):
         vi.boundary_bands(zone, {"friction": 0.1})
@@ -649,7 +652,7 @@ BAD = [
     ({"r": [0.9, 1.1, 1.0]}, "r of shape"),
     ({"r": []}, "r of shape"),
     ({"clearance": [1.0, math.inf]}, "clearance = inf"),
-    ({"clearance": [5.0]}, "bands = True: must have at least two"),
+    ({"clearance": [5.0]}, "bands = True: must be False where"),
     ({"limit": {"noise": 1}}, "limit: unknown quantity 'noise'"),
     ({"limit": {"attenuation": -1}}, r"limit\['attenuation'\] = -1: must be a positive"),
     ({"limit": 0.3}, "limit = 0.3: must be a dict"),
@@ -705,6 +708,10 @@ def test_limits_of_a_rig_are_shown_in_its_units():
         (
             {"uncertain": {"wall_damping": 3.0}},
             "'wall_damping': must be given with a wall_stiffness",
+        ),
+        (
+            {"uncertain": {"friction": 0.1, "mu": 0.0}},
+            "mu = 0.0: must be above 0 in all samples with friction",
         ),
         (
             {"uncertain": {"friction": 0.1}, "limit": {"least_gap": 1.0}},

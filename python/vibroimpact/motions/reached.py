@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..base.errors import ParameterError, SingularError
 from ..results import door, performance
 from ..results.performance import Performance, perform
-from ..systems.distribution import element_of
+from ..systems.distribution import element_of, require_free_mass
 from ..systems.oscillator import Oscillator
 from ..systems.record import Record
 from ..systems.structure import Load, Structure
@@ -120,6 +120,7 @@ def perform_points(
         return perform(
             parameters, places, settling, keep, max_events, threads, progress, note, wanted
         )
+    require_free_mass(parameters[3])
     n, asked = places.shape[1], {*wanted} & {*FIGURES}
     amplitude = amplitudes(parameters)
 

@@ -26,6 +26,7 @@ from ..systems.distribution import (
     element_of,
     elements_of,
     interval,
+    require_free_mass,
     shares,
     systems,
     uncertain_parameters,
@@ -328,10 +329,6 @@ def uncertainty(
     number = checks.seed_of(rng)
     r, clearance = map(ascending, range_axes(r, clearance, points))
     axes = axis(r, "r"), axis(clearance, "clearance")
-    if wanted and min(map(len, axes)) < 2:
-        raise ParameterError(
-            "bands = True: must have at least two values of r and of the clearance, the window of the zone"
-        )
     if limits and pattern.has_rest:
         raise ParameterError("limit: must be left out for a pattern with rest, which has no chart")
     where = shares(count, len(parameters), np.random.default_rng(number))
@@ -342,11 +339,18 @@ def uncertainty(
             "bands = True: must be False with friction in the slot or compliant walls, since bands of their zones "
             "have not been implemented"
         )
+    if wanted and min(map(len, axes)) < 2:
+        raise ParameterError(
+            "bands = True: must be False where r or clearance has a single value; bands require a window with at "
+            "least two values of each"
+        )
     if elements and pattern.has_rest:
         raise ParameterError(
             f"pattern = {pattern.sides}/{pattern.cycles}: must be without rest with friction in the slot or "
             "compliant walls"
         )
+    if elements:
+        require_free_mass(changes[3])
     for values, factors, name in zip(axes, changes, ("r", "clearance"), strict=False):
         for value in (values[0] * factors.min(), values[-1] * factors.max()):
             checks.number(float(value), name)

@@ -237,6 +237,26 @@ def require_rigid(names: Iterable[str], name: str, stops: Stops | None = None) -
             )
 
 
+def require_free_mass(mu: NDArray[np.float64]) -> None:
+    """Reject samples without a free mass where friction or compliant walls act on it.
+
+    Parameters
+    ----------
+    mu : ndarray (n,)
+        The mass ratios of the samples.
+
+    Raises
+    ------
+    ParameterError
+        If one of them is 0.
+    """
+    if (mu <= 0).any():
+        raise ParameterError(
+            f"mu = {float(mu.min())!r}: must be above 0 in all samples with friction in the slot or compliant "
+            "walls, which act on the free mass"
+        )
+
+
 def shares(count: int, items: int, random: np.random.Generator) -> NDArray[np.float64]:
     """A Latin hypercube: (items, count) numbers between 0 and 1, one in each of `count` equal parts of each row.
 
