@@ -33,6 +33,8 @@ module vi_decoupling
    real(wp), parameter :: largest_error = 1.0e-7_wp
    !> Largest coupling by damping, over sqrt(omega_i omega_j), of modes that count as uncoupled.
    real(wp), parameter :: no_coupling = 1.0e-12_wp
+   !> Least damping of a mode, over the largest omega or damping, of structures that may grow.
+   real(wp), parameter :: least_damping = -1.0e-3_wp
    !> Two eigenvalues of a pair that are closer, relative to their size, have nearly the same
    !! eigenvector.
    real(wp), parameter :: close = 1.0e-2_wp
@@ -47,7 +49,7 @@ contains
    !! Entries as small as their rounding errors count as 0. The entries of the matrices may be sums
    !! of larger terms, as where a closed gap holds both ends of a spring: then their own size does
    !! not indicate their errors.
-   pure subroutine decouple(mass, damping, stiffness, decoupled, status, terms)
+   pure subroutine decouple(mass, damping, stiffness, decoupled, status, terms, may_grow)
       !> (n, n) Symmetric matrices M (positive definite), C and K (semidefinite).
       real(wp), intent(in) :: mass(:, :), damping(:, :), stiffness(:, :)
       !> The pairs.
@@ -61,7 +63,10 @@ contains
       !> (n, n, 2) The sums of the moduli of the terms of which the entries of C and K were
       !! computed; the moduli of the entries if it is left out.
       real(wp), intent(in), optional :: terms(:, :, :)
-      real(wp) :: sizes(size(mass, 1), size(mass, 1), 2)
+      !> Whether damping may be below 0 by `least_damping`, where differences of parameters and steps
+      !! along branches go beyond the bound 0; not by default.
+      logical, intent(in), optional :: may_grow
+      real(wp) :: sizes(size(mass, 1), size(mass, 1), 2), least
       integer :: body(size(mass, 1))
       integer :: i, n
 
@@ -69,6 +74,10 @@ contains
       sizes(:, :, 1) = abs(damping)
       sizes(:, :, 2) = abs(stiffness)
       if (present(terms)) sizes = terms
+      least = -no_coupling
+      if (present(may_grow)) then
+         if (may_grow) least = least_damping
+      end if
       call find_bodies(mass, damping, stiffness, body)
       allocate (decoupled%stiffness(n), decoupled%damping(n), decoupled%body(n))
       allocate (decoupled%qx(n, n), decoupled%qv(n, n), decoupled%dx(n, n), decoupled%dv(n, n), &
@@ -77,7 +86,7 @@ contains
       status = stat%ok
       do i = 1, maxval(body)
          call decouple_body(pack([(n, n=1, size(body))], body == i), i, mass, damping, stiffness, &
-            sizes, decoupled, status)
+            sizes, least, decoupled, status)
          if (status /= stat%ok) return
       end do
    end subroutine decouple
@@ -115,11 +124,14 @@ contains
    end subroutine find_bodies
 
    !> The pairs of one body, stored at the indices of its coordinates.
-   pure subroutine decouple_body(at, body, mass, damping, stiffness, terms, decoupled, status)
+   pure subroutine decouple_body(at, body, mass, damping, stiffness, terms, least, decoupled, &
+      status)
       !> (m) Its coordinates, and its number.
       integer, intent(in) :: at(:), body
       !> (n, n) Matrices of the structure; (n, n, 2) the sums of the moduli of the terms of C and K.
       real(wp), intent(in) :: mass(:, :), damping(:, :), stiffness(:, :), terms(:, :, :)
+      !> Least damping of a mode, over the largest omega or damping.
+      real(wp), intent(in) :: least
       !> In and out: filled in.
       type(decoupled_type), intent(inout) :: decoupled
       !> As in `decouple`.
@@ -162,10 +174,10 @@ contains
          where (abs(coupling) <= 64*m*noise) coupling = 0
       end if
       do i = 1, m
-         if (coupling(i, i) < -no_coupling*max(sqrt(scale), maxval(abs(coupling)))) then
-            status = stat%negative_stiffness
-         end if
-         coupling(i, i) = max(0.0_wp, coupling(i, i))
+         associate (unit => max(sqrt(scale), maxval(abs(coupling))))
+            if (coupling(i, i) < least*unit) status = stat%negative_stiffness
+            if (coupling(i, i) >= -no_coupling*unit) coupling(i, i) = max(0.0_wp, coupling(i, i))
+         end associate
          if (.not. omega_squared(i) > 0 .and. coupling(i, i) <= 64*m*epsilon(1.0_wp)*maxval(abs( &
             coupling))) coupling(i, i) = 0
       end do

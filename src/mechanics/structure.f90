@@ -703,6 +703,8 @@ contains
       logical :: with_tables
       integer :: h
 
+      with_tables = .true.
+      if (present(searched)) with_tables = searched
       regime%frequency = load%frequency
       call constraint(structure, regime%held, basis, inverse, regime%offset, pushes, status)
       if (status == stat%singular) status = merge(stat%dependent_friction, stat%dependent_rests, &
@@ -710,14 +712,15 @@ contains
       if (status /= stat%ok) return
       if (size(regime%held) == 0) then
          mass = structure%mass
-         call decouple(mass, structure%damping, structure%stiffness, parts, status)
+         call decouple(mass, structure%damping, structure%stiffness, parts, status, &
+            may_grow=.not. with_tables)
       else
          allocate (terms(size(basis, 2), size(basis, 2), 2), &
             terms_of_mass(size(basis, 2), size(basis, 2)))
          call project(structure%mass, basis, mass, terms_of_mass)
          call project(structure%damping, basis, damping, terms(:, :, 1))
          call project(structure%stiffness, basis, stiffness, terms(:, :, 2))
-         call decouple(mass, damping, stiffness, parts, status, terms)
+         call decouple(mass, damping, stiffness, parts, status, terms, .not. with_tables)
       end if
       if (status /= stat%ok) return
       regime%modes%stiffness = parts%stiffness
@@ -814,8 +817,6 @@ contains
       if (status /= stat%ok) return
       regime%kick_x = sparse_product(regime%xd, structure%mobility)
       regime%kick_v = sparse_product(regime%vd, structure%mobility)
-      with_tables = .true.
-      if (present(searched)) with_tables = searched
       ! of motions with stops and friction the extremes are evaluated in their regimes
       call set_rates(regime, with_tables .or. structure%has_stops .or. structure%has_friction, &
          load%step)

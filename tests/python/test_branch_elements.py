@@ -152,6 +152,29 @@ def test_closed_form_of_den_hartog():
     assert (branch.stable == 1).all()
 
 
+def test_damping_and_stiffness_from_and_to_zero():
+    """Bounds of 0, below which there is no damping and no stiffness, are reached and left."""
+    load = vi.Load(0.6, cosine=[1.0])
+    for damping in (0.0, 0.05):
+        s = vi.Structure([1.0], [damping], [1.0], friction=[vi.Friction([1.0], 0.25)])
+        motion = vi.exact(s, load, vi.simulate(s, load, cycles=300))
+        branch = vi.branch(motion, "damping_0_0", bounds=(0.0, 0.1))
+        assert [point.type for point in branch.special_points] == ["bound", "bound"]
+        assert branch.values[0] == 0
+        assert branch.values[-1] == pytest.approx(0.1, rel=1e-12)
+        # the closed form without damping
+        assert branch.q_max[0, 0] == pytest.approx(1.54387042190387, rel=1e-11)
+        assert np.abs(branch.multipliers[:, 0]) == pytest.approx([0.37949352] * 2, abs=1e-7)
+    teeth = [vi.Stop([side], 0.05, stiffness=2e4, damping=0.3) for side in (1.0, -1.0)]
+    gears = vi.Structure([5e-4], [0.0], [0.0], teeth)
+    load = vi.Load(5000.0, constant=[100.0], cosine=[30.0])
+    motion = vi.exact(gears, load, vi.simulate(gears, load, cycles=300, state=([0.0675], [0.0])))
+    branch = vi.branch(motion, "stiffness_0_0", bounds=(0.0, 1000.0))
+    assert [point.type for point in branch.special_points] == ["bound", "bound"]
+    assert apart(branch, 0) < 1e-8
+    assert apart(branch, -1) < 1e-8
+
+
 def test_friction_begins_to_stick():
     """On one side of the end a simulation reverses, on the other side it sticks."""
     motion = settled(den_hartog(0.3, 0.36), vi.Load(0.8, cosine=[1.0]))

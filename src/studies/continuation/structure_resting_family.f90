@@ -10,7 +10,7 @@
 !! stop is touched and no friction changes in between; the time between two events is positive; and
 !! where friction changes its sense, what would hold it is above the stick level.
 module vi_structure_resting_family
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
    use vi_family, only: repetition_type
    use vi_kinds, only: two_pi, wp
    use vi_lapack_routines, only: geev
@@ -99,10 +99,16 @@ contains
                shares = c(:size(shares))
                shares(active(k)) = shares(active(k)) + (3 - 2*i)*h
                call follow_period(s, point(:m), shares, .false., course)
+               if (i == 2) exit
                if (.not. course%exists) return
-               if (i == 1) a(m + k, :m) = course%residuals
+               a(m + k, :m) = course%residuals
             end do
-            a(m + k, :m) = coordinates%scale(k)*((a(m + k, :m) - course%residuals)/(2*h))
+            if (course%exists) then
+               a(m + k, :m) = coordinates%scale(k)*((a(m + k, :m) - course%residuals)/(2*h))
+            else
+               ! a parameter may have no value below, as a stiffness of 0
+               a(m + k, :m) = coordinates%scale(k)*((a(m + k, :m) - residuals)/h)
+            end if
          end do
          b(1, :m) = residuals
          a(:m, :m) = slopes
@@ -281,7 +287,8 @@ contains
       good = .true.
    end subroutine orthogonal_basis
 
-   !> The derivatives of a condition by the parameters, by central differences.
+   !> The derivatives of a condition by the parameters, by central differences, or one-sided ones at
+   !! the least value of a parameter.
    pure subroutine by_parameters(family, coordinates, condition, point, course, slope)
       !> The family.
       class(structure_resting_type), intent(in) :: family
@@ -308,6 +315,11 @@ contains
                both(i))
          end do
          slope(j) = (both(1) - both(2))/(2*h)
+         if (.not. ieee_is_nan(both(2))) cycle
+         ! a parameter may have no value below
+         call value_at(family, point(:m), parameters_at(coordinates, point(m + 1:)), condition, &
+            course, both(2))
+         slope(j) = (both(1) - both(2))/h
       end do
    end subroutine by_parameters
 
