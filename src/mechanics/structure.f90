@@ -82,6 +82,8 @@ module vi_structure
       !> What follows where coupled gaps close at one instant: `refused`, `by_newton` or
       !! `in_sequence`.
       integer :: simultaneous = 0
+      !> Whether damping may be slightly below 0, as in `decouple`.
+      logical :: may_grow = .false.
    end type structure_type
 
    !> A load f(t) = sum over h of cosine_h cos(h Omega t) + sine_h sin(h Omega t), plus a constant.
@@ -703,8 +705,6 @@ contains
       logical :: with_tables
       integer :: h
 
-      with_tables = .true.
-      if (present(searched)) with_tables = searched
       regime%frequency = load%frequency
       call constraint(structure, regime%held, basis, inverse, regime%offset, pushes, status)
       if (status == stat%singular) status = merge(stat%dependent_friction, stat%dependent_rests, &
@@ -713,14 +713,15 @@ contains
       if (size(regime%held) == 0) then
          mass = structure%mass
          call decouple(mass, structure%damping, structure%stiffness, parts, status, &
-            may_grow=.not. with_tables)
+            may_grow=structure%may_grow)
       else
          allocate (terms(size(basis, 2), size(basis, 2), 2), &
             terms_of_mass(size(basis, 2), size(basis, 2)))
          call project(structure%mass, basis, mass, terms_of_mass)
          call project(structure%damping, basis, damping, terms(:, :, 1))
          call project(structure%stiffness, basis, stiffness, terms(:, :, 2))
-         call decouple(mass, damping, stiffness, parts, status, terms, .not. with_tables)
+         call decouple(mass, damping, stiffness, parts, status, terms, &
+            structure%may_grow)
       end if
       if (status /= stat%ok) return
       regime%modes%stiffness = parts%stiffness
@@ -818,6 +819,8 @@ contains
       regime%kick_x = sparse_product(regime%xd, structure%mobility)
       regime%kick_v = sparse_product(regime%vd, structure%mobility)
       ! of motions with stops and friction the extremes are evaluated in their regimes
+      with_tables = .true.
+      if (present(searched)) with_tables = searched
       call set_rates(regime, with_tables .or. structure%has_stops .or. structure%has_friction, &
          load%step)
       if (.not. regime%unit >= shortest_unit) status = stat%extreme_units

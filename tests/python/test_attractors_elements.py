@@ -295,7 +295,7 @@ def test_diagram_along_parameters_of_elements(name, kept, low):
     theirs = vi.bifurcation_diagram(point.structure, point.load, name, [low, high], settling=100)
     assert (ours.points == theirs.points).all()
     assert len(ours.points)
-    with pytest.raises(vi.ParameterError, match="it has no such name"):
+    with pytest.raises(vi.ParameterError, match="the structure has no such parameter"):
         vi.bifurcation_diagram(point, "nothing", [low, high])
 
 

@@ -366,8 +366,8 @@ def test_of_a_file(tmp_path):
 
 
 @pytest.mark.parametrize(("parameter", "message"), [
-    ("contact", "it has no effect"), ("restitution", "it has no effect"),
-    ("slip_4", "the structure has 1 gap"),
+    ("contact", "it changes nothing in this structure"), ("restitution", "it changes nothing"),
+    ("slip_4", "the structure has 1 gap, stop or friction element"),
 ])  # fmt: skip
 def test_parameters_that_it_has_not(parameter, message):
     motion = settled(den_hartog(0.3), vi.Load(0.8, cosine=[1.0]))

@@ -540,7 +540,7 @@ def named_rates(structure: Structure, name: str, places: _Array, values: _Array)
     if kind == LAW:
         rates = rates_of_law(structure, word, places, rates)
     if not rates.any():
-        raise ParameterError(f"parameters: {name!r}: it has no effect")
+        raise ParameterError(f"parameters: {name!r}: it changes nothing in this structure")
     if kind == RESTITUTION:
         for j in places[here, 1].tolist():
             if "restitution" not in to_columns(structure.gaps[j].restitution):

@@ -625,7 +625,8 @@ contains
          if (len(group%fault) > 0) return
       else if (.not. is_free(case, group)) then
          if (group%is('kind', 'settled')) then
-            call group%refuse('kind', 'it requires a &load with a frequency')
+            call group%refuse('kind', 'it requires a &load with a frequency, or for a &
+               &self-excited motion a duration or period')
          else
             call group%refuse('gaps', 'they require a &load with a frequency')
          end if
@@ -639,7 +640,8 @@ contains
       if (.not. group%has('cycles')) call group%set('cycles', [1.0_wp])
       gaps = count([(case%parts(i)%name /= 'load', i=1, size(case%parts))])
       if (any(group%numbers('gaps') >= gaps)) then
-         call group%refuse('gaps', 'the structure has '//counted(gaps, 'gap'))
+         call group%refuse('gaps', 'the structure has '//counted(gaps, trim(merge( &
+            'gap, stop or friction element', 'gap                          ', has_elements(case)))))
          return
       end if
       call check_structure_phases(group)

@@ -105,7 +105,7 @@ contains
             case default
                good = .false.
             end select
-            if (.not. good) text = 'number '//whole(i)//' is impossible for element '// &
+            if (.not. good) text = 'event number '//whole(i)//' is impossible for element '// &
                whole(j - 1)//' after the events before it in the period'
             if (.not. good) return
             call pass_label([kinds(i), j], closed)

@@ -134,6 +134,8 @@ contains
       type(load_type), intent(inout) :: load
       integer :: i, k
 
+      ! beyond the bounds, one of which may be damping 0
+      structure%may_grow = any(shares < 0 .or. shares > 1)
       do k = 1, size(path%changes)
          do i = 1, size(path%changes(k)%entries, 2)
             call set_entry(structure, load, path%changes(k)%entries(:, i), &
@@ -462,13 +464,15 @@ contains
          'restitution', 'frequency', 'load', '', 'constant', 'slip', 'contact', 'wall', 'stick', &
          'speed'] == word, .true., 1)
       if (kind == 0 .or. len(word) == 0 .or. .not. good) then
-         message = 'it has no such name'
+         message = 'the structure has no such parameter'
          return
       end if
       select case (kind)
       case (of_opening, of_restitution, of_slip, of_contact, of_wall, of_stick, of_speed)
-         if (places(2) >= 0) message = 'it takes one number, that of a gap'
-         if (places(1) >= gaps) message = 'the structure has '//counted(gaps, 'gap')
+         if (places(2) >= 0) message = 'it takes one number, that of an element'
+         if (places(1) >= gaps) message = 'the structure has '//counted(gaps, trim(merge( &
+            'gap, stop or friction element', 'gap                          ', &
+            any(structure%laws%kind > table_law))))
          if (len(message) > 0) return
          allocate (entries(3, 0))
          factor = kind == of_wall
@@ -509,7 +513,7 @@ contains
       ! a factor changes only what is not 0
       if (factor) entries = nonzero(structure, load, entries)
       if (size(entries) == 0) then
-         message = 'it has no effect'
+         message = 'it changes nothing in this structure'
          return
       end if
       change%low = bounds(1)
