@@ -546,3 +546,19 @@ def test_loads_add():
         base + vi.Load(1.5, sine=[1])
     with pytest.raises(TypeError):
         base + 1
+
+
+def test_a_sweep_continues_after_a_vibration_has_died_out():
+    """Between moving walls that it does not touch, a mass without a load comes to rest."""
+    walls = [vi.Stop([side], 0.004, stiffness=4e3, damping=2.0, sine=0.001) for side in (1.0, -1.0)]
+    box = vi.Structure([0.2], [0.4], [50.0], walls)
+    run = vi.response(
+        box,
+        vi.Load(20.0, constant=[0.0]),
+        [20.0, 21.0, 22.0, 23.0],
+        settling=1000,
+        state=([0.001], [0.0]),
+    )
+    # within 1000 cycles the displacement falls to 1e-139
+    assert (run.labels[1:] == "0/1").all()
+    assert run.largest.max() < 1e-40

@@ -194,8 +194,12 @@ contains
             select type (motion)
             type is (simulated_structure_type)
                ! after a failure anew
-               if (status == stat%ok) call state_now(motion%run, motion%state, here(:n), &
-                  here(n + 1:))
+               if (status == stat%ok) then
+                  call state_now(motion%run, motion%state, here(:n), here(n + 1:))
+                  ! a vibration that has decayed below the range of a simulation has ended
+                  if (maxval(abs(here)) < 1 .and. is_far(motion%run, here(:n), here(n + 1:))) &
+                     here = 0
+               end if
             end select
             deallocate (motion)
          end if
