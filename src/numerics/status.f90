@@ -212,16 +212,16 @@ contains
          text = 'masses or stiffnesses differ so much that slow modes keep fewer than 7 digits: &
             &make stiff springs rigid, or give the structure by its modes'
       case (stat%permanent_rest)
-         text = 'the simulation settles on a permanent rest without impacts; start from another &
-            &state'
+         text = 'the simulation settles on a permanent rest of gaps or stick of friction without &
+            &further events; start from another state'
       case (stat%narrow_gap)
          text = 'an opening is below a million times the rounding error of the displacements'
       case (stat%stop_holds)
          text = 'a stop is touched at zero speed by a force below its preload, which would hold &
             &the structure there: start with a speed, or without a preload'
       case (stat%friction_rests)
-         text = 'impacts accumulate on a gap, but friction that they move is not along it, or R &
-            &depends on the speed: the motion that follows cannot be computed'
+         text = 'impacts accumulate on a gap whose wall moves or whose R is a law, or which moves &
+            &friction across it or of a belt: what follows cannot be computed'
       case (stat%friction_undecided)
          text = 'friction elements have no consistent state at this instant, or a belt drags a &
             &mass that no spring holds: the motion that follows cannot be computed'

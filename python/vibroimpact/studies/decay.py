@@ -177,6 +177,10 @@ def decay_structure(
     progress: door.Progress | None = None,
 ) -> Decay:
     """As `decay`, for a structure."""
+    if isinstance(load, Load) and load.frequency:
+        raise ParameterError(
+            f"load = {load!r}: must be constant or left out, since the vibration is free"
+        )
     keys = door.start_keys(structure, state, 0.0)
     del keys["start"]
     if isinstance(direction, str):

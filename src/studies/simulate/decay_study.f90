@@ -150,7 +150,8 @@ contains
          if (.not. any(abs(study%numbers('direction')) > 0)) then
             call study%refuse('direction', '')
          else if (load_frequency(case) > 0 .or. record_end(case) >= 0) then
-            call study%refuse('cycles', 'the vibration is free: a &load may only be constant')
+            study%fault = '&decay: the vibration is free, so the &load must be constant or left out'
+            study%fault_line = study%line
          else if (.not. any(abs([study%numbers('q'), study%numbers('q_dot')]) > 0)) then
             call study%refuse('q', 'it must not be 0 if all masses start at rest')
          else
