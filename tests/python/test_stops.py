@@ -354,7 +354,7 @@ def test_stops_that_never_touch():
     ({"stiffness": math.nan}, "stiffness = nan"),
     ({"stiffness": 1.0, "damping": -0.1}, "damping = -0.1"),
     ({"stiffness": 1.0, "preload": -0.1}, "preload = -0.1"),
-    ({"stiffness": 0.0}, "stiffness = 0.0: must be above 0, or damping or preload must"),
+    ({"stiffness": 0.0}, "stiffness = 0.0: must be above 0 unless damping or preload is"),
     ({"stiffness": 1.0, "release": "never"}, "release = 'never': must be 'gap' or 'force'"),
     ({"stiffness": 1.0, "direction": [0.0]}, "direction"),
     ({"stiffness": 1.0, "opening": math.nan}, "opening"),

@@ -250,7 +250,7 @@ def test_threads_do_not_change_a_map_with_friction():
     ({"uncertain": {"friction": (0.0, 0.1)}}, "bands = True: must be False with friction"),
     ({"stops": ((100.0, 0.1), None)}, "bands = True: must be False with friction in the slot or compliant walls"),
     ({"friction": 0.1, "pattern": "RL*", "bands": False}, r"pattern = RL\*/1: must be without rest"),
-    ({"uncertain": {"R1": 0.5}, "stops": ((9.0, 0.1), None), "bands": False}, "'R1': must be left out for a wall"),
+    ({"uncertain": {"R1": 0.5}, "stops": ((9.0, 0.1), None), "bands": False}, "'R1': must be left out for a"),
     ({"uncertain": {"wall_damping": 0.5}, "bands": False}, "'wall_damping': must be given with a wall_stiffness"),
     ({"friction": -0.1, "bands": False}, "friction = -0.1: must be"),
     ({"friction": 0.1, "uncertain": {"mu": (0.0, 0.0)}, "bands": False}, "mu = 0.0: must be above 0 in all"),
@@ -703,7 +703,7 @@ def test_limits_of_a_rig_are_shown_in_its_units():
         ),
         (
             {"uncertain": {"wall_stiffness": 3.0, "R1": 0.5}},
-            "'R1': must be left out for a wall that gives",
+            "'R1': must be left out for a compliant wall",
         ),
         (
             {"uncertain": {"wall_damping": 3.0}},

@@ -233,7 +233,7 @@ def require_rigid(names: Iterable[str], name: str, stops: Stops | None = None) -
     for key, walls in (("R1", soft[:1]), ("R2", soft[1:]), ("restitution", soft)):
         if key in names and all(walls):
             raise ParameterError(
-                f"{name}: parameter {key!r}: must be left out for a wall that gives, which has no restitution"
+                f"{name}: parameter {key!r}: must be left out for a compliant wall, which has no restitution"
             )
 
 

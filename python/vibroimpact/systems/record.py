@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..base import checks
 from ..base.errors import ParameterError
 from .restitution import ByValue
-from .structure import Load, Structure, _numbers
+from .structure import Load, Structure, _numbers, counted
 from .units import Units, own_number
 
 __all__ = ["Record", "base_motion", "base_record"]
@@ -143,7 +143,8 @@ class Record(ByValue):
         return [("load", keys | {"constant": self.constant.tolist()})]
 
     def __repr__(self) -> str:
-        return f"<Record of {len(self.force)} samples to t = {self.duration:g} on {self.coordinates} coordinates>"
+        places = counted(self.coordinates, "coordinate")
+        return f"<Record of {len(self.force)} samples to t = {self.duration:g} on {places}>"
 
 
 def _influence(structure: Structure, direction: Any) -> _Array:

@@ -225,7 +225,7 @@ class Stop(ByValue):
             object.__setattr__(self, name, number)
         if not self.stiffness + self.damping + self.preload > 0:
             raise ParameterError(
-                f"stiffness = {self.stiffness!r}: must be above 0, or damping or preload must"
+                f"stiffness = {self.stiffness!r}: must be above 0 unless damping or preload is"
             )
         if release not in ("gap", "force"):
             raise ParameterError(f"release = {release!r}: must be 'gap' or 'force'")
@@ -804,13 +804,16 @@ def _list_of_gaps(
     try:
         found = tuple(gaps)
     except TypeError:
-        what = "gaps" if name == "gaps" else "Friction"
+        what = "Gap and Stop" if name == "gaps" else "Friction"
         raise ParameterTypeError(f"{name} = {gaps!r}: must be a list of {what}") from None
     if len(found) > MOST:
         raise ParameterError(f"{name}: {len(found)} of them; must be at most {MOST}")
     for i, gap in enumerate(found):
         if not isinstance(gap, kinds):
-            checks.instance(gap, f"{name}[{i}]", kinds[0])
+            wanted = " or ".join(f"a vibroimpact.{kind.__name__}" for kind in kinds)
+            raise ParameterTypeError(
+                f"{name}[{i}] = {gap!r}: must be {wanted}, not {type(gap).__name__}"
+            )
     return found
 
 
@@ -1015,13 +1018,12 @@ class Load(ByValue):
         return self.frequency if len(self.sine) else 0.0, np.asfortranarray(both), self.constant
 
     def __repr__(self) -> str:
-        n = len(self.sine)
+        n, places = len(self.sine), counted(self.coordinates, "coordinate")
         if not self.coordinates:
             return "<No load>"
         if not self.frequency:
-            return f"<Load, constant, on {self.coordinates} coordinates>"
-        kinds = f"{n} harmonic{'s' if n != 1 else ''}"
-        return f"<Load of {kinds} of Omega = {self.frequency:g} on {self.coordinates} coordinates>"
+            return f"<Load, constant, on {places}>"
+        return f"<Load of {counted(n, 'harmonic')} of Omega = {self.frequency:g} on {places}>"
 
 
 def without_none(load: Any) -> Any:

@@ -672,7 +672,15 @@ def number_of(value: Any, name: str, unit: str, units: Callable[[], Units]) -> A
         kind |= {MASS: "a mass, or a ratio of masses", "": "a number without a dimension"}
         raise ParameterError(f"{name} = {value!s}: must be {kind.get(unit, 'a velocity')}")
     size = float(size) if isinstance(size, Decimal) else size
-    return size if unit == "" else size / units().to("SI").scale(unit)
+    if unit == "":
+        return size
+    try:
+        known = units()
+    except ParameterError as error:
+        raise ParameterError(
+            f"{name} = {value!s}: must be without a unit unless the units of the system are known; {error}"
+        ) from None
+    return size / known.to("SI").scale(unit)
 
 
 def argument(osc: Any, value: Any, name: str, unit: str) -> Any:
