@@ -182,3 +182,30 @@ def test_units_need_a_mass(tool):
         "simulate", *RIG[-2:], *SHARES, "--cycles", "3", "--r", "19.5 Hz", "--clearance", "9"
     )
     assert (done.status, "&system must have mass and stiffness" in str(done)) == (2, True)
+
+
+def test_units_of_a_structure_with_scales(tool, tmp_path):
+    """`run` and `plot` convert the results of a dimensionless structure with scales; without them they refuse."""
+    text = (
+        "&structure mass = 1, 0.04, damping = 0.02, 0, stiffness = 1, 0{} /\n"
+        "&gap direction = -1, 1, opening = 14, restitution = 0.75 /\n"
+        "&gap direction = 1, -1, opening = 14, restitution = 0.75 /\n"
+        "&friction direction = -1, 1, slip = 0.01 /\n"
+        "&load frequency = 1.03, sine = 1, 0 /\n&simulate cycles = 3 /\n"
+    )
+    (tmp_path / "scaled.nml").write_text(text.format(", scales = 2.7, 42e3, 6"))
+    (tmp_path / "bare.nml").write_text(text.format(""))
+    found = {}
+    for units in ("mm N s", "in lbf s", "dimensionless"):
+        assert tool("run", "scaled.nml", "--units", units).status == 0
+        rows = (tmp_path / "results/scaled.csv").read_text().splitlines()
+        names, *rows = [row.split(",") for row in rows if not row.startswith("#")]
+        found[units] = float(rows[-1][names.index("q_1")])
+    length = 6 / 42e3
+    assert found["mm N s"] == pytest.approx(1e3 * length * found["dimensionless"], rel=1e-13)
+    assert found["in lbf s"] == pytest.approx(found["mm N s"] / 25.4, rel=1e-13)
+    assert tool("plot", "scaled.nml", "--units", "mm N s").status == 0
+    for command in ("run", "plot"):
+        done = tool(command, "bare.nml", "--units", "SI")
+        wanted = "must be left out for bare, whose &structure has no scales"
+        assert (done.status, wanted in str(done)) == (2, True)

@@ -81,6 +81,14 @@ class Case(NamedTuple):
         return study_of(self.text)
 
     @property
+    def missing_units(self) -> str:
+        """What its system lacks for results in physical units; empty if it lacks nothing."""
+        if self.structure is not None:
+            return "" if self.structure._units is not None else "&structure has no scales"
+        known = self.osc is not None and self.osc.F0 is not None
+        return "" if known else "&system has no mass, stiffness and force"
+
+    @property
     def in_python(self) -> bool:
         """Whether the Python package computes the case, and not the core."""
         computed: bool = language()["results"][self.study]["in_python"]

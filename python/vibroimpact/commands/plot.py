@@ -86,9 +86,9 @@ def pictured(case: Case, units: str | None) -> Sequence[Callable[..., Any]]:
         return [partial(draw, units=units) for draw in pictured(case, None)]
     if units is not None:  # rejects a case without a picture before anything is computed
         checked_names(units, "--units")
-        if case.osc is None or case.osc.F0 is None:
+        if case.missing_units:
             raise ParameterError(
-                f"--units {units}: must be left out for {case.name}, whose &system has no mass and force"
+                f"--units {units}: must be left out for {case.name}, whose {case.missing_units}"
             )
     with Progress(case.name) as bar:
         results = case.run(bar.show if bar.wanted else None)

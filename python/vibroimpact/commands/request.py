@@ -104,10 +104,9 @@ def in_units(case: Case, units: str | None) -> Case:
         return case
     if units != "dimensionless":
         units = checked_names(units, "--units")
-        if case.osc is None or case.osc.F0 is None:
+        if case.missing_units:
             raise ParameterError(
-                f"--units {units!r}: must be left out for {case.name}, whose &system has no mass, stiffness and "
-                "force"
+                f"--units {units!r}: must be left out for {case.name}, whose {case.missing_units}"
             )
     text = namelist.shown_in(case.text, units)
     return case._replace(keys=case.keys | {"units": units}, text=text)
