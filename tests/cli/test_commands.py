@@ -229,6 +229,14 @@ def test_simulation_cut_short_in_what_is_discarded(form, tool):
     assert (tool.cwd / "results/simulate.csv").read_text().count(",impact,") == 9
 
 
+def test_plot_of_what_is_cut_short(tool):
+    """What fails is reported beside the picture of the rest."""
+    write(tool.cwd / "case.nml", SIMULATION.replace("cycles", "max_events = 9, cycles"))
+    done = tool("plot", "case.nml")
+    assert (done.status, done.faults) == (1, ["case: cut short, max_events was reached"])
+    assert list(contents(tool.cwd / "results")) == ["case.png"]
+
+
 def test_plot_of_what_is_not_there(tool):
     """A motion that does not exist gives status 1, and the others are drawn; a repeated name gives status 2."""
     nothing = SYSTEM + "&motion kind = 'equispaced', clearance = 200 /\n"

@@ -53,8 +53,9 @@ def draw_all(
         if case.kind in ("zone", "atlas"):
             reason = "there is no zone of stable, admissible motions in the window"
         drawings: Sequence[Callable[[], Any]] = ()
+        faults: list[str] = []
         try:
-            drawings = pictured(case, options.units)
+            drawings, faults = pictured(case, options.units)
         except VibroimpactError as error:
             reason = str(error)
             status = max(status, 1 if isinstance(error, SingularError) else error.status)
@@ -77,13 +78,18 @@ def draw_all(
             except VibroimpactError as error:
                 options.record.fault(f"{case.name}: {error}")
                 status = max(status, error.status)
+        # a picture does not show that something is missing from it
+        for line in faults if drawings else []:
+            options.record.fault(f"{case.name}: {line}")
+            status = max(status, 1)
     return status
 
 
-def pictured(case: Case, units: str | None) -> Sequence[Callable[..., Any]]:
-    """The functions that draw the pictures of a case, in physical units if they are given."""
+def pictured(case: Case, units: str | None) -> tuple[Sequence[Callable[..., Any]], list[str]]:
+    """The functions that draw the pictures of a case, in physical units if they are given, and what failed."""
     if units == "dimensionless":
-        return [partial(draw, units=units) for draw in pictured(case, None)]
+        drawings, faults = pictured(case, None)
+        return [partial(draw, units=units) for draw in drawings], faults
     if units is not None:  # rejects a case without a picture before anything is computed
         checked_names(units, "--units")
         if case.missing_units:
@@ -91,8 +97,11 @@ def pictured(case: Case, units: str | None) -> Sequence[Callable[..., Any]]:
                 f"--units {units}: must be left out for {case.name}, whose {case.missing_units}"
             )
     with Progress(case.name) as bar:
-        results = case.run(bar.show if bar.wanted else None)
+        found = case.compute(bar.show if bar.wanted else None)
+    found.require()
+    results: Sequence[Any] = found.parts()
     shown = [item for item in results if item.drawable]
     if not shown and any(item.undrawable for item in results):
         raise SingularError(results[0].undrawable)
-    return [(item if units is None else item.physical(units)).plot for item in shown]
+    faults = [text for fault, text in found._result.notes if fault]
+    return [(item if units is None else item.physical(units)).plot for item in shown], faults
