@@ -44,7 +44,7 @@ TYPED = [
     ("vibroimpact find --plot ", {"png", "svg", "pdf"}),
     ("vibroimpact bifurcation --spacing ", {"linear", "geometric"}),
     ("vibroimpact plot --format ", {"png", "svg", "pdf"}),
-    ("vibroimpact init ", {*kinds(structures=False), "structure"}),
+    ("vibroimpact init ", {*kinds(structures=False), "structure", "stops"}),
     ("vibroimpact reproduce tab", {"table1"}),
     ("vibroimpact run inputs/table1", {"inputs/table1.nml", "inputs/table1_single.nml"}),
 ]

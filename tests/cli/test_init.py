@@ -61,7 +61,7 @@ def test_templates_run_through_all_doors(templates, tool, same_build):
     assert contents(templates / "batch") == contents(templates / "python") == found
     for name in kinds():
         (case,) = read_namelist(templates / f"{name}.nml")
-        assert case.kind == ("simulate" if name == "structure" else name)
+        assert case.kind == ("simulate" if name in ("structure", "stops") else name)
 
 
 @pytest.mark.parametrize("name", kinds())

@@ -35,14 +35,29 @@ MOTIONS: Mapping[str, tuple[str, Mapping[str, Any]]] = {
         {"clearance": 37, **PHASES},
     ),
 }
-#: The groups of the example of a structure, and a description of its template.
-STRUCTURE: Sequence[tuple[str, Mapping[str, Any]]] = (
-    ("structure", {"mass": [1, 0.1], "damping": [0.02, 0], "stiffness": [1, 0]}),
-    ("gap", {"direction": [-1, 1], "opening": 0.5, "restitution": 0.8}),
-    ("gap", {"direction": [1, -1], "opening": 0.5, "restitution": 0.8}),
-    ("load", {"frequency": 1.04, "sine": [0.1, 0]}),
-    ("simulate", {"cycles": 50}),
-)
+#: For each template of a structure, a description and the groups of the example.
+STRUCTURES: Mapping[str, tuple[str, Sequence[tuple[str, Mapping[str, Any]]]]] = {
+    "structure": (
+        "simulate a structure with gaps from an initial state",
+        (
+            ("structure", {"mass": [1, 0.1], "damping": [0.02, 0], "stiffness": [1, 0]}),
+            ("gap", {"direction": [-1, 1], "opening": 0.5, "restitution": 0.8}),
+            ("gap", {"direction": [1, -1], "opening": 0.5, "restitution": 0.8}),
+            ("load", {"frequency": 1.04, "sine": [0.1, 0]}),
+            ("simulate", {"cycles": 50}),
+        ),
+    ),
+    "stops": (
+        "simulate a structure with an elastic stop and dry friction from an initial state",
+        (
+            ("structure", {"mass": [1], "damping": [0.1], "stiffness": [1]}),
+            ("stop", {"direction": [1], "opening": 0.5, "stiffness": 20, "damping": 2}),
+            ("friction", {"direction": [1], "slip": 0.1}),
+            ("load", {"frequency": 1.3, "cosine": [1]}),
+            ("simulate", {"cycles": 50}),
+        ),
+    ),
+}
 #: The beginning and the end of a file.
 HEAD = """! {title}.
 ! Run it:   vibroimpact run {file} -o results     (or, without Python, vibroimpact-batch)
@@ -55,8 +70,8 @@ OWN_UNITS = "Units are your own, consistent ones"
 
 
 def kinds() -> tuple[str, ...]:
-    """The kinds of cases of an oscillator, and a structure."""
-    return (*case.kinds(structures=False), "structure")
+    """The kinds of cases of an oscillator, and the templates of structures."""
+    return (*case.kinds(structures=False), *STRUCTURES)
 
 
 def example(kind: str) -> tuple[str, Groups]:
@@ -73,16 +88,14 @@ def example(kind: str) -> tuple[str, Groups]:
 
 def template(kind: str, file: str) -> str:
     """The template of a namelist."""
-    if kind == "structure":
-        title, groups, units = title_of(kind), STRUCTURE, OWN_UNITS
-    else:
-        title, groups, units = title_of(kind), [*example(kind)[1].items()], UNITS
+    title, units = title_of(kind), OWN_UNITS if kind in STRUCTURES else UNITS
+    groups = STRUCTURES[kind][1] if kind in STRUCTURES else [*example(kind)[1].items()]
     lines = [HEAD.format(title=title[0].upper() + title[1:], file=file, units=units)]
     explained: set[str] = set()
     for group, values in [*groups, ("output", {})]:
         given = {name: value for name, value in values.items() if value is not None}
         keys = [f"  {name} = {shown(value)}" for name, value in given.items()]
-        known = keys_for(group, kind == "structure")
+        known = keys_for(group, kind in STRUCTURES)
         lines += [f"&{group}", *(keys if group in explained else key_lines(known, given)), "/\n"]
         explained.add(group)
     return "\n".join(lines).rstrip("\n") + "\n"
@@ -90,9 +103,7 @@ def template(kind: str, file: str) -> str:
 
 def title_of(kind: str) -> str:
     """The title of a template."""
-    if kind == "structure":
-        return "simulate a structure with gaps from an initial state"
-    return example(kind)[0]
+    return STRUCTURES[kind][0] if kind in STRUCTURES else example(kind)[0]
 
 
 def key_lines(keys: Sequence[Mapping[str, Any]], given: Mapping[str, Any]) -> Iterator[str]:
