@@ -267,10 +267,14 @@ def test_namelist_of_a_motion(tmp_path):
 
 def test_guess_by_numbers_is_refused():
     wanted = (
-        r"guess = .*: must be a Motion or a Trajectory, since the structure has stops or friction"
+        r"guess = .*: must be a Trajectory, as from simulate, or a Motion with stops or friction"
     )
     with pytest.raises(vi.ParameterError, match=wanted):
         vi.exact(one_stop(0.5, stiffness=4), vi.Load(0.7, cosine=[1.0]), ([0.3], [0]))
+    # a motion between rigid walls has the impacts alone
+    osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
+    with pytest.raises(vi.ParameterError, match=wanted):
+        vi.exact(osc.at(1.04, 25, friction=0.01), vi.equispaced(osc, 1.04, 25)[0])
 
 
 def of_chance(seed):

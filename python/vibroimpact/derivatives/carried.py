@@ -35,7 +35,7 @@ from ..results.parameters import (
 )
 from ..systems.record import Record
 from ..systems.restitution import to_columns
-from ..systems.structure import Friction, Gap, Load, Stop, Structure
+from ..systems.structure import Friction, Gap, Load, Stop, Structure, counted
 from .gradient import FOLD, NOT_SMOOTH
 
 if TYPE_CHECKING:
@@ -214,7 +214,7 @@ def motion_gradient(motion: Motion, parameters: Sequence[Wanted] | None) -> Grad
         "q_dot": ("impact", "coordinate"), "multipliers": ("multiplier",), "stability_margin": (),
     } | ({"period": ()} if free else {})  # fmt: skip
     word = "impact" if structure._is_rigid else "event"
-    of = f"a motion of a structure with {count} {word}{'s' if count != 1 else ''} in {motion.cycles} cycles"
+    of = f"a motion of a structure with {counted(count, word)} in {counted(motion.cycles, 'cycle')}"
     return Gradient(
         of, names, found, {name: frozen(table) for name, table in slopes.items()}, dimensions, status
     )  # fmt: skip

@@ -107,7 +107,8 @@ def exact_structure(
         phases, gaps, cycles = guess.phases, guess.gaps.tolist(), guess.cycles
     elif elastic:
         raise ParameterError(
-            f"guess = {guess!r}: must be a Motion or a Trajectory, since the structure has stops or friction"
+            f"guess = {guess!r}: must be a Trajectory, as from simulate, or a Motion with stops or friction, "
+            "since their events are part of the motion"
         )
     elif isinstance(guess, tuple) and len(guess) in (2, 3):
         phases, gaps, cycles = guess if len(guess) == 3 else (*guess, 1)

@@ -16,7 +16,7 @@ from ..base.spacing import range_values
 from ..results import door
 from ..results.noun import Noun, column
 from ..systems.oscillator import Oscillator
-from ..systems.structure import Load, Structure
+from ..systems.structure import Load, Structure, counted
 from ..systems.units import SI, has_unit, own_number, positive
 from ..systems.verbs import every_system, physical_arguments
 
@@ -123,20 +123,14 @@ class Decay(Noun, study="decay"):
     def __repr__(self) -> str:
         cut = "" if self.complete else f"; cut short, {self.cut}"
         known = self.damping[np.isfinite(self.damping)]
-        if self.of_structure:
-            runs = "of a structure"
-        else:
-            runs = (
-                "at 1 clearance"
-                if self.clearance.size == 1
-                else f"at {self.clearance.size} clearances"
-            )
+        peaks = counted(self.x.size, "peak")
+        runs = "of a structure"
+        if not self.of_structure:
+            runs = f"at {counted(self.clearance.size, 'clearance')}"
         if not known.size:
-            return f"<Decay {runs}: {self.x.size} peaks{cut}>"
-        return (
-            f"<Decay {runs}: {self.x.size} peaks, damping ratio of a cycle from {known.min():.4g} to "
-            f"{known.max():.4g}{cut}>"
-        )
+            return f"<Decay {runs}: {peaks}{cut}>"
+        damping = f"damping ratio of a cycle from {known.min():.4g} to {known.max():.4g}"
+        return f"<Decay {runs}: {peaks}, {damping}{cut}>"
 
 
 def with_length(function: Callable[Given, Decay]) -> Callable[Given, Decay]:
