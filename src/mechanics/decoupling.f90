@@ -63,8 +63,8 @@ contains
       !> (n, n, 2) The sums of the moduli of the terms of which the entries of C and K were
       !! computed; the moduli of the entries if it is left out.
       real(wp), intent(in), optional :: terms(:, :, :)
-      !> Whether damping may be below 0 by `least_damping`, where differences of parameters and steps
-      !! along branches go beyond the bound 0; not by default.
+      !> Whether damping may be below 0, down to `least_damping`: differences of parameters and
+      !! steps along branches go beyond the bound 0. Not by default.
       logical, intent(in), optional :: may_grow
       real(wp) :: sizes(size(mass, 1), size(mass, 1), 2), least
       integer :: body(size(mass, 1))
