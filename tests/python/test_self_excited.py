@@ -561,7 +561,9 @@ def test_what_is_not_self_excited():
                 verb(motion, ("speed", (0.1, 0.3)), (name, (0.5, 0.9)))
     with pytest.raises(vi.ParameterError, match="a stick level must be at least the slip level"):
         vi.branch(motion, "stick", bounds=(0.5, 1.2))
-    with pytest.raises(vi.ParameterError, match="must be a Motion or a Trajectory"):
+    with pytest.raises(
+        vi.ParameterError, match="must be a Trajectory, as from simulate, or a Motion"
+    ):
         vi.exact(bow(), vi.Load.none(), ([0.1], [0]))
     with pytest.raises(vi.ParameterError, match="a self-excited motion has no load"):
         vi.atlas(bow(), None, ("speed", (0.1, 0.3)), ("frequency", (0.5, 0.9)))
