@@ -266,11 +266,11 @@ def test_restitution_that_depends_on_the_speed():
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"parameter": "width"}, ["parameter", "width", "no such name"]),
+        ({"parameter": "width"}, ["parameter", "width", "no such parameter"]),
         ({"parameter": "opening_7"}, ["opening_7", "2 gaps"]),
         ({"parameter": "mass_0"}, ["mass_0", "row and column"]),
         ({"parameter": "frequency_1"}, ["frequency_1", "no numbers"]),
-        ({"parameter": "constant"}, ["constant", "no effect"]),
+        ({"parameter": "constant"}, ["constant", "it changes nothing"]),
         ({"parameter": "restitution", "bounds": (0.5, 1.2)}, ["bounds[1] = 1.2", "from 0 to 1"]),
         ({"parameter": "restitution", "bounds": (-0.1, 1)}, ["bounds[0] = -0.1", "from 0 to 1"]),
         ({"parameter": "frequency", "bounds": (-1, 2)}, ["bounds[0] = -1.0", "above 0"]),
@@ -278,7 +278,7 @@ def test_restitution_that_depends_on_the_speed():
         ({"bounds": (20, 30)}, ["bounds[0] = 20", "18.5"]),
         ({"bounds": (30, 20)}, ["bounds[1] = 20", "above bounds[0]"]),
         ({"bounds": (math.nan, 30)}, ["bounds[0]", "nan"]), ({"bounds": 3}, ["bounds", "3"]),
-        ({"parameter": ""}, ["parameter", "no such name"]),
+        ({"parameter": ""}, ["parameter", "no such parameter"]),
         ({"at": 1.0}, ["at", "function"]), ({"parameter": rotor}, ["at"]),
         ({"parameter": rotor, "bounds": (-1, 1), "at": 0.5}, ["at", "0.5", "differ from those of the motion"]),
         ({"longest_step": 0.0}, ["longest_step", "0"]), ({"max_points": 3}, ["max_points", "3"]),
