@@ -10,7 +10,7 @@ from shared_design import GOOD, OSC, QUICK
 from vibroimpact.designs.order import Order, asked_by
 from vibroimpact.designs.pool import Pool
 from vibroimpact.designs.problem import OscillatorHost, Outcome, Problem
-from vibroimpact.designs.search import SETTLED, _least, grid, judged, search
+from vibroimpact.designs.search import SETTLED, Archive, _least, grid, judged, other_level, search
 from vibroimpact.results.performance import perform
 from vibroimpact.systems.distribution import uncertain
 
@@ -90,6 +90,14 @@ JOBS = {
 }  # fmt: skip
 
 
+#: A rig whose searches end at different designs of about the same level.
+ROUGH = vi.Oscillator.from_dimensional(M=2.7, K=42e3, xi=0.011, m=0.11, restitution=0.75, F0=6.0)
+ROUGH_JOB = {
+    "r": ("19 Hz", "20.5 Hz"), "free": {"clearance": ("1 mm", "12 mm"), "mu": (0.02, 0.1)},
+    "tolerance": {"restitution": (0.65, 0.8)},
+}  # fmt: skip
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("job", JOBS)
 def test_ten_designs_are_as_good_as_brute_force(job, runs_of_outcomes):
@@ -101,7 +109,7 @@ def test_ten_designs_are_as_good_as_brute_force(job, runs_of_outcomes):
         vi.design(osc, rng=seed, **{"settling": 120, "keep": 16, "samples": 0, **options})
         for seed in range(4)
     ]
-    assert sum(runs_of_outcomes) < 4 * 200_000
+    assert sum(runs_of_outcomes) < 4 * 400_000
     levels = [found.level for found in many]
     assert max(levels) <= 1.02 * min(levels)
     assert all(found.converged for found in many)
@@ -111,18 +119,21 @@ def test_ten_designs_are_as_good_as_brute_force(job, runs_of_outcomes):
     axes = [np.linspace(*map(float, ends), each) for ends in problem.free.values()]
     points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(axes))
     for some in np.array_split(points, 20):
-        # a point is dropped only if its level is certainly above this
+        # a point is dropped only if its level is certainly above this, from these or from other initial states
         pool, limit = Pool(problem, fine), max(levels) / 1.02
-        assert (pool.race(pool.add(some), limit, least=4) > limit).all()
+        lucky = np.flatnonzero(pool.race(pool.add(some), limit, least=4) <= limit)
+        assert all(other_level(pool, one, limit) > limit for one in lucky)
 
 
-def test_candidates_do_not_win_by_luck():
-    """At the level found no unit of a design without tolerances has a bad attractor with a noticeable share.
+@pytest.mark.parametrize("job", ["clearance and mass", "rig"])
+def test_candidates_do_not_win_by_luck(job):
+    """At the level found no unit of a design without tolerances has a bad attractor with a noticeable share, from
+    initial states that the search does not know.
 
-    Beside the best motions of this band lie chaotic ones. By two initial states for each frequency, a search ends
-    at half this level, with a third of all initial states above twice the level.
+    Chaotic motions exist near the best ones of these bands. By two initial states for each frequency, a search
+    ends at half the first level, with a third of all initial states above twice the level.
     """
-    osc, options = JOBS["clearance and mass"]
+    osc, options = JOBS[job]
     found = vi.design(
         osc,
         **{"settling": 120, "keep": 16, "samples": 0, **options, "searches": 1, "evaluations": 32},
@@ -133,7 +144,14 @@ def test_candidates_do_not_win_by_luck():
     target, _ = problem.outcomes(
         np.array([list(found.values.values())]), other.shares, other.nodes, other.places
     )
-    assert (target <= 1.1 * found.level).mean(axis=-1).min() > 0.95
+    good = (target <= 1.03 * found.level).mean(axis=(0, 2, 3))
+    assert good.min() > 0.99
+    # a lucky candidate is recognised: it counts with its level from other states
+    pool = Pool(problem, fine)
+    pool.learn(pool.add(np.array([list(found.values.values())])), np.ones(pool.risk.shape, bool))
+    pool.target *= 0.9
+    pool.bounds[0] *= 0.9
+    assert other_level(pool, 0, np.inf) > 0.91 * found.level
 
 
 def test_the_best_motion_at_resonance_is_equispaced():
@@ -329,9 +347,10 @@ def test_a_search_takes_few_runs(runs_of_outcomes):
         tolerance={"restitution": (0.65, 0.8)}, samples=0, settling=120, keep=16,
     )  # fmt: skip
     searches = len(found.searches["level"])
-    # the first candidates by few runs, random steps around six of them, and 288 for each one judged by all runs
-    assert sum(runs_of_outcomes) < 10_000 * searches
-    assert len(runs_of_outcomes) < 250 * searches
+    # the first candidates by few runs, random steps around six of them, and 288 for each one judged by all runs,
+    # of which some are verified by up to 4,000 runs
+    assert sum(runs_of_outcomes) < 60_000 * searches
+    assert len(runs_of_outcomes) < 350 * searches
 
 
 def test_limits_hold_for_the_design():
@@ -446,6 +465,40 @@ def test_any_seed_gives_the_level_or_says_that_it_has_not_converged(job):
     assert not levels or max(levels) - min(levels) <= 0.02 * min(levels)
 
 
+def test_searches_agree_if_three_end_at_the_best_design():
+    one = {"r": (1.0, 1.02), "free": {"clearance": (20, 45)}, "evaluations": 8, "searches": 1}
+    problem, _ = asked_by(OSC, vi.design(OSC, **{**QUICK, **one}).keys)
+
+    def archive(*ends):
+        found = Archive()
+        for level, value in ends:
+            found.values += [np.array([value]), np.array([value + 1])]
+            found.level += [level, 0.0]  # the second one was not judged by all runs
+            found.runs += [8, 2]
+            found.searches.append((2, level))
+        return found.agree(problem)
+
+    # the range is 20 to 45, of which 0.5 are 2 %
+    assert archive((1.0, 30.0), (1.0, 30.0)) is None
+    assert archive((1.0, 30.0), (1.019, 30.4), (1.01, 29.6)) is True
+    assert archive((1.0, 30.0), (1.021, 30.0), (1.0, 30.0)) is False
+    # about the same levels at different designs say little, the same level says much
+    assert archive((1.0, 30.0), (1.01, 31.0), (1.01, 29.0)) is False
+    assert archive((1.0, 30.0), (1.001, 40.0), (1.002, 21.0)) is True
+    # the best design counts, not the one that was found most often
+    assert archive((1.1, 25.0), (1.1, 25.0), (1.1, 25.0), (1.0, 30.0)) is False
+    assert archive((1.0, 30.0), (1.5, 25.0), (1.0, 30.0), (2.0, 40.0), (1.0, 30.0)) is True
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, 2])
+def test_searches_that_end_at_different_designs_do_not_agree(seed):
+    """On a rough landscape, where the levels of three of eight searches are within 2 % of each other by chance."""
+    found = vi.design(ROUGH, **ROUGH_JOB, samples=0, rng=seed)
+    assert found.converged is False
+    assert found.searches["level"].max() > 1.03 * found.level
+
+
 def test_searches_agree_where_they_converge():
     """Searches that disagree are reported as such."""
     kwargs = {"r": (1.0, 1.02), "free": {"clearance": (20, 45)}, **QUICK, "evaluations": 64}
@@ -453,18 +506,16 @@ def test_searches_agree_where_they_converge():
     assert one.converged
     best = np.sort(one.searches["level"])
     assert one.level == best[0]
-    assert best[2] - best[0] <= 0.02 * best[0]
+    assert np.sum(best <= 1.02 * best[0]) > 2
     assert one.searches["candidates"].sum() == len(one.tried) > len(one.candidates)
     # a single search gives no evidence; three that stop at once need not agree
     assert vi.design(OSC, **{**kwargs, "searches": 1}).converged is None
-    rough = {
-        "r": (0.98, 1.03),
-        "free": {"clearance": (5, 60), "mu": (0.01, 0.1)},
-        "target": "displacement",
-    }
-    one = vi.design(OSC, **{**rough, **QUICK, "evaluations": 16, "searches": 3})
+    one = vi.design(
+        ROUGH,
+        **{**ROUGH_JOB, **QUICK, "evaluations": 16, "searches": 3, "specimens": 8, "nodes": 5},
+    )
     assert one.converged is False
-    assert "not converged: the searches ended at" in one.verdict
+    assert "not converged: fewer than three searches ended at this design" in one.verdict
 
 
 def test_units_and_ctrl_c_in_the_first_search():

@@ -63,8 +63,9 @@ class Design(Noun, study="design", example=EXAMPLE):
     excess : float
         The same quantile of the largest ratio of a quantity to its limit; above 1, no candidate met all limits.
     converged : bool or None
-        Whether the three best of the independent searches ended at the same level within 2 %; None with fewer than
-        three searches. If samples contradicted the searches, this refers to levels by more units.
+        Whether three of the independent searches ended at the best design: at its level within 2 % and its values
+        within 2 % of their ranges, or at another design whose level differs by less than 0.2 %. None with fewer
+        than three searches. If samples contradicted the searches, this refers to levels by more units.
     searches : dict of ndarray
         For each search: the number of its ``candidates``, and the best ``level``.
     worst : float
@@ -155,7 +156,7 @@ class Design(Noun, study="design", example=EXAMPLE):
 
     @property
     def converged(self) -> bool | None:
-        """Whether the best of the independent searches ended at one level, within 2 %; None if not known."""
+        """Whether three of the independent searches ended at the best design; None if not known."""
         return VERDICT[self._one("converged")]
 
     @property
@@ -304,7 +305,10 @@ class Design(Noun, study="design", example=EXAMPLE):
                 value_text(osc, self.target, x, 4)
                 for x in sorted(self.searches["level"], reverse=symbol == ">=")
             )
-            above += f"; not converged: the searches ended at {levels}; more evaluations or searches would help"
+            above += (
+                "; not converged: fewer than three searches ended at this design; their levels: "
+                f"{levels}; more evaluations or searches would help"
+            )
         if self.limit is None:
             level = value_text(osc, self.target, self.level, 4)
             return f"{self._target_text} {symbol} {level} for {share} of the search{above}"
@@ -505,7 +509,7 @@ def designed(problem: Problem, order: Order, case: str, progress: door.Progress 
             "level": order.sign * level, "excess": archive.excess[best],
             "worst": order.sign * archive.worst[best], "samples": 0, "failed": 0, "probability": math.nan,
             "low": math.nan, "high": math.nan, "feasible": CODE_OF[None],
-            "converged": CODE_OF[archive.agree],
+            "converged": CODE_OF[archive.agree(problem)],
         }),
         "searches": (("search",), {
             "candidates": [many for many, _ in archive.searches],
@@ -560,9 +564,9 @@ def design(
 
     A candidate is evaluated by the `quantile` of the target over uncertain units, at the worst frequency of the
     band and over the attractors that initial states reach. Global searches find the region, and descent along the
-    gradients of the worst units refines it (extra `design`); the searches end when three of them agree. The result
-    is then confirmed by independent samples: each is a unit with random parameters at a random frequency and load
-    of the band.
+    gradients of the worst units refines it (extra `design`); the searches end when three of them find one design.
+    The result is then confirmed by independent samples: each is a unit with random parameters at a random
+    frequency and load of the band.
 
     Parameters
     ----------
@@ -614,15 +618,16 @@ def design(
         For a structure: the coordinate whose motion counts, or the name of one of its outputs.
     states : int
         Number of initial states of each unit. In the search it is larger if there are few units and frequencies,
-        up to 200, of which the worst one does not count: a few would miss bad attractors.
+        up to 200, of which the worst one does not count: a few would miss bad attractors. The best candidates of
+        an oscillator are verified by 4,000 further runs, of which 0.5 % at a frequency may be above the level.
     samples : int
         Number of samples of the confirmation, at least 10; 0 for none.
     evaluations : int
         Number of first candidates of each global search, at least 8 for each free parameter; as long as the
         searches do not agree, it doubles after every third search.
     searches : int
-        Largest number of independent global searches. They end when the best levels of three of them differ by at
-        most 2 %; otherwise `Design.converged` is False.
+        Largest number of independent global searches. They end when three of them find the best design;
+        otherwise `Design.converged` is False.
     specimens, nodes : int
         Numbers of units and frequencies for which the best candidates are evaluated.
     settling, keep : int

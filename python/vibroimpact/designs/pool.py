@@ -55,6 +55,8 @@ class Pool:
         self.known = np.empty((0, *shape), bool)
         self.bounds = np.empty(0)
         self.risk = np.zeros(shape) if risk is None else np.minimum(risk, HUGE)
+        #: Candidates that were also judged from other initial states.
+        self.verified: set[int] = set()
         # how many units, or initial states of units, may be above the level at a frequency
         many = shape[1] * (shape[2] if problem.weighted else 1) - 1
         self.spare: int = many - math.ceil(problem.quantile * many)

@@ -15,8 +15,10 @@ from .problem import Problem
 
 _Array = NDArray[np.float64]
 _Indices = NDArray[np.intp]
-#: Largest relative difference of the levels of two searches that agree.
-AGREEMENT = 0.02
+#: Largest relative difference of the levels of two searches that agree, and largest difference of their designs,
+#: as a share of the ranges. Searches that end at different designs agree only if their levels differ by less than the
+#: last number: on a rough landscape levels are about the same by chance.
+AGREEMENT, NEAR, EQUAL = 0.02, 0.02, 0.002
 #: Relative gain below which a better candidate is not worth its evaluation.
 SETTLED = 5e-4
 #: The same before the descent, or if there are more than `MANY` runs; and half of the share within which a search
@@ -27,6 +29,9 @@ HEADS, TRIALS = 6, 6
 #: With fewer pairs of a frequency and a unit than this, each unit has more initial states, for twice as many runs
 #: in all, but at most `MOST`. Otherwise candidates win by luck: their runs miss a bad attractor beside a good one.
 LEAST, MOST = 280, 200
+#: Number of runs from other initial states by which the best candidates are verified, and the share of the runs at
+#: a frequency that may be above the level, if the quantile does not allow more.
+VERIFIED, RARE = 4000, 0.005
 #: Number of steps after which the better half of these candidates is kept, and of all steps.
 HALVED, STEPS = 3, 12
 #: Number of descents by the worst runs of a candidate, each followed by a judgement by all runs.
@@ -73,6 +78,8 @@ class Archive:
         found = np.full((4, len(pool.values)), np.nan)
         found[1] = pool.bounds
         found[:, done] = levels_of(pool.problem, pool.target[done], pool.excess[done])
+        # levels of candidates that were verified may be higher
+        found[1, done] = pool.bounds[done]
         best = int(done[np.argmin(found[1, done])])
         if not self.level or found[1, best] < self.level[self.best]:
             self.grid, self.targets = pool.grid, pool.target[best]
@@ -84,10 +91,20 @@ class Archive:
 
     def promising(self, number: int, width: _Array, most: int = HEADS) -> _Array:
         """The best candidates (n, free) of a search, those evaluated for all runs first."""
-        begin = sum(many for many, _ in self.searches[:number])
-        some = slice(begin, begin + self.searches[number][0])
+        some = self.of(number)
         order = np.lexsort((np.array(self.level[some]), ~self.complete[some]))
         return _apart(np.array(self.values[some])[order], width, most)
+
+    def of(self, number: int) -> slice:
+        """The candidates of a search."""
+        begin = sum(many for many, _ in self.searches[:number])
+        return slice(begin, begin + self.searches[number][0])
+
+    def best_of(self, number: int) -> int:
+        """Index of the best candidate of a search."""
+        some = self.of(number)
+        level = np.where(self.complete[some], self.level[some], np.inf)
+        return int(some.start + np.argmin(level))
 
     @property
     def complete(self) -> NDArray[np.bool_]:
@@ -95,14 +112,19 @@ class Archive:
         runs = np.array(self.runs)
         return np.asarray(runs == runs.max())
 
-    @property
-    def agree(self) -> bool | None:
-        """Whether the three best searches ended within `AGREEMENT` of one level.
+    def agree(self, problem: Problem) -> bool | None:
+        """Whether three searches ended at the best design, see `alike`.
 
         None for fewer, since two searches may do so by chance.
         """
-        levels = sorted(level for _, level in self.searches)
-        return levels[2] - levels[0] <= AGREEMENT * abs(levels[0]) if len(levels) > 2 else None
+        if len(self.searches) < 3:
+            return None
+        ends = [self.best_of(number) for number in range(len(self.searches))]
+        return sum(alike(problem, self.at(end), self.at(self.best)) for end in ends) > 2
+
+    def at(self, candidate: int) -> tuple[float, _Array]:
+        """The level and the values of a candidate."""
+        return self.level[candidate], self.values[candidate]
 
     @property
     def best(self) -> int:
@@ -178,8 +200,8 @@ def search(
 ) -> Archive:
     """Run the searches; return the candidates evaluated for all units. The best one has the lowest level.
 
-    Independent searches are run one after another until the best levels of three of them agree: searches that
-    missed the best region are unlikely to end at the same level. As long as they do not, their number of
+    Independent searches are run one after another until three of them end at the best design: searches that
+    missed the best region are unlikely to end at the same design. As long as they do not, their number of
     candidates doubles after every third search.
 
     Parameters
@@ -206,7 +228,7 @@ def search(
                 many = max(order.evaluations, 8 * len(problem.free))
                 pool.add(problem.at(_even_start(len(problem.free), many << number // 3, rng)))
                 explored(pool, rng, report)
-            refined(pool, rng, archive.level[archive.best] if archive.level else np.inf, report)
+            refined(pool, rng, archive.at(archive.best) if archive.level else None, report)
             archive.add(pool)
         except KeyboardInterrupt:
             # if the first search was stopped: its candidates so far
@@ -215,7 +237,7 @@ def search(
                     raise
                 archive.add(pool)
             archive.stopped = True
-        if archive.agree or archive.stopped:
+        if archive.agree(problem) or archive.stopped:
             break
         risk = pool.risk
     return archive
@@ -252,16 +274,31 @@ def explored(pool: Pool, rng: np.random.Generator, progress: door.Progress | Non
             heads, radius = heads[kept], radius[kept]
 
 
+def alike(
+    problem: Problem,
+    one: tuple[float, _Array],
+    best: tuple[float, _Array],
+    share: float = AGREEMENT,
+) -> bool:
+    """Whether a level and its design agree with the best ones: a level within a share and a design within `NEAR`,
+    or a level within `EQUAL`."""
+    apart = abs(problem.shares(one[1]) - problem.shares(best[1])).max()
+    share = share if apart <= NEAR else EQUAL
+    return bool(one[0] <= best[0] + share * abs(best[0]))
+
+
 def refined(
-    pool: Pool, rng: np.random.Generator, best: float, progress: door.Progress | None
-) -> None:
+    pool: Pool, rng: np.random.Generator, best: tuple[float, _Array] | None,
+    progress: door.Progress | None,
+) -> None:  # fmt: skip
     """Find the best candidate of a pool, judged by all runs, and descend from it.
 
-    There is no descent if its level is about the best one of other searches.
+    There is no descent if it is about the best one of other searches.
     """
     told(progress, 0.6, "best candidates")
-    here = _least(pool, ROUGHLY)
-    if best <= pool.bounds[here] <= best + 2 * ROUGHLY * abs(best):
+    here = verified(pool, ROUGHLY)
+    found = float(pool.bounds[here]), pool.values[here]
+    if best is not None and best[0] <= found[0] and alike(pool.problem, found, best, 2 * ROUGHLY):
         return
     turns = TURNS if pool.risk.size <= MANY else TURNS // 2
     for turn in range(turns):
@@ -269,7 +306,7 @@ def refined(
         pool.look_at(here, 1.0)
         if descended(pool, here, rng) == here:
             break
-        before, here = here, _least(pool, _settled(pool))
+        before, here = here, verified(pool, _settled(pool))
         if here == before:
             break
 
@@ -298,6 +335,45 @@ def stepped(
 def _settled(pool: Pool) -> float:
     """The share of a level below which a gain is not worth the evaluations that it takes."""
     return SETTLED if pool.risk.size <= MANY else ROUGHLY
+
+
+def verified(pool: Pool, share: float) -> int:
+    """The best candidate, as `_least`, of those that are as good from other initial states.
+
+    Of many candidates that a bad attractor makes unreliable, some win by luck. Their levels become those from
+    these states.
+    """
+    while True:
+        here = _least(pool, share)
+        if here in pool.verified or not pool.problem.quick:
+            return here
+        pool.verified.add(here)
+        known = float(pool.bounds[here])
+        pool.bounds[here] = max(known, other_level(pool, here, known + AGREEMENT * abs(known)))
+
+
+def other_level(pool: Pool, candidate: int, limit: float) -> float:
+    """The level of a candidate from other initial states, or a lower bound of it that is above a limit."""
+    problem, grid = pool.problem, pool.grid
+    nodes, units = len(grid.nodes), grid.shares.shape[1]
+    states = -(-VERIFIED // (nodes * units))
+    places = np.random.default_rng(2).uniform(-1, 1, (4, states))
+    # as rare as the grid can tell
+    rare = max(
+        1 - problem.quantile if problem.weighted else 0, RARE, 1 / (units * grid.places.shape[1])
+    )
+    spare = int(rare * (units * states - 1))
+    figures = np.full((2, nodes, 0), -np.inf)
+    level = -np.inf
+    for some in np.array_split(places, min(10, states), axis=1):
+        found = problem.outcomes(pool.values[[candidate]], grid.shares, grid.nodes, some)
+        figures = np.concatenate([figures, np.stack(found).reshape(2, nodes, -1)], axis=2)
+        if figures.shape[2] > spare:
+            target, over = np.partition(figures, -1 - spare, axis=2)[..., -1 - spare].max(axis=1)
+            level = float(penalised(target, over))
+        if level > limit:
+            break
+    return level
 
 
 def _least(pool: Pool, share: float) -> int:

@@ -43,7 +43,8 @@ ALIKE = 1e-6
 SETTLING, NEAR = 500, 0.05
 #: What may be the reason why no motion is found from a simulation.
 UNSETTLED = (
-    "the simulation may not have settled on a period; discard more load cycles, unless it is chaotic (see `lyapunov`)"
+    "the simulation may not have settled on a period; discard more load cycles, unless it is chaotic "
+    "(see `lyapunov`)"
 )
 
 

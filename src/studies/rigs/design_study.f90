@@ -134,7 +134,7 @@ module vi_design_study
       key_type('evaluations', a_whole, default='96', low=8.0_wp, high=1.0e6_wp, &
       meaning='first candidates of each global search'), &
       key_type('searches', a_whole, default='8', low=1.0_wp, high=1000.0_wp, &
-      meaning='maximum number of independent global searches; they end when three agree'), &
+      meaning='maximum number of independent global searches; they end when three find one design'), &
       key_type('specimens', a_whole, default='16', low=1.0_wp, high=1.0e5_wp, &
       meaning='units by which the best candidates are judged'), &
       key_type('nodes', a_whole, default='9', low=2.0_wp, high=1.0e4_wp, &
@@ -178,8 +178,7 @@ module vi_design_study
       column_type('design', 'feasible', verdicts, listed=.false., meaning='whether the limit &
       &holds for the quantile of the units in every part of the band'), &
       column_type('design', 'converged', verdicts, listed=.false., &
-      meaning='whether the three best searches ended at the same level; not known with &
-      &fewer than three'), &
+      meaning='whether three searches ended at the best design; not known with fewer'), &
       column_type('searches', 'candidates', wholes, listed=.false., &
       meaning='candidates of a search'), &
       column_type('searches', 'level', unit='mixed', listed=.false., meaning='its best level'), &
