@@ -17,7 +17,15 @@ from numpy.typing import NDArray
 from ..base.errors import SingularError
 from ..base.libraries import scipy
 from .coupled import banded, own_blocks, passed_on, scaled_solve, slopes
-from .fit import DOUBTFUL, FAR_OFF, Fit, covariance_of, far_off_gain
+from .fit import (
+    DOUBTFUL,
+    FAR_OFF,
+    TYPICAL_FRICTION,
+    VAGUE,
+    Fit,
+    covariance_of,
+    far_off_gain,
+)
 from .friction import Slips, slips_of
 from .known import HINT
 from .laws import Law
@@ -99,6 +107,8 @@ class Impacts:
             x.copy() for x in (flown.states, flown.spread, flown.turned)
         )
         t, X, V, after = windows.events(self.states, flown.common, flown.times)
+        push = self.take(windows.slips, windows.friction, windows.static)
+        X, V, after = (x + push * self.beside[i] for x, i in ((X, 0), (V, 1), (after, 1)))
         # no data of unresolved impacts are used
         t[~resolved], X[~resolved], V[~resolved], after[~resolved] = flown.times[~resolved], 0, 0, 0
         duration = np.diff(t)
@@ -107,11 +117,14 @@ class Impacts:
         of_x, of_d = np.zeros((2, N))
         of_x[1:-1], of_d[1:-1] = np.diff(first), np.diff(second)
         jumps = after - V
+        # friction bends the flights of the free mass
+        bent = push * float(flown.common[0]) ** 2
+        jumps[1:-1] += bent * (np.diff(self.mean) + self.once[:-1])
         values = dict(shared)
         values |= start_of_laws(jumps[lawful], of_x[lawful], of_d[lawful], shared, guess)
         z_after, z_before = np.zeros((2, N))
-        z_after[:-1] = first + values["d"] * second
-        z_before[1:] = z_after[:-1]
+        z_after[:-1] = first + values["d"] * second + bent / values["mu"] * self.mean
+        z_before[1:] = z_after[:-1] - bent / values["mu"] * self.once
         closing = signs * (z_before - V)
         good = lawful & (closing > 0)
         ratio = np.where(good, signs * (after - z_after), 0) / np.where(good, closing, 1)
@@ -138,7 +151,7 @@ class Impacts:
         self.walls = [law.of_wall(i) for i in (0, 1)]
         # known values, with respect to which derivatives are computed after the fit, and the absence of drift
         self.held = [name for name in ("mu", *law.names, "d") if name in shared]
-        self.values |= dict.fromkeys(DRIFTS, 0.0)
+        self.values |= dict.fromkeys(DRIFTS, 0.0) | {"friction": windows.friction}
         self.elapsed = flown.times[1:-1] / np.ptp(windows.t)
         self.active = lawful[1:-1].copy()
         self.g = np.array([values[name] for name in self.names])
@@ -152,27 +165,39 @@ class Impacts:
                 *self.typical,
             ]
         )
-        #: The slip in the flights, if friction is part of the equations.
-        self.slips: Slips | None = None
         #: Time of flight of the free mass before each impact and after the last (N - 1), s.
         self.duration = duration
 
+    def take(self, slips: Slips | None, friction: float, static: float) -> float:
+        """Take friction into account in the equations, for a static displacement under F0; return the static
+        displacement under the friction."""
+        #: The slip in the flights, if friction is part of the equations.
+        self.slips, self.static = slips, static
+        N = self.flown.times.size
+        #: Response of the primary mass and its rate at the impacts, and integrals over the flights between them.
+        self.beside, self.once, self.mean = np.zeros((2, N)), np.zeros(N - 1), np.zeros(N - 1)
+        if slips is not None:
+            self.beside = np.stack([slips.at(self.flown.times, order) for order in (0, 1)])
+            self.once, self.mean = slips.between(self.flown.times)
+        return friction * static
+
     def constraints(self, states: Any, common: Any, g: Any) -> Any:
         """Momentum and restitution at the inner impacts (..., N - 2, 2)."""
-        every, signs, slips = [*self.names, *self.held, *DRIFTS], self.signs, self.slips
+        every, signs, rubs = [*self.names, *self.held, *DRIFTS], self.signs, self.slips is not None
         value = {**self.values, **{every[j]: g[..., j, None] for j in range(g.shape[-1])}}
-        aside = None
-        if slips is not None:
-            push = value["friction"] * common[..., None, 2]
-            aside = [push * beside for beside in slips.beside]
-        t, X, V, after = self.windows.events(states, common, self.flown.times, aside)
+        t, X, V, after = self.windows.events(states, common, self.flown.times)
+        if rubs:
+            push = value["friction"] * self.static
+            x, v = self.beside
+            X = X + push * (x + v * (t - self.flown.times))
+            V, after = V + push * v, after + push * v
         z = X + 0.5 * signs * value["d"] * value["gain"]
         flight = np.diff(z, axis=-1) / np.diff(t, axis=-1)
         one, two = flight[..., :-1], flight[..., 1:]
-        if slips is not None:
+        if rubs:
             drag = push * common[..., None, 0] ** 2 / value["mu"]
-            one = one + (drag * (slips.mean - slips.once))[..., :-1]
-            two = two + (drag * slips.mean)[..., 1:]
+            one = one + (drag * (self.mean - self.once))[..., :-1]
+            two = two + (drag * self.mean)[..., 1:]
         V, after, sign = V[..., 1:-1], after[..., 1:-1], signs[1:-1]
         speed = sign * (one - V)
         # the law depends on speeds, which the sensor scales by its gain
@@ -223,8 +248,17 @@ class Impacts:
         along = np.linspace(0, 1, ALONG)
         x = np.zeros((N + 1, ALONG))
         x[1:-1] = np.diff(t)[:, None] * along + t[:-1, None]
-        x = self.windows.displacements(here, common, x)[1:-1]
-        apart = abs(np.diff(z)[:, None] * along + z[:-1, None] - x).max(axis=1)
+        times, x = x[1:-1], self.windows.displacements(here, common, x)[1:-1]
+        path = np.diff(z)[:, None] * along + z[:-1, None]
+        if self.slips is not None:
+            push = self.values["friction"] * self.static
+            x = x + push * self.slips.at(times, 0)
+            # chords between the ends of the bent flights
+            twice = self.slips.sums(times)[1]
+            chord = twice[:, :1] + (twice[:, -1:] - twice[:, :1]) * along
+            mu = value.get("mu", self.values["mu"])
+            path = path + push * self.slips.omega**2 / mu * (chord - twice)
+        apart = abs(path - x).max(axis=1)
         # flights of the equations that are used
         active = np.zeros(N, dtype=bool)
         active[1:-1] = at.ok
@@ -235,23 +269,25 @@ class Impacts:
         return crossed
 
     def rubbed(self, at: Minimum) -> tuple[Flown, _Array]:
-        """The flights with friction as the only known common parameter, which is 0, and the derivatives of all
-        equations with respect to it (equations, 1)."""
+        """The flights with friction as the only known common parameter, and the derivatives of all equations with
+        respect to it (equations, 1)."""
         value = self.values | dict(zip(self.names, at.g.tolist(), strict=True))
         here, common = self.here(at), self.common(at.change)
         flown, windows = self.flown, self.windows
-        self.slips = slips = slips_of(
-            windows, here, common, self.signs, value["d"] * value["gain"], flown.resolved
-        )
+        if self.slips is None:
+            self.take(slips_of(windows, flown, here, common, value, 0.0), 0.0, float(common[2]))
+        assert self.slips is not None
         states, inverse, _, left, _, _ = windows.fitted(windows.common)
-        turned, slope, weight, shared = windows.along(slips.samples, states, inverse, left)
+        samples = self.static * self.slips.at(windows.t[windows.used], windows.data.order)
+        turned, slope, weight, shared = windows.along(samples, states, inverse, left)
         every = flown._replace(
             held=np.array([shared.size]), slope=np.append(flown.slope, slope),
             every_weight=np.block([[flown.every_weight, shared[:, None]], [shared, weight]]),
         )  # fmt: skip
         held, self.held = self.held, ["friction"]
-        _, A, C, G = slopes(self.constraints, here, common, np.append(at.g, 0.0), flown.free[:0])
-        self.held, self.slips = held, None
+        at_it = np.append(at.g, self.values["friction"])
+        _, A, C, G = slopes(self.constraints, here, common, at_it, flown.free[:0])
+        self.held = held
         by: _Array = passed_on(A, C, turned[..., None]) + G[..., -1:]
         by[~at.ok] = 0
         return every, by.reshape(-1, 1)
@@ -403,7 +439,12 @@ def by_laws(
     windows: Windows, flown: Flown, shared: Mapping[str, float], guess: Mapping[str, float], law: Law,
     law_speed: float | None,
 ) -> tuple[Fit, Law, _Bool]:  # fmt: skip
-    """The parameters from momentum and restitution at all impacts, and the impacts for which these laws hold."""
+    """The parameters from momentum and restitution at all impacts, and the impacts for which these laws hold.
+
+    If the response to friction is not part of the flights, the friction is known, or fitted if it is not among the
+    `shared` values: then the value is the one that was taken out of the record, and the strain says how far from the
+    fitted one it is.
+    """
     for _ in range(CROSSINGS):
         impacts = Impacts(windows, flown, shared, guess, law, law_speed)
         minima = impacts.minima()
@@ -467,12 +508,18 @@ def by_laws(
         [passed_on(A, C, flown.every_turned[:, :, flown.held]), G[..., g.size :]], axis=-1
     )
     by_held[~best.ok] = 0
-    of_held, leans = held_strains(
-        flown, [*(("omega", "xi")[i] for i in flown.held), *tested], by_held.reshape(-1, by_held.shape[-1]),
-        best.multiplier, change, best.cov, best.B, covariance, variance, places,
-    )  # fmt: skip
-    # no friction; by all information, part of which is that of noise, since friction may resemble other parameters
+    by_held = by_held.reshape(-1, by_held.shape[-1])
     every, by_friction = impacts.rubbed(best)
+    fitted = law.friction and "friction" not in shared
+    H = flown.held.size
+    both = every._replace(held=np.append(flown.held, every.held)) if fitted else flown
+    of_held, leans = held_strains(
+        both,
+        [*(("omega", "xi")[i] for i in flown.held), *["friction"] * fitted, *tested],
+        np.column_stack([by_held[:, :H], by_friction, by_held[:, H:]]) if fitted else by_held,
+        best.multiplier, change, best.cov, best.B, covariance, variance, places, H if fitted else None,
+    )  # fmt: skip
+    # of friction by all information, part of which is that of noise, since it may resemble other parameters
     inverse = np.asarray(
         np.linalg.pinv(best.information * sizes, rcond=1e-12, hermitian=True) * sizes, dtype=np.float64
     )  # fmt: skip
@@ -484,6 +531,19 @@ def by_laws(
     leans = {name: by for name, by in leans.items() if name not in DRIFTS}
     strains |= of_held
     covariance = variance * covariance + beyond(minima, variance)
+    if fitted:
+        # all parameters change with friction, whose error is that of its score test
+        strain = strains.get("friction")
+        error = strain.change / strain.size if strain and strain.size else math.inf
+        lean = np.append([leans["friction"][name] for name in places], 1.0)
+        covariance = np.block([[covariance, np.zeros((len(places), 1))], [np.zeros((1, len(places) + 1))]])
+        if math.isfinite(error):
+            covariance += np.outer(lean, lean) * error**2
+        places.append("friction")
+        order.insert(len(order) - ("F0/K 0" in order), "friction")
+        if not error < VAGUE * TYPICAL_FRICTION:
+            vague = vague | {places.index("friction")}
+        del leans["friction"]
     columns = [places.index(name) for name in order]
     values |= {"omega": float(common[0]), "xi": float(common[1])}
     values |= dict(zip(names, g.tolist(), strict=True))
@@ -498,7 +558,8 @@ def by_laws(
         {name: values[name] for name in law.shared}, [float(common[2])], [float(common[3])], [], order,
         part, [name for name in order if places.index(name) in vague],
         [misfit * flown.colour], variance, strains=strains, leans=leans, drifts=drifts, early=flown.early,
-        most=min(DOUBTFUL, flown.colour * bearable(count - g.size)),
+        most=min(DOUBTFUL, flown.colour * bearable(count - g.size)), slips=impacts.slips,
+        gain=float(g[-1]) if calibration else 1.0,
     )  # fmt: skip
     possible(found, int(best.ok.sum()))
     return found, law, lawful

@@ -69,6 +69,8 @@ class Fit:
     most: float = DOUBTFUL
     #: Variance that flights leave just after impacts over that which they leave later.
     early: float = 1.0
+    #: The slip of the free mass, for a friction over F0 of its own, of single flights.
+    slips: Any = None
     #: Why the impacts contradict momentum and restitution, where flights alone are fitted.
     against: str = ""
 

@@ -9,7 +9,8 @@ to an impulse.
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +23,9 @@ from ..systems.structure import Load
 from .flights import Measured, predicted
 from .laws import Law
 from .motions import FARTHEST, MOST_STEPS, SETTLED, STEP, TOUCHING, Impacting, System
-from .windows import Windows
+
+if TYPE_CHECKING:
+    from .windows import Flown, Windows
 
 _Array = NDArray[np.float64]
 _Ints = NDArray[np.int64]
@@ -30,6 +33,9 @@ _Ints = NDArray[np.int64]
 ALONG, LOOKS = 200, 3
 #: Least friction over F0 of a motion of the core; without friction the motion has other events.
 LEAST = 1e-9
+#: Acceleration of the primary mass where the slip reverses, relative to the largest one at which friction sticks,
+#: below which a flight counts as one that sticks.
+STICKS = 1.2
 
 
 class Rubbing(System):
@@ -298,69 +304,165 @@ def of_no_friction(data: Measured, law: Any, p: _Array, motion: Impacting) -> Im
     return Rubbing(data, law).motion(np.append(p, 0.0), motion.angles, motion.jumps)
 
 
-class Slips(NamedTuple):
-    """The sign of the slip in the flights of a record that is not periodic, and the effect of a friction of F0."""
+class Slips:
+    """The sign of the slip of the free mass during a record that is not periodic, as steps at impacts and reversals,
+    and the response of the primary mass to a force of this sign, in units of its static displacement.
 
-    #: (n) Derivatives of the used samples.
-    samples: _Array
-    #: (3, N) Displacement and velocity of the primary mass just before each impact, displacement just after it,
-    #: over F0/K.
-    beside: _Array
-    #: (N - 1) For the flights between impacts: integral of the sign, and of it times the time left, over the
-    #: duration.
-    once: _Array
-    mean: _Array
+    The sign is 0 in flights without a known slip and in those in which friction sticks.
+    """
+
+    def __init__(
+        self, times: _Array, changes: _Array, turns: _Array, stuck: int, omega: float, xi: float
+    ) -> None:
+        self.times, self.changes = times, changes
+        #: Times of the reversals, and the number of flights in which friction sticks.
+        self.turns, self.stuck = turns, stuck
+        self.omega, self.xi = omega, xi
+        self.pole = omega * complex(-xi, math.sqrt(1 - xi**2))
+        # from each step on: the response without its end, which is the sign
+        of_step, now = complex(-1, xi / math.sqrt(1 - xi**2)), 0j
+        waves = [now]
+        gaps = np.diff(times, prepend=times[:1])
+        for fade, change in zip(np.exp(self.pole * gaps).tolist(), changes.tolist(), strict=True):
+            now = now * fade + change * of_step
+            waves.append(now)
+        self.waves = np.array(waves)
+        self.begins = np.append(times[:1], times)
+        self.signs = np.append(0.0, np.cumsum(changes))
+        # the integral of the sign until each step, and the integral of this
+        once = np.cumsum(self.signs[:-1] * gaps)
+        twice = np.cumsum(np.append(0.0, once[:-1]) * gaps + 0.5 * self.signs[:-1] * gaps**2)
+        self.once, self.twice = (np.append(0.0, x) for x in (once, twice))
+
+    def _places(self, t: _Array) -> tuple[NDArray[np.int64], _Array]:
+        """The last steps before given times, and the times since then."""
+        step = np.searchsorted(self.times, t, side="right")
+        return step, np.maximum(t - self.begins[step], 0.0)
+
+    def at(self, t: _Array, order: int) -> _Array:
+        """A derivative of the response."""
+        if not self.times.size:
+            return np.zeros(np.shape(t))
+        step, since = self._places(t)
+        wave = self.waves[step] * self.pole**order * np.exp(self.pole * since)
+        found: _Array = wave.real + (self.signs[step] if order == 0 else 0.0)
+        return found
+
+    def sign(self, t: _Array) -> _Array:
+        """The sign of the slip."""
+        if not self.times.size:
+            return np.zeros(np.shape(t))
+        found: _Array = self.signs[self._places(t)[0]]
+        return found
+
+    def sums(self, t: _Array) -> tuple[_Array, _Array]:
+        """The integral of the sign from the first step on, and the integral of this integral."""
+        if not self.times.size:
+            return np.zeros(np.shape(t)), np.zeros(np.shape(t))
+        step, since = self._places(t)
+        sign, once = self.signs[step], self.once[step]
+        return once + sign * since, self.twice[step] + once * since + 0.5 * sign * since**2
+
+    def between(self, t: _Array) -> tuple[_Array, _Array]:
+        """For the flights between given times: the integral of the sign, and that of it times the time left over
+        the duration."""
+        once, twice = self.sums(t)
+        T = np.diff(t)
+        T = np.where(T == 0, 1.0, T)
+        return np.diff(once), (np.diff(twice) - once[:-1] * T) / T
 
 
 def slips_of(
-    windows: Windows, states: _Array, common: _Array, signs: _Array, d: float, resolved: NDArray[np.bool_]
+    windows: Windows, flown: Flown, states: _Array, common: _Array, values: Mapping[str, float], friction: float
 ) -> Slips:  # fmt: skip
-    """The slip of the free mass, straight between impacts; flights that do not end at resolved impacts do
-    not count."""
-    N = signs.size
-    t, X, _, _ = windows.events(states, common, windows.times)
-    z = X + 0.5 * signs * d
-    static, omega, xi = float(common[2]), float(common[0]), float(common[1])
-    samples, beside = np.zeros(windows.used.size), np.zeros((3, N))
-    once, mean = np.zeros((2, N - 1))
-    edges = np.searchsorted(windows.flight[windows.used], np.arange(N + 2))
+    """The slip in the flights of a record, for given masses, clearance and friction over F0.
+
+    A flight whose two impacts are resolved has a known mean velocity of the free mass, and its neighbours have a
+    known velocity at the impact between, by the conservation of momentum. The others have no known slip.
+    """
+    resolved, signs = flown.resolved, np.sign(flown.jumps)
+    omega, xi, static = (float(common[i]) for i in range(3))
+    slips = windows.slips or Slips(*np.zeros((3, 0)), 0, omega, xi)
+    t, X, V, after = windows.events(states, common, flown.times)
+    t = np.where(resolved, t, flown.times)
+    size = windows.friction * windows.static
+    X, V, after = (
+        x + size * slips.at(t, order) for x, order in ((X, 0), (V, 1), (after, 1))
+    )
+    z = X + 0.5 * signs * values["d"] * values.get("gain", 1.0)
+    push = friction * static * omega**2
+    drag = push / values["mu"]
+    sticking = STICKS * push * (1 + 1 / values["mu"])
     part = (np.arange(ALONG) + 0.5) / ALONG
-    inner = t[:-1, None] + np.diff(t)[:, None] * part
-    velocity = windows.velocities(states[1:-1], common, inner, windows.begins[1:-1])
-    for i in np.flatnonzero(resolved[:-1] & resolved[1:]).tolist():
-        T = float(t[i + 1] - t[i])
-        slip = np.concatenate([[-signs[i]], (z[i + 1] - z[i]) / T - velocity[i], [signs[i + 1]]])
-        x = np.concatenate([t[i : i + 1], inner[i], t[i + 1 : i + 2]])
-        places = np.flatnonzero(np.sign(slip[1:]) * np.sign(slip[:-1]) < 0)
-        share = slip[places] / (slip[places] - slip[places + 1])
-        share[(places == 0) | (places == ALONG)] = 0.5
-        turns = x[places] + share * (x[places + 1] - x[places])
-        changes = 2 * signs[i] * (-1.0) ** np.arange(turns.size)
-        left = t[i + 1] - turns
-        once[i] = -signs[i] * T + changes @ left
-        mean[i] = (-signs[i] * T**2 + changes @ left**2) / (2 * T)
-        beside[0, i + 1] = -signs[i] + changes @ stepped(left, omega, xi, 0)
-        beside[1, i + 1] = changes @ stepped(left, omega, xi, 1)
-        beside[2, i] = -signs[i]
-        own = slice(*edges[i + 1 : i + 3].tolist())
-        since = windows.t[windows.used[own]][:, None] - turns
-        order = windows.data.order
-        samples[own] = (
-            np.where(since > 0, stepped(np.maximum(since, 0.0), omega, xi, order), 0.0) @ changes
+    begins, ends = np.append(windows.t[0], t), np.append(t, windows.t[-1])
+    T = np.maximum(ends - begins, 0.0)
+    inner = begins[:, None] + T[:, None] * part
+    with np.errstate(all="ignore"):  # for flights that do not exist
+        velocity = windows.velocities(states, common, inner, windows.begins)
+        rate = np.gradient(velocity, axis=1) / (T / ALONG)[:, None]
+        damped = 2 * xi * omega * slips.at(inner, 1) + omega**2 * slips.at(inner, 0)
+        velocity = velocity + size * slips.at(inner, 1)
+        rate = rate - size * damped
+        known = np.zeros(T.size, dtype=bool)
+        known[1:-1] = resolved[:-1] & resolved[1:]
+        mean = np.where(known[1:-1], np.diff(z) / T[1:-1], 0.0)
+        passed = (after - V) / values["mu"]
+    for _ in range(LOOKS if friction else 1):
+        bent = np.zeros((T.size, ALONG))
+        whole, start = np.zeros(T.size), np.zeros(T.size)
+        if slips.times.size:
+            so_far = slips.sums(begins)[0]
+            bent = drag * (slips.sums(inner)[0] - so_far[:, None])
+            whole = drag * (slips.sums(ends)[0] - so_far)
+            start[1:-1] = drag * slips.between(t)[1]
+        start[1:-1] += mean
+        begun, ended = known.copy(), known.copy()
+        for j in np.flatnonzero(~known).tolist():
+            if j > 0 and known[j - 1]:
+                start[j], begun[j] = start[j - 1] - whole[j - 1] - passed[j - 1], True
+            elif j < known.size - 1 and known[j + 1]:
+                start[j], ended[j] = start[j + 1] + passed[j] + whole[j], True
+        slip = start[:, None] - bent - velocity
+        slips = stepped(
+            slip, inner, begins, ends, rate, sticking, begun, ended, signs, omega, xi
         )
-        if order == 0:
-            samples[own] -= signs[i]
-    return Slips(static * samples, beside, once, mean)
+    return slips
 
 
-def stepped(t: _Array, omega: float, xi: float, order: int) -> _Array:
-    """A derivative of the response of a damped oscillator to a force that is its stiffness from t = 0 on."""
-    rate = omega * math.sqrt(1 - xi**2)
-    fade, turn, decay = np.exp(-xi * omega * t), rate * t, xi * omega
-    if order == 0:
-        found: _Array = 1 - fade * (np.cos(turn) + decay / rate * np.sin(turn))
-    elif order == 1:
-        found = omega**2 * fade * np.sin(turn) / rate
-    else:
-        found = omega**2 * fade * (np.cos(turn) - decay / rate * np.sin(turn))
-    return found
+def stepped(
+    slip: _Array, inner: _Array, begins: _Array, ends: _Array, rate: _Array, sticking: float,
+    begun: NDArray[np.bool_], ended: NDArray[np.bool_], signs: _Array, omega: float, xi: float,
+) -> Slips:  # fmt: skip
+    """The steps of the sign of the slip, from the slip at instants of each flight; where it reverses while the
+    acceleration of the primary mass is below a limit, friction sticks."""
+    times: list[float] = []
+    level: list[float] = []
+    turns: list[float] = []
+    stuck = 0
+    for j in np.flatnonzero(begun | ended).tolist():
+        own, x = np.sign(slip[j]), inner[j]
+        if not np.isfinite(slip[j]).all():
+            continue
+        # at an impact the free mass leaves the wall, or moves towards it
+        own = np.concatenate([
+            [-signs[j - 1] if begun[j] else own[0]], own, [signs[j] if ended[j] else own[-1]]
+        ])  # fmt: skip
+        x = np.concatenate([begins[j : j + 1], x, ends[j : j + 1]])
+        places = np.flatnonzero(own[1:] * own[:-1] < 0)
+        near = np.clip(places, 0, ALONG - 1)
+        if (abs(rate[j, near]) < sticking).any():
+            stuck += 1
+            continue
+        full = np.concatenate([own[:1], slip[j], own[-1:]])
+        share = np.full(places.size, 0.5)
+        some = (places > 0) & (places < ALONG)
+        share[some] = (full[places] / (full[places] - full[places + 1]))[some]
+        reversals = (x[places] + share * (x[places + 1] - x[places])).tolist()
+        turns += reversals
+        times += [float(begins[j]), *reversals, float(ends[j])]
+        level += [*(own[0] * (-1.0) ** np.arange(len(reversals) + 1)).tolist(), 0.0]
+    # where flights follow each other, the sign does not pass through 0
+    every, signs_of = np.array(times), np.array(level)
+    kept = np.append(every[1:] > every[:-1], True) if every.size else np.zeros(0, dtype=bool)
+    every, signs_of = every[kept], signs_of[kept]
+    return Slips(every, np.diff(signs_of, prepend=0.0), np.array(turns), stuck, omega, xi)

@@ -11,20 +11,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.errors import SingularError
+from .aperiodic import by_laws
 from .fit import Fit, fit
 from .flights import Measured
+from .friction import slips_of
 from .known import HINT
 from .laws import Law
 from .motions import Impacting
 from .signals import centred
-from .steps import Step, flown
+from .stages import LAWFUL
+from .steps import Step, flown, flown_apart
+from .windows import SMOOTHED
 
 _Array = NDArray[np.float64]
 #: Largest number of fits with the response to friction of the previous one, and its change at which they end,
 #: relative to the errors of a folded record.
 ROUNDS, SETTLED = 12, 0.03
-#: Time about a reversal of slip (s) within which a filter of the sensor may smooth the step of the force.
-SMOOTHED = 1.5e-3
+#: Number of rounds in which the impacts of a record that is not periodic are searched for again, and largest change
+#: of a parameter in the last round, in standard errors.
+SEARCHES, MOVED = 2, 0.1
+#: The message about a friction that a record does not determine.
+UNDETERMINED = (
+    "friction = True: undetermined, since with these impacts friction resembles other coefficients of restitution; it "
+    "must be known or left out"
+)
 #: Largest friction over F0 with which a fit begins.
 MOST = 0.1
 
@@ -42,6 +52,8 @@ def with_friction(
     """
     (step, *_), plain, law = found
     given = "friction = True" if friction is None else f"friction = {friction:g}"
+    if plain is not None and plain.slips is not None:
+        return of_flights(found, scale, shared, guess, friction, given)
     if plain is None or step.data is None or not plain.motions:
         raise SingularError(
             f"{given}: must be left out for a record with the status {step.rhythm.status!r}; friction is part of "
@@ -85,13 +97,60 @@ def with_friction(
             [own], known, now.values, now.lengths, now.phases, M, K, law, nearest(now.motions, own), rough=not last
         )  # fmt: skip
         if last and "friction" in now.undetermined:
-            raise SingularError(
-                "friction = True: undetermined, since with these impacts friction resembles other coefficients of "
-                "restitution; it must be known or left out"
-            )
+            raise SingularError(UNDETERMINED)
         if last:
             return [other], now, law
     raise SingularError(f"{given}: the fit did not converge in {ROUNDS} rounds; {HINT}")
+
+
+def of_flights(
+    found: tuple[list[Step], Fit | None, Law], scale: Mapping[str, float], shared: Mapping[str, float],
+    guess: Mapping[str, float], friction: float | None, given: str,
+) -> tuple[list[Step], Fit, Law]:  # fmt: skip
+    """The fit to the single flights of a record that is not periodic."""
+    (step, *_), now, law = found
+    assert now is not None
+    law = replace(law, friction=True)
+    known = dict(shared)
+    strain = now.strains.get("friction")
+    if friction is None:
+        here = float(np.clip(strain.change if strain else 0.0, 0.0, MOST))
+    else:
+        known["friction"] = here = friction
+    slips, static = now.slips, now.lengths[0]
+    other = copy(step)
+    other.notes = [note for note in step.notes if not note.startswith(LAWFUL)]
+    for i in range(ROUNDS):
+        if i < SEARCHES:
+            flights = flown_apart(other, scale, shared, guess, (here, slips, static))
+        windows = other.windows
+        assert windows is not None
+        values = now.values | {"gain": now.gain}
+        slips = slips_of(windows, flights, flights.states, windows.common, values, here)
+        static = float(windows.common[2])
+        windows.rub(here, slips, static, i < SEARCHES)
+        times = flights.times
+        middle = 0.5 * (np.append(windows.t[0], times) + np.append(times, windows.t[-1]))
+        flights = windows.without(windows.poor | (slips.sign(middle) == 0))
+        before = now
+        now, law, lawful = by_laws(windows, flights, known, guess, law, None)
+        errors = np.sqrt(np.diag(now.covariance))
+        moved = max(
+            abs(now.values[name] - before.values.get(name, math.inf)) / error
+            for name, error in zip(now.names, errors.tolist(), strict=True)
+            if name in now.values and name not in now.undetermined
+        )  # fmt: skip
+        if friction is None:
+            if "friction" in now.undetermined:
+                raise SingularError(UNDETERMINED)
+            strain = now.strains.pop("friction")
+            here = max(here + strain.change, 0.0)
+            moved = max(moved, abs(here - now.values["friction"]) / errors[now.names.index("friction")])
+        if moved < MOVED and i >= SEARCHES:
+            break
+    else:
+        raise SingularError(f"{given}: the fit did not converge in {ROUNDS} rounds; {HINT}")
+    return [other], now, law
 
 
 def nearest(motions: list[Impacting], data: Measured) -> list[Impacting]:

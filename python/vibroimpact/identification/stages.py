@@ -40,6 +40,8 @@ TRIED = (0.7, 0.6, 0.85)
 FEWEST_PERIODS = 6
 #: Largest ratio of two load amplitudes that should be equal.
 LARGEST_RATIO = 1.5
+#: The beginning of the note about the impacts that give the parameters.
+LAWFUL = "momentum and restitution at"
 #: Factors by which a wrong unit changes a record, for the message.
 FACTORS = {
     9.80665: "g for m/s^2",
@@ -570,7 +572,7 @@ def apart(
             alone.against = str(error).removesuffix(HINT).rstrip("; ")
         return steps, alone, law
     step.notes.append(
-        f"momentum and restitution at {int(lawful.sum())} of {lawful.size} impacts give the parameters; the "
+        f"{LAWFUL} {int(lawful.sum())} of {lawful.size} impacts give the parameters; the "
         "others are next to a flight that is too short or hides an impact"
     )
     return steps, found, law

@@ -26,6 +26,7 @@ from .flights import (
     folded,
     onsets,
 )
+from .friction import Slips
 from .known import HINT
 from .measured import MOTIONS, SensorRecord
 from .signals import (
@@ -432,9 +433,11 @@ def best_of(
 
 
 def flown_apart(
-    step: Step, scale: Mapping[str, float], known: Mapping[str, float], guess: Mapping[str, float]
-) -> Flown:
-    """The single flights of a record, which give its impact times to better than a sample."""
+    step: Step, scale: Mapping[str, float], known: Mapping[str, float], guess: Mapping[str, float],
+    rubbed: tuple[float, Slips, float] | None = None,
+) -> Flown:  # fmt: skip
+    """The single flights of a record, which give its impact times to better than a sample; with `rubbed`, the
+    arguments of `Windows.rub`, of the record without the response to friction."""
     data, record = step.apart, step.record
     assert data is not None
     assert record is not None
@@ -450,6 +453,8 @@ def flown_apart(
         t, values, data, picked(values, record.rate, data.Omega, data.order), omega,
         known.get("xi", guess["xi"]), priors, (static, data.phase or 0.0),
     )  # fmt: skip
+    if rubbed is not None:
+        windows.rub(*rubbed)
     found = windows.run(step.report)
     lag = record.lag(step.quantity)
     step.times = found.times - t[0] + record.start - lag

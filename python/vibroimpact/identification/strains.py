@@ -51,14 +51,14 @@ def of_known(
 
 def held_strains(
     flown: Flown, names: list[str], by: _Array, multiplier: _Array, change: _Array, cov: _Array, B: _Array,
-    covariance: _Array, spread: float, places: list[str],
+    covariance: _Array, spread: float, places: list[str], also: int | None = None,
 ) -> tuple[dict[str, Strain], dict[str, dict[str, float]]]:  # fmt: skip
     """The score test of each known value, and the derivatives of the fitted parameters with respect to it.
 
     `by` (equations, names) are derivatives of the constraints with respect to known values; `multiplier` are the
     residuals of the constraints over their covariance `cov` (bands); `B` are their derivatives with respect to the
     fitted parameters, whose covariance without `spread` is `covariance`; `change` is the difference between the
-    common parameters and their values from the flights alone.
+    common parameters and their values from the flights alone. The value of the number `also` is fitted as well.
     """
     F, H = flown.free.size, len(flown.held)
     slope, own = np.zeros(len(names)), np.zeros((len(names), len(names)))
@@ -71,10 +71,17 @@ def held_strains(
     own[:H, :H] += W[:, flown.held]
     cross[:H, :F] += W[:, flown.free]
     strains, leans = {}, {}
+    lean_of = -cross @ covariance
+    own_left = own + lean_of @ cross.T
+    if also is not None and own_left[also, also] > 1e-9 * own[also, also]:
+        by = own_left[also] / own_left[also, also]
+        by[also] = 0.0
+        lean_of -= np.outer(by, lean_of[also])
+        own_left -= np.outer(by, own_left[also])
+        slope -= by * slope[also]
     for i, name in enumerate(names):
-        lean = -covariance @ cross[i]
-        leans[name] = dict(zip(places, lean.tolist(), strict=True))
-        left = float(own[i, i] + cross[i] @ lean)
+        leans[name] = dict(zip(places, lean_of[i].tolist(), strict=True))
+        left = float(own_left[i, i])
         # an effect that the fitted parameters can imitate cannot be detected
         if left > 1e-9 * own[i, i]:
             strains[name] = Strain(

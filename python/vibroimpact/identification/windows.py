@@ -27,6 +27,7 @@ from .flights import (
     of_load,
     turns_of,
 )
+from .friction import Slips
 from .known import HINT
 from .signals import spikes
 
@@ -60,6 +61,8 @@ BLURRED = 2e-3
 LEAST_BINS = 12
 #: Largest weight of a flight when one more mode is tried.
 CLIPPED = 50.0
+#: Time about a reversal of slip (s) within which a filter of the sensor may smooth the step of the force.
+SMOOTHED = 1.5e-3
 #: Step for derivatives along the imaginary axis.
 STEP = 1e-30
 #: Samples of a flight over which noise is summed, and the variance ratio above which residuals are not noise.
@@ -122,6 +125,30 @@ class Windows:
         self.lost: list[int] = []
         #: Flights that are discarded at the end.
         self.poor = np.zeros(0, dtype=bool)
+        #: The slip in the flights, whose response is not part of `values`, and the friction (over F0) and the static
+        #: displacement for which it is.
+        self.slips: Slips | None = None
+        self.friction, self.static = 0.0, float(start[0])
+        self.recorded = values
+        #: Samples that are not about a reversal of the slip.
+        self.smooth = np.ones(t.size, dtype=bool)
+
+    def rub(self, friction: float, slips: Slips, static: float, used: bool = True) -> None:
+        """Take the response to a friction out of the record, and out of use the samples about reversals of the slip,
+        unless others are to stay in `used`."""
+        self.friction, self.slips, self.static = friction, slips, static
+        self.values = self.recorded - self.aside(self.t)
+        if used:
+            turns = np.concatenate([[-math.inf], slips.turns, [math.inf]])
+            place = np.searchsorted(turns, self.t)
+            off = np.minimum(self.t - turns[place - 1], turns[place] - self.t)
+            self.smooth = off > SMOOTHED
+
+    def aside(self, t: _Array) -> Any:
+        """The response to friction that is not part of the flights."""
+        if self.slips is None:
+            return 0.0
+        return self.friction * self.static * self.slips.at(t, self.data.order)
 
     @property
     def modes(self) -> int:
@@ -139,6 +166,7 @@ class Windows:
         used = ((self.since > self.after) | first) & (left > self.before)
         # the filters of the sensors settle in the first load cycle
         used &= self.t > self.t[0] + min(2 * math.pi / self.data.Omega, 0.02 * np.ptp(self.t))
+        used &= self.smooth
         numbers = np.bincount(self.flight[used], minlength=self.begins.size)
         self.flies = numbers >= 2 + 2 * self.modes + SPARE
         if self.poor.size == self.flies.size:
@@ -152,12 +180,12 @@ class Windows:
         self.edges = np.searchsorted(self.flight[self.used], [self.own, self.own + 1])
         first, last = self.edges
         self.numbers = last - first
-        self.count = np.arange(self.used.size) - np.repeat(first, self.numbers)
+        self.count = self.used - np.repeat(self.used[first], self.numbers)
 
     def faded(self, pole: complex) -> Any:
         """exp(pole t) at the used samples, with t from the impact before each of them; the exponential of a sum is
         a product, so that few have to be computed."""
-        steps = np.exp(pole * self.step * np.arange(self.numbers.max(initial=0)))
+        steps = np.exp(pole * self.step * np.arange(self.count.max(initial=-1) + 1))
         begins = np.exp(pole * self.since[self.used[self.edges[0]]])
         return np.repeat(begins, self.numbers) * steps[self.count]
 
@@ -379,7 +407,8 @@ class Windows:
         ahead = np.append(self.times, math.inf)[flight] - t
         inside = ((since > self.after) | (flight == 0)) & (ahead > self.before)
         inside &= t >= self.t[self.used[0]]
-        return np.where(self.flies[flight] & inside, self.loaded(t) + waves, math.nan)
+        motion = self.loaded(t) + waves + self.aside(t)
+        return np.where(self.flies[flight] & inside, motion, math.nan)
 
     def free(self) -> NDArray[np.int64]:
         """Indices of the fitted common parameters."""
@@ -578,12 +607,11 @@ class Windows:
         self.before = max(min(self.ahead, 1e-3) + 2 * self.step, SHRINK * self.before)
 
     @np.errstate(all="ignore")  # where flights do not exist or do not meet
-    def events(self, states: Any, common: Any, times: Any, aside: Any = None) -> Any:
+    def events(self, states: Any, common: Any, times: Any) -> Any:
         """The points where flights meet: times, displacements, velocities before and after (4, ..., N).
 
         All arguments may have a small imaginary part. `states` is (..., N + 1, 2); the times are those about which
-        the crossing of the flights is linearized. `aside` are the displacement and velocity just before
-        each impact, in addition to those of free flights, and the displacement after it.
+        the crossing of the flights is linearized. Responses to friction are not included.
         """
         omega, xi, static, phase = (common[..., None, i] for i in range(4))
         decay, rate = xi * omega, omega * np.sqrt(1 - xi**2)
@@ -598,15 +626,10 @@ class Windows:
 
         before, after = states[..., :-1, :], states[..., 1:, :]
         both = [free(before, self.begins[:-1], times), free(after, self.begins[1:], times)]
-        if aside is not None:
-            (X, V), (X_after, V_after) = both
-            both = [(X + aside[0], V + aside[1]), (X_after + aside[2], V_after)]
         slope = both[1][1] - both[0][1]
         t = times - (both[1][0] - both[0][0]) / slope
         X, V = free(before, self.begins[:-1], t)
         V_after = free(after, self.begins[1:], t)[1]
-        if aside is not None:
-            X, V = X + aside[0], V + aside[1]
         load, speed = under_load(self.data, omega, xi, static, phase, t)
         return np.stack([t, X + load, V + speed, V_after + speed])
 
