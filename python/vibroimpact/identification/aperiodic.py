@@ -57,6 +57,8 @@ LARGEST_MASS, BEYOND = 10.0, 3.0
 CROSSED, ALONG, CROSSINGS = 0.02, 64, 5
 #: Change of the sum of squares above which two minima count as different.
 OTHER = 0.01
+#: Number of estimates of friction from momentum alone.
+FRICTIONS = 3
 #: Share by which coefficients of restitution grow during the record, 0 in every fit: on both walls, and on each.
 DRIFTS = ("drift", "drift1", "drift2")
 
@@ -121,7 +123,9 @@ class Impacts:
         bent = push * float(flown.common[0]) ** 2
         jumps[1:-1] += bent * (np.diff(self.mean) + self.once[:-1])
         values = dict(shared)
-        values |= start_of_laws(jumps[lawful], of_x[lawful], of_d[lawful], shared, guess)
+        #: The terms of the linear equations of momentum.
+        self.momentum = jumps, of_x, of_d
+        values |= start_of_laws(jumps[lawful], of_x[lawful], of_d[lawful], None, shared, guess)
         z_after, z_before = np.zeros((2, N))
         z_after[:-1] = first + values["d"] * second + bent / values["mu"] * self.mean
         z_before[1:] = z_after[:-1] - bent / values["mu"] * self.once
@@ -437,13 +441,13 @@ def far_apart(places: list[int]) -> list[list[int]]:
 
 def by_laws(
     windows: Windows, flown: Flown, shared: Mapping[str, float], guess: Mapping[str, float], law: Law,
-    law_speed: float | None,
+    law_speed: float | None, rough: bool = False,
 ) -> tuple[Fit, Law, _Bool]:  # fmt: skip
     """The parameters from momentum and restitution at all impacts, and the impacts for which these laws hold.
 
     If the response to friction is not part of the flights, the friction is known, or fitted if it is not among the
     `shared` values: then the value is the one that was taken out of the record, and the strain says how far from the
-    fitted one it is.
+    fitted one it is. A `rough` fit, which only provides a start, may contradict what is known.
     """
     for _ in range(CROSSINGS):
         impacts = Impacts(windows, flown, shared, guess, law, law_speed)
@@ -461,7 +465,7 @@ def by_laws(
     change, g, held = best.change, best.g, impacts.held
     common = impacts.common(change)
     for place, name in ((2, "static"), (3, "phase")):
-        if name in windows.priors:
+        if name in windows.priors and not rough:
             value, error = windows.priors[name]
             if abs(common[place] - value) > FAR_OFF * error:
                 raise SingularError(
@@ -469,7 +473,7 @@ def by_laws(
                     f"from the one that the motion implies; {HINT}"
                 )
     calibration = impacts.calibration
-    if calibration and abs(g[-1] - 1) > FAR_OFF * calibration:
+    if calibration and not rough and abs(g[-1] - 1) > FAR_OFF * calibration:
         raise SingularError(far_off_gain(float(g[-1]), calibration))
     # errors increase with the residuals of the laws, and with noise that is stronger at low frequencies
     count = 2 * int(best.ok.sum())
@@ -561,7 +565,8 @@ def by_laws(
         most=min(DOUBTFUL, flown.colour * bearable(count - g.size)), slips=impacts.slips,
         gain=float(g[-1]) if calibration else 1.0,
     )  # fmt: skip
-    possible(found, int(best.ok.sum()))
+    if not rough:
+        possible(found, int(best.ok.sum()))
     return found, law, lawful
 
 
@@ -638,39 +643,61 @@ def by_flights(windows: Windows, flown: Flown, shared: Mapping[str, float], law:
     )  # fmt: skip
 
 
+def start_of_friction(
+    windows: Windows, shared: Mapping[str, float], guess: Mapping[str, float], law: Law, friction: float
+) -> tuple[dict[str, float], Slips]:
+    """mu, d and friction over F0 of a record without parameters that fulfil the laws with some friction, and the
+    slip.
+
+    Momentum at the impacts alone gives mu and d with this friction, with which the slip is known, and then all three.
+    """
+    flown = windows.without(windows.poor)
+    impacts = Impacts(windows, flown, shared, guess, law, None)
+    values = impacts.values
+    for _ in range(FRICTIONS):
+        slips = slips_of(windows, flown, flown.states, windows.common, values, friction)
+        once, mean = slips.between(flown.times)
+        of_friction = np.zeros(flown.times.size)
+        of_friction[1:-1] = windows.common[2] * slips.omega**2 * (np.diff(mean) + once[:-1])
+        terms = [x[impacts.lawful] for x in (*impacts.momentum, of_friction)]
+        values = values | start_of_laws(*terms, shared, guess)
+    values["friction"] += friction
+    return values, slips
+
+
 def start_of_laws(
-    jumps: _Array,
-    of_x: _Array,
-    of_d: _Array,
-    shared: Mapping[str, float],
+    jumps: _Array, of_x: _Array, of_d: _Array, of_friction: _Array | None, shared: Mapping[str, float],
     guess: Mapping[str, float],
-) -> dict[str, float]:
-    """mu and d from linear equations in which outliers among the impacts have small weights."""
-    weights = np.ones(jumps.size)
+) -> dict[str, float]:  # fmt: skip
+    """mu and d from linear equations in which outliers among the impacts have small weights; with friction, if the
+    derivatives of the equations with respect to it are given."""
     mu, d = shared.get("mu", guess["mu"]), shared.get("d", math.nan)
-    for _ in range(20):
-        if "mu" in shared and "d" in shared:
-            break
-        if "d" in shared:
-            sum_of = of_x + shared["d"] * of_d
-            mu = -float((weights * sum_of) @ jumps / ((weights * sum_of) @ sum_of))
-            rest = jumps + mu * sum_of
-        elif "mu" in shared:
-            both = weights * of_d
-            d = -float(both @ (jumps / mu + of_x) / max(float(both @ of_d), 1e-300))
-            rest = jumps + mu * (of_x + d * of_d)
-        else:
-            A = np.column_stack([of_x, of_d])
-            root = np.sqrt(weights)[:, None]
-            size = np.maximum(np.linalg.norm(A * root, axis=0), 1e-300)
-            x = np.linalg.lstsq(A * root / size, -jumps * root[:, 0], rcond=1e-6)[0] / size
-            mu = float(x[0])
-            d = float(x[1] / x[0]) if mu else math.nan
-            rest = jumps + A @ x
-        spread = max(float(np.median(abs(rest))) / 0.6745, 1e-300)
-        weights = 1 / (1 + (rest / (2 * spread)) ** 2) ** 2
+    rest, columns = jumps, [of_x, of_d]
+    if "d" in shared:
+        columns = [of_x + d * of_d]
+    if "mu" in shared:
+        rest = jumps + mu * columns[0]
+        columns = [mu * of_d] * ("d" not in shared)
+    known = len(columns)
+    columns += [of_friction] if of_friction is not None else []
+    x, weights = np.zeros(len(columns)), np.ones(jumps.size)
+    A = np.column_stack([np.zeros((jumps.size, 0)), *columns])
+    for _ in range(20 if columns else 0):
+        root = np.sqrt(weights)[:, None]
+        size = np.maximum(np.linalg.norm(A * root, axis=0), 1e-300)
+        x = np.linalg.lstsq(A * root / size, -rest * root[:, 0], rcond=1e-6)[0] / size
+        left = rest + A @ x
+        spread = max(float(np.median(abs(left))) / 0.6745, 1e-300)
+        weights = 1 / (1 + (left / (2 * spread)) ** 2) ** 2
+    if "mu" not in shared:
+        mu = float(x[0])
+    if "d" not in shared:
+        d = float(x[known - 1]) / (mu or math.nan) if "mu" not in shared else float(x[0])
     if not 0 < mu < 10:
         mu = guess["mu"]
     if not (math.isfinite(d) and d > 0):
         d = shared.get("d", 1e-3)
-    return {"mu": mu, "d": d}
+    found = {"mu": mu, "d": d}
+    if of_friction is not None:
+        found["friction"] = float(x[-1])
+    return found

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.errors import SingularError
-from .aperiodic import by_laws
+from .aperiodic import by_laws, start_of_friction
 from .fit import Fit, fit
 from .flights import Measured
 from .friction import slips_of
@@ -52,7 +52,7 @@ def with_friction(
     """
     (step, *_), plain, law = found
     given = "friction = True" if friction is None else f"friction = {friction:g}"
-    if plain is not None and plain.slips is not None:
+    if plain is not None and step.windows is not None and step.data is None:
         return of_flights(found, scale, shared, guess, friction, given)
     if plain is None or step.data is None or not plain.motions:
         raise SingularError(
@@ -112,41 +112,58 @@ def of_flights(
     assert now is not None
     law = replace(law, friction=True)
     known = dict(shared)
-    strain = now.strains.get("friction")
-    if friction is None:
-        here = float(np.clip(strain.change if strain else 0.0, 0.0, MOST))
+    windows = step.windows
+    assert windows is not None
+    values, slips = {**now.values, "gain": now.gain}, now.slips
+    if slips is None:
+        values, slips = start_of_friction(windows, shared, guess, law, 0.0)
+        start = values["friction"]
     else:
+        strain = now.strains.get("friction")
+        start = strain.change if strain else 0.0
+    here = float(np.clip(start, 0.0, MOST))
+    if friction is not None:
         known["friction"] = here = friction
-    slips, static = now.slips, now.lengths[0]
+    static = now.lengths[0]
     other = copy(step)
     other.notes = [note for note in step.notes if not note.startswith(LAWFUL)]
+    searches = 0
     for i in range(ROUNDS):
-        if i < SEARCHES:
+        rough = searches < SEARCHES
+        if rough:
             flights = flown_apart(other, scale, shared, guess, (here, slips, static))
         windows = other.windows
         assert windows is not None
-        values = now.values | {"gain": now.gain}
         slips = slips_of(windows, flights, flights.states, windows.common, values, here)
         static = float(windows.common[2])
-        windows.rub(here, slips, static, i < SEARCHES)
+        windows.rub(here, slips, static, rough)
         times = flights.times
         middle = 0.5 * (np.append(windows.t[0], times) + np.append(times, windows.t[-1]))
         flights = windows.without(windows.poor | (slips.sign(middle) == 0))
-        before = now
-        now, law, lawful = by_laws(windows, flights, known, guess, law, None)
-        errors = np.sqrt(np.diag(now.covariance))
-        moved = max(
-            abs(now.values[name] - before.values.get(name, math.inf)) / error
-            for name, error in zip(now.names, errors.tolist(), strict=True)
-            if name in now.values and name not in now.undetermined
-        )  # fmt: skip
+        before = values
+        try:
+            now, law, lawful = by_laws(windows, flights, known, guess, law, None, rough)
+        except SingularError:
+            if not rough or i == ROUNDS - 1:
+                raise
+            values, slips = start_of_friction(windows, shared, guess, law, here)
+            here = here if friction is not None else float(np.clip(values["friction"], 0.0, MOST))
+            continue
+        searches += 1
+        values = {**now.values, "gain": now.gain}
+        errors = dict(zip(now.names, np.sqrt(np.diag(now.covariance)).tolist(), strict=True))
         if friction is None:
-            if "friction" in now.undetermined:
+            if "friction" in now.undetermined and not rough:
                 raise SingularError(UNDETERMINED)
-            strain = now.strains.pop("friction")
-            here = max(here + strain.change, 0.0)
-            moved = max(moved, abs(here - now.values["friction"]) / errors[now.names.index("friction")])
-        if moved < MOVED and i >= SEARCHES:
+            strain = now.strains.pop("friction", None)
+            here = max(here + (strain.change if strain else 0.0), 0.0)
+            values["friction"] = here
+        moved = max(
+            abs(values[name] - before.get(name, math.inf)) / error
+            for name, error in errors.items()
+            if name in values and name not in now.undetermined
+        )
+        if not rough and moved < MOVED:
             break
     else:
         raise SingularError(f"{given}: the fit did not converge in {ROUNDS} rounds; {HINT}")
