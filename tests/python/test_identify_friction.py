@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from vibroimpact.identification.flights import Measured, predicted
-from vibroimpact.identification.friction import Rubbing
+from vibroimpact.identification.friction import Rubbing, Slips
 from vibroimpact.identification.known import known_values
 from vibroimpact.identification.laws import Law
 from vibroimpact.identification.stages import identified_by
@@ -286,10 +286,61 @@ def test_refusals_name_friction(options, message):
 
 
 def test_friction_of_other_records_is_refused():
-    """One that is not periodic, and one that does not determine it."""
+    """One without impacts, and one that does not determine it."""
+    still = vi.VirtualRig(**BENCH | {"d": 0.1}).record(rng=1)
     with pytest.raises(
-        vi.SingularError, match="must be left out for a record with the status 'not periodic'"
+        vi.SingularError, match="must be left out for a record with the status 'no impacts'"
     ):
-        quietly(recorded(48.0, 1e-3), known={"M": M, "K": K}, friction=1e-3)
+        quietly(still, known=KNOWN, friction=1e-3)
     with pytest.raises(vi.SingularError, match="friction = True: undetermined"):
         vi.identify(recorded(20.0, 0.01), known={"M": M, "K": K, "m": 0.04 * M}, friction=True)
+
+
+def test_the_response_to_the_slip_obeys_newtons_law():
+    """Acceleration, damping and stiffness balance the force at any time, and the integrals are those of its sign."""
+    random = np.random.default_rng(1)
+    times = np.sort(random.uniform(0, 2, 30))
+    signs = random.choice([-1.0, 0.0, 1.0], 30)
+    omega, xi = 30.0, 0.02
+    slips = Slips(times, np.diff(signs, prepend=0.0), np.zeros(0), 0, omega, xi)
+    t = np.linspace(-0.1, 2.5, 4001)
+    t = t[abs(t[:, None] - times).min(axis=1) > 1e-3]
+    x, v, a = (slips.at(t, order) for order in range(3))
+    sign = slips.sign(t)
+    assert a + 2 * xi * omega * v + omega**2 * (x - sign) == pytest.approx(0, abs=1e-9 * omega**2)
+    assert sign == pytest.approx(np.append(0.0, signs)[np.searchsorted(times, t)])
+    step = 1e-5
+    assert (slips.at(t + step, 0) - slips.at(t - step, 0)) / (2 * step) == pytest.approx(v, abs=1e-4)
+    once, twice = slips.sums(t)
+    later = slips.sums(t + step)
+    assert (later[0] - once) / step == pytest.approx(sign, abs=1e-9)
+    assert (later[1] - twice) / step == pytest.approx(once + 0.5 * step * sign, abs=1e-9)
+    # flights from one instant to the next: the integral of the time left is the mean of the first integral
+    whole, mean = slips.between(t)
+    fine = np.linspace(0, 1, 2001)
+    for i in (300, 900, 2000):
+        inner = t[i] + (t[i + 1] - t[i]) * fine
+        own = slips.sums(inner)[0] - slips.sums(inner[:1])[0]
+        assert whole[i] == pytest.approx(own[-1], abs=1e-12)
+        assert mean[i] == pytest.approx(float(np.mean(0.5 * (own[1:] + own[:-1]))), abs=1e-7)
+
+
+#: A rig whose motion is chaotic, with and without friction.
+CHAOTIC = {
+    "M": 2.7, "K": 42e3, "m": 0.11, "d": 0.006, "xi": 0.01143, "restitution": (0.75, 0.65), "F0": 2.0,
+    "frequency": 20.5,
+}  # fmt: skip
+
+
+def test_no_friction_is_the_limit_of_a_known_one():
+    """Of a chaotic record without friction: with a known friction of 0 the parameters are those without one, to a
+    part of their errors, since samples about the reversals are left out."""
+    made = recorded(44.0, 0.0)
+    plain = vi.identify(made, known={"M": M, "K": K})
+    found = vi.identify(made, known={"M": M, "K": K}, friction=0.0)
+    assert found.good
+    assert found.values["friction"] == 0.0
+    for name, error in plain.errors.items():
+        assert abs(found.values[name] - plain.values[name]) < 0.3 * error, name
+        if error:
+            assert found.errors[name] == pytest.approx(error, rel=0.1), name

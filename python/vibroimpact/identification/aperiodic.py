@@ -540,7 +540,7 @@ def by_laws(
         strain = strains.get("friction")
         error = strain.change / strain.size if strain and strain.size else math.inf
         lean = np.append([leans["friction"][name] for name in places], 1.0)
-        covariance = np.block([[covariance, np.zeros((len(places), 1))], [np.zeros((1, len(places) + 1))]])
+        covariance = np.pad(covariance, (0, 1))
         if math.isfinite(error):
             covariance += np.outer(lean, lean) * error**2
         places.append("friction")
@@ -659,8 +659,8 @@ def start_of_friction(
         once, mean = slips.between(flown.times)
         of_friction = np.zeros(flown.times.size)
         of_friction[1:-1] = windows.common[2] * slips.omega**2 * (np.diff(mean) + once[:-1])
-        terms = [x[impacts.lawful] for x in (*impacts.momentum, of_friction)]
-        values = values | start_of_laws(*terms, shared, guess)
+        own = [x[impacts.lawful] for x in (*impacts.momentum, of_friction)]
+        values = values | start_of_laws(own[0], own[1], own[2], own[3], shared, guess)
     values["friction"] += friction
     return values, slips
 

@@ -380,9 +380,9 @@ def slips_of(
     A flight whose two impacts are resolved has a known mean velocity of the free mass, and its neighbours have a
     known velocity at the impact between, by the conservation of momentum. The others have no known slip.
     """
-    resolved, signs = flown.resolved, np.sign(flown.jumps)
+    resolved, signs, none = flown.resolved, np.sign(flown.jumps), np.empty(0)
     omega, xi, static = (float(common[i]) for i in range(3))
-    slips = windows.slips or Slips(*np.zeros((3, 0)), 0, omega, xi)
+    slips = windows.slips or Slips(none, none, none, 0, omega, xi)
     t, X, V, after = windows.events(states, common, flown.times)
     t = np.where(resolved, t, flown.times)
     size = windows.friction * windows.static

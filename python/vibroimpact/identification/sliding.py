@@ -1,4 +1,4 @@
-"""The fit of a rig with friction in its slot to a periodic record."""
+"""The fit of a rig with friction in its slot to a record."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.errors import SingularError
-from .aperiodic import by_laws, start_of_friction
+from .aperiodic import BEYOND, by_laws, start_of_friction
 from .fit import Fit, fit
 from .flights import Measured
 from .friction import slips_of
@@ -19,8 +19,9 @@ from .known import HINT
 from .laws import Law
 from .motions import Impacting
 from .signals import centred
-from .stages import LAWFUL
+from .stages import APART, lawful_of
 from .steps import Step, flown, flown_apart
+from .strains import Strain
 from .windows import SMOOTHED
 
 _Array = NDArray[np.float64]
@@ -53,11 +54,11 @@ def with_friction(
     (step, *_), plain, law = found
     given = "friction = True" if friction is None else f"friction = {friction:g}"
     if plain is not None and step.windows is not None and step.data is None:
-        return of_flights(found, scale, shared, guess, friction, given)
+        return of_flights(found, scale, shared, guess, friction)
     if plain is None or step.data is None or not plain.motions:
         raise SingularError(
-            f"{given}: must be left out for a record with the status {step.rhythm.status!r}; friction is part of "
-            "fits of periodic motions only"
+            f"{given}: must be left out for a record with the status {step.rhythm.status!r}, from which no parameters "
+            "are fitted"
         )
     law = replace(law, friction=True)
     known = dict(shared)
@@ -105,28 +106,30 @@ def with_friction(
 
 def of_flights(
     found: tuple[list[Step], Fit | None, Law], scale: Mapping[str, float], shared: Mapping[str, float],
-    guess: Mapping[str, float], friction: float | None, given: str,
+    guess: Mapping[str, float], friction: float | None,
 ) -> tuple[list[Step], Fit, Law]:  # fmt: skip
-    """The fit to the single flights of a record that is not periodic."""
+    """The fit to the single flights of a record that is not periodic, as `with_friction`.
+
+    In each round the response to the slip of the previous one is taken out of the record. Flights without a known
+    slip, and those in which friction sticks, are left out.
+    """
     (step, *_), now, law = found
-    assert now is not None
-    law = replace(law, friction=True)
-    known = dict(shared)
     windows = step.windows
+    assert now is not None
     assert windows is not None
+    given = "friction = True" if friction is None else f"friction = {friction:g}"
+    law, known, static = replace(law, friction=True), dict(shared), now.lengths[0]
     values, slips = {**now.values, "gain": now.gain}, now.slips
     if slips is None:
         values, slips = start_of_friction(windows, shared, guess, law, 0.0)
-        start = values["friction"]
     else:
         strain = now.strains.get("friction")
-        start = strain.change if strain else 0.0
-    here = float(np.clip(start, 0.0, MOST))
+        values["friction"] = strain.change if strain else 0.0
+    here = float(np.clip(values["friction"], 0.0, MOST))
     if friction is not None:
         known["friction"] = here = friction
-    static = now.lengths[0]
     other = copy(step)
-    other.notes = [note for note in step.notes if not note.startswith(LAWFUL)]
+    other.notes = [note for note in step.notes if not note.startswith(APART)]
     searches = 0
     for i in range(ROUNDS):
         rough = searches < SEARCHES
@@ -137,9 +140,8 @@ def of_flights(
         slips = slips_of(windows, flights, flights.states, windows.common, values, here)
         static = float(windows.common[2])
         windows.rub(here, slips, static, rough)
-        times = flights.times
-        middle = 0.5 * (np.append(windows.t[0], times) + np.append(times, windows.t[-1]))
-        flights = windows.without(windows.poor | (slips.sign(middle) == 0))
+        begins, ends = (np.append(windows.t[0], flights.times), np.append(flights.times, windows.t[-1]))
+        flights = windows.without(windows.poor | (slips.sign(0.5 * (begins + ends)) == 0))
         before = values
         try:
             now, law, lawful = by_laws(windows, flights, known, guess, law, None, rough)
@@ -147,7 +149,8 @@ def of_flights(
             if not rough or i == ROUNDS - 1:
                 raise
             values, slips = start_of_friction(windows, shared, guess, law, here)
-            here = here if friction is not None else float(np.clip(values["friction"], 0.0, MOST))
+            if friction is None:
+                here = float(np.clip(values["friction"], 0.0, MOST))
             continue
         searches += 1
         values = {**now.values, "gain": now.gain}
@@ -155,19 +158,26 @@ def of_flights(
         if friction is None:
             if "friction" in now.undetermined and not rough:
                 raise SingularError(UNDETERMINED)
-            strain = now.strains.pop("friction", None)
-            here = max(here + (strain.change if strain else 0.0), 0.0)
-            values["friction"] = here
+            strain = now.strains.pop("friction", Strain(0.0, 0.0))
+            if here == 0 and strain.size < -BEYOND and not rough:
+                raise SingularError(
+                    f"{given}: momentum and restitution at {int(lawful.sum())} impacts give {strain.change:.4g} F0: "
+                    f"must be at least 0; {HINT}"
+                )
+            values["friction"] = here = max(here + strain.change, 0.0)
         moved = max(
             abs(values[name] - before.get(name, math.inf)) / error
             for name, error in errors.items()
             if name in values and name not in now.undetermined
         )
         if not rough and moved < MOVED:
-            break
-    else:
-        raise SingularError(f"{given}: the fit did not converge in {ROUNDS} rounds; {HINT}")
-    return [other], now, law
+            other.notes.append(lawful_of(lawful))
+            if slips.stuck:
+                other.notes.append(
+                    f"friction sticks in {slips.stuck} flights of the free mass, which are left out"
+                )
+            return [other], now, law
+    raise SingularError(f"{given}: the fit did not converge in {ROUNDS} rounds; {HINT}")
 
 
 def nearest(motions: list[Impacting], data: Measured) -> list[Impacting]:

@@ -40,8 +40,8 @@ TRIED = (0.7, 0.6, 0.85)
 FEWEST_PERIODS = 6
 #: Largest ratio of two load amplitudes that should be equal.
 LARGEST_RATIO = 1.5
-#: The beginning of the note about the impacts that give the parameters.
-LAWFUL = "momentum and restitution at"
+#: The beginning of the notes about the impacts that give the parameters, and of those without parameters.
+APART = ("momentum and restitution at", "impacts give no parameters")
 #: Factors by which a wrong unit changes a record, for the message.
 FACTORS = {
     9.80665: "g for m/s^2",
@@ -562,7 +562,7 @@ def apart(
     try:
         found, law, lawful = by_laws(step.windows, flights, shared, guess, law, law_speed)
     except (SingularError, np.linalg.LinAlgError) as error:
-        step.notes.append(f"impacts give no parameters: {error}")
+        step.notes.append(f"{APART[1]}: {error}")
         step.notes += filter(None, [unfound_ringing(flights.early)])
         # next to rests, in which the masses move together, short flights may be missing
         if flights.resolved.sum() < max(LEAST_IMPACTS, 0.5 * flights.times.size):
@@ -571,11 +571,16 @@ def apart(
         if not isinstance(error, TooFewError):
             alone.against = str(error).removesuffix(HINT).rstrip("; ")
         return steps, alone, law
-    step.notes.append(
-        f"{LAWFUL} {int(lawful.sum())} of {lawful.size} impacts give the parameters; the "
-        "others are next to a flight that is too short or hides an impact"
-    )
+    step.notes.append(lawful_of(lawful))
     return steps, found, law
+
+
+def lawful_of(lawful: NDArray[np.bool_]) -> str:
+    """The note about the impacts that give the parameters."""
+    return (
+        f"{APART[0]} {int(lawful.sum())} of {lawful.size} impacts give the parameters; the others are next to a flight "
+        "that is too short or hides an impact"
+    )
 
 
 def not_periodic(step: Step) -> Step:
