@@ -134,14 +134,17 @@ def of_flights(
     for i in range(ROUNDS):
         rough = searches < SEARCHES
         if rough:
-            flights = flown_apart(other, scale, shared, guess, (here, slips, static))
+            # what a wrong slip leaves of friction would look like impacts
+            rubbed = here, slips, static
+            flights = flown_apart(other, scale, shared, guess, rubbed, complete=searches > 0)
         windows = other.windows
         assert windows is not None
         slips = slips_of(windows, flights, flights.states, windows.common, values, here)
         static = float(windows.common[2])
         windows.rub(here, slips, static, rough)
         begins, ends = (np.append(windows.t[0], flights.times), np.append(flights.times, windows.t[-1]))
-        flights = windows.without(windows.poor | (slips.sign(0.5 * (begins + ends)) == 0))
+        unknown = slips.sign(0.5 * (begins + ends)) == 0
+        flights = windows.without(windows.poor | unknown)
         before = values
         try:
             now, law, lawful = by_laws(windows, flights, known, guess, law, None, rough)
@@ -156,7 +159,7 @@ def of_flights(
         values = {**now.values, "gain": now.gain}
         errors = dict(zip(now.names, np.sqrt(np.diag(now.covariance)).tolist(), strict=True))
         if friction is None:
-            if "friction" in now.undetermined and not rough:
+            if now.undetermined and not rough:
                 raise SingularError(UNDETERMINED)
             strain = now.strains.pop("friction", Strain(0.0, 0.0))
             if here == 0 and strain.size < -BEYOND and not rough:

@@ -434,10 +434,10 @@ def best_of(
 
 def flown_apart(
     step: Step, scale: Mapping[str, float], known: Mapping[str, float], guess: Mapping[str, float],
-    rubbed: tuple[float, Slips, float] | None = None,
+    rubbed: tuple[float, Slips, float] | None = None, complete: bool = True,
 ) -> Flown:  # fmt: skip
     """The single flights of a record, which give its impact times to better than a sample; with `rubbed`, the
-    arguments of `Windows.rub`, of the record without the response to friction."""
+    arguments of `Windows.rub`, of the record without the response to friction; `complete` as in `Windows`."""
     data, record = step.apart, step.record
     assert data is not None
     assert record is not None
@@ -455,6 +455,7 @@ def flown_apart(
     )  # fmt: skip
     if rubbed is not None:
         windows.rub(*rubbed)
+    windows.complete = complete
     found = windows.run(step.report)
     lag = record.lag(step.quantity)
     step.times = found.times - t[0] + record.start - lag

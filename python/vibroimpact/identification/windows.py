@@ -130,6 +130,8 @@ class Windows:
         self.slips: Slips | None = None
         self.friction, self.static = 0.0, float(start[0])
         self.recorded = values
+        #: Whether missing impacts are looked for, and flights that hide some are left out.
+        self.complete = True
         #: Samples that are not about a reversal of the slip.
         self.smooth = np.ones(t.size, dtype=bool)
 
@@ -718,7 +720,7 @@ class Windows:
             if not settled:
                 self.lengths(now)
             weak = self.needless(now, np.flatnonzero(~resolved))
-            more = self.missing(now) if i < ROUNDS - 2 else []
+            more = self.missing(now) if self.complete and i < ROUNDS - 2 else []
             self.times = np.sort(np.append(np.delete(np.where(near, t, self.times), weak), more))
             self.cut()
             now = self.refine()
@@ -733,7 +735,7 @@ class Windows:
                 break
             # pulses of other lengths may hide or reveal a mode
             self.rung = self.rung and (change < 0.5e-3 or i > 2)
-        return self.without(self.bad(now))
+        return self.without(self.bad(now) & self.complete)
 
     def without(self, poor: _Bool) -> Flown:
         """The flights, without those in which impacts are hidden."""
@@ -749,7 +751,7 @@ class Windows:
         free = self.free()
         self.states = states
         colour = self.colour(left)
-        if colour > UNEXPLAINED:
+        if self.complete and colour > UNEXPLAINED:
             raise SingularError(
                 f"the residuals of the flights are not white noise: sums over {WIDE} samples have {colour:.3g} "
                 f"times the variance of white noise; {HINT}"
