@@ -344,12 +344,18 @@ def test_forces_with_rests():
 
 
 def test_rests_with_friction():
-    """Accumulating impacts that move friction in another direction are refused; uncoupled friction continues."""
+    """Accumulating impacts that move friction in another direction, or a belt, are refused; uncoupled friction
+    continues."""
     s = vi.Structure(
         [1.0, 1.0], [0, 0], [0, 0], [vi.Gap([1.0, 0.0], 0.0, 0.5)], [vi.Friction([1.0, 1.0], 0.1)]
     )
     with pytest.raises(vi.SingularError, match="which moves friction across it"):
         vi.simulate(s, vi.Load(constant=[1.0, 0.1]), duration=20, state=([-1.0, 0.0], [0.0, 0.0]))
+    belt = vi.Structure(
+        [1.0], [0], [0], [vi.Gap([1.0], 0.0, 0.5)], [vi.Friction([1.0], 0.1, speed=0.05)]
+    )
+    with pytest.raises(vi.SingularError, match="is that of a belt"):
+        vi.simulate(belt, vi.Load(constant=[1.0]), duration=20, state=([-1.0], [0.0]))
     floor = vi.Structure(
         [1.0, 1.0], [0, 0], [1.0, 0.0], [vi.Gap([0, 1], 0.0, 0.0)], [vi.Friction([1, 0], 0.1)]
     )

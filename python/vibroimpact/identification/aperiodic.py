@@ -104,7 +104,7 @@ class Turning(NamedTuple):
     of_mean: _Array
 
     def moved(
-        self, states: Any, flight: Any, push: Any, drag: Any, once: _Array, mean: _Array
+        self, states: Any, flight: Any, push: Any, drag: Any, once: Any, mean: Any
     ) -> tuple[Any, Any]:
         """The integrals of the sign over the flights, with reversals where the slip is zero, from mean velocities of
         the flights."""
@@ -247,16 +247,22 @@ class Impacts:
         value = {**self.values, **{every[j]: g[..., j, None] for j in range(g.shape[-1])}}
         t, X, V, after = self.windows.events(states, common, self.flown.times)
         if rubs:
-            push = value["friction"] * self.static
+            push, off = value["friction"] * self.static, t - self.flown.times
             x, v = self.beside
-            X = X + push * (x + v * (t - self.flown.times))
+            X = X + push * (x + v * off)
             V, after = V + push * v, after + push * v
         z = X + 0.5 * signs * value["d"] * value["gain"]
         flight = np.diff(z, axis=-1) / np.diff(t, axis=-1)
         one, two = flight[..., :-1], flight[..., 1:]
         if rubs:
             drag = push * common[..., None, 0] ** 2 / value["mu"]
-            once, mean = self.once, self.mean
+            # the slip reverses at the impacts, at their own times
+            once, mean, T = self.once, self.mean, np.diff(self.flown.times)
+            begin, end = off[..., :-1], off[..., 1:]
+            once, mean = (
+                once + signs[:-1] * begin + signs[1:] * end,
+                mean + (signs[:-1] + mean / T) * begin + (once - mean) / T * end,
+            )
             if self.turning is not None:
                 once, mean = self.turning.moved(states, flight, push, drag, once, mean)
             one = one + (drag * (mean - once))[..., :-1]

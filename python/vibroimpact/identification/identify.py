@@ -532,9 +532,8 @@ def identify(
         outermost knots lie slightly beyond the range of the speeds.
     friction : float, str or True, optional
         Known dry friction of the free mass in its slot, as a fraction of F0 or a force such as "0.3 N"; True: it
-        is fitted, and an error is raised if the record does not determine it. Both require a single periodic
-        record and constant coefficients of restitution. By default no friction is assumed, and this assumption is
-        tested.
+        is fitted, and an error is raised if the record does not determine it. Both require a single record and
+        constant coefficients of restitution. By default no friction is assumed, and this assumption is tested.
     calibration : float
         Relative standard error of the calibration of each sensor, 1 % by default; 0 if the calibrations are exact.
         It is part of all errors: gain errors of load and motion change xi at a resonance, and a gain error of the

@@ -2078,7 +2078,8 @@ contains
       real(wp), intent(inout) :: closing
       !> In: the time to the end without friction. Out: with it.
       real(wp), intent(inout) :: duration
-      !> `stat%ok`, or `stat%friction_rests` where friction is not along the gap or R is a law.
+      !> `stat%ok`, or `stat%friction_rests` where friction is not along the gap, has a speed, or
+      !! acts along a gap whose wall moves, or R is a law.
       integer, intent(out) :: status
       integer, allocatable :: rubbing(:)
       real(wp) :: down, ratio, weakest
