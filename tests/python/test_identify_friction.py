@@ -302,7 +302,7 @@ def test_the_response_to_the_slip_obeys_newtons_law():
     times = np.sort(random.uniform(0, 2, 30))
     signs = random.choice([-1.0, 0.0, 1.0], 30)
     omega, xi = 30.0, 0.02
-    slips = Slips(times, np.diff(signs, prepend=0.0), np.zeros(0), np.zeros(0), 0, omega, xi)
+    slips = Slips(times, np.diff(signs, prepend=0.0), np.zeros(0), omega, xi)
     t = np.linspace(-0.1, 2.5, 4001)
     t = t[abs(t[:, None] - times).min(axis=1) > 1e-3]
     x, v, a = (slips.at(t, order) for order in range(3))

@@ -31,7 +31,7 @@ from .known import HINT
 from .laws import Law
 from .state_noise import noise_information, without_noise
 from .strains import held_strains, strains_of, trends_of
-from .windows import Flown, Windows, under_load
+from .windows import Flown, Windows
 
 _Array = NDArray[np.float64]
 _Bool = NDArray[np.bool_]
@@ -57,8 +57,8 @@ LARGEST_MASS, BEYOND = 10.0, 3.0
 CROSSED, ALONG, CROSSINGS = 0.02, 64, 5
 #: Change of the sum of squares above which two minima count as different.
 OTHER = 0.01
-#: Number of estimates of friction from momentum alone, and of times of reversals.
-FRICTIONS, REVERSALS = 3, 2
+#: Number of estimates of friction from momentum alone.
+FRICTIONS = 3
 #: Share by which coefficients of restitution grow during the record, 0 in every fit: on both walls, and on each.
 DRIFTS = ("drift", "drift1", "drift2")
 
@@ -83,61 +83,6 @@ class Minimum(NamedTuple):
     cov: _Array
     multiplier: _Array
     ok: _Bool
-
-
-class Turning(NamedTuple):
-    """The reversals of the slip in flights of the free mass between resolved impacts: their times follow from states
-    and parameters."""
-
-    #: Numbers of the flights, slopes of the slip, velocity of the primary mass under the load alone, response to
-    #: friction, derivatives of the velocity with respect to the state of the flight (2), and the integral of the sign
-    #: since the impact.
-    flights: NDArray[np.int64]
-    slopes: _Array
-    loaded: _Array
-    response: _Array
-    of_state: _Array
-    early: _Array
-    #: Derivatives of the integrals at later reversals and, of each flight, over it, with respect to the times.
-    of_early: _Array
-    of_once: _Array
-    of_mean: _Array
-
-    def moved(
-        self, states: Any, flight: Any, push: Any, drag: Any, once: Any, mean: Any
-    ) -> tuple[Any, Any]:
-        """The integrals of the sign over the flights, with reversals where the slip is zero, from mean velocities of
-        the flights."""
-        own = states[..., self.flights + 1, :]
-        V = self.loaded + (own * self.of_state).sum(axis=-1) + push * self.response
-        late = np.zeros_like(V)
-        for _ in range(REVERSALS):
-            begin = flight + drag * (mean + late @ self.of_mean)
-            slip = begin[..., self.flights] - drag * (self.early + late @ self.of_early) - V
-            late = -slip / self.slopes
-        return once + late @ self.of_once, mean + late @ self.of_mean
-
-
-def turning_of(windows: Windows, flown: Flown, slips: Slips) -> Turning | None:
-    """The reversals of a slip; None if there are none."""
-    t, common, N = flown.times, flown.common, flown.times.size
-    flights = np.searchsorted(t, slips.turns) - 1
-    inner = (flights >= 0) & (flights < N - 1)
-    inner[inner] = (flown.resolved[:-1] & flown.resolved[1:])[flights[inner]]
-    flights, at = flights[inner], slips.turns[inner]
-    if not at.size:
-        return None
-    wave = slips.pole * np.exp(slips.pole * (at - windows.begins[flights + 1]))
-    omega, xi, static, phase = common[:4].tolist()
-    loaded = under_load(windows.data, omega, xi, static, phase, at)[1]
-    change, left = 2 * slips.sign(at), t[flights + 1] - at
-    each = flights[:, None] == np.arange(N - 1)
-    later = (flights[:, None] == flights) & (at[:, None] < at)
-    return Turning(
-        flights, slips.slopes[inner], loaded, slips.at(at, 1), np.stack([wave.real, -wave.imag], axis=-1),
-        slips.sums(at)[0] - slips.sums(t[flights])[0], -change[:, None] * later, -change[:, None] * each,
-        -(change * left / np.diff(t)[flights])[:, None] * each,
-    )  # fmt: skip
 
 
 class Impacts:
@@ -238,7 +183,6 @@ class Impacts:
         if slips is not None:
             self.beside = np.stack([slips.at(self.flown.times, order) for order in (0, 1)])
             self.once, self.mean = slips.between(self.flown.times)
-        self.turning = turning_of(self.windows, self.flown, slips) if slips is not None else None
         return friction * static
 
     def constraints(self, states: Any, common: Any, g: Any) -> Any:
@@ -263,8 +207,6 @@ class Impacts:
                 once + signs[:-1] * begin + signs[1:] * end,
                 mean + (signs[:-1] + mean / T) * begin + (once - mean) / T * end,
             )
-            if self.turning is not None:
-                once, mean = self.turning.moved(states, flight, push, drag, once, mean)
             one = one + (drag * (mean - once))[..., :-1]
             two = two + (drag * mean)[..., 1:]
         V, after, sign = V[..., 1:-1], after[..., 1:-1], signs[1:-1]

@@ -33,9 +33,6 @@ _Ints = NDArray[np.int64]
 ALONG, LOOKS = 200, 3
 #: Least friction over F0 of a motion of the core; without friction the motion has other events.
 LEAST = 1e-9
-#: Acceleration of the primary mass where the slip reverses, relative to the largest one at which friction sticks,
-#: below which a flight counts as one that sticks.
-STICKS = 1.2
 
 
 class Rubbing(System):
@@ -308,16 +305,15 @@ class Slips:
     """The sign of the slip of the free mass during a record that is not periodic, as steps at impacts and reversals,
     and the response of the primary mass to a force of this sign, in units of its static displacement.
 
-    The sign is 0 in flights without a known slip and in those in which friction sticks.
+    The sign is 0 in flights without a known slip.
     """
 
     def __init__(
-        self, times: _Array, changes: _Array, turns: _Array, slopes: _Array, stuck: int, omega: float, xi: float
+        self, times: _Array, changes: _Array, turns: _Array, omega: float, xi: float
     ) -> None:  # fmt: skip
         self.times, self.changes = times, changes
-        #: Times of the reversals, the slope of the slip just before them, and the number of flights in which friction
-        #: sticks.
-        self.turns, self.slopes, self.stuck = turns, slopes, stuck
+        #: Times of the reversals in flights.
+        self.turns = turns
         self.omega, self.xi = omega, xi
         self.pole = omega * complex(-xi, math.sqrt(1 - xi**2))
         # from each step on: the response without its end, which is the sign
@@ -383,7 +379,7 @@ def slips_of(
     """
     resolved, signs, none = flown.resolved, np.sign(flown.jumps), np.empty(0)
     omega, xi, static = (float(common[i]) for i in range(3))
-    slips = windows.slips or Slips(none, none, none, none, 0, omega, xi)
+    slips = windows.slips or Slips(none, none, none, omega, xi)
     t, X, V, after = windows.events(states, common, flown.times)
     t = np.where(resolved, t, flown.times)
     size = windows.friction * windows.static
@@ -393,17 +389,13 @@ def slips_of(
     z = X + 0.5 * signs * values["d"] * values.get("gain", 1.0)
     push = friction * static * omega**2
     drag = push / values["mu"]
-    holding = push * (1 + 1 / values["mu"])
     part = (np.arange(ALONG) + 0.5) / ALONG
     begins, ends = np.append(windows.t[0], t), np.append(t, windows.t[-1])
     T = np.maximum(ends - begins, 0.0)
     inner = begins[:, None] + T[:, None] * part
     with np.errstate(all="ignore"):  # for flights that do not exist
         velocity = windows.velocities(states, common, inner, windows.begins)
-        rate = np.gradient(velocity, axis=1) / (T / ALONG)[:, None]
-        damped = 2 * xi * omega * slips.at(inner, 1) + omega**2 * slips.at(inner, 0)
         velocity = velocity + size * slips.at(inner, 1)
-        rate = rate - size * damped
         known = np.zeros(T.size, dtype=bool)
         known[1:-1] = resolved[:-1] & resolved[1:]
         mean = np.where(known[1:-1], np.diff(z) / T[1:-1], 0.0)
@@ -425,23 +417,19 @@ def slips_of(
                 start[j], ended[j] = start[j + 1] + passed[j] + whole[j], True
         slip = start[:, None] - bent - velocity
         slips = stepped(
-            slip, inner, begins, ends, rate, holding, begun, ended, signs, omega, xi
+            slip, inner, begins, ends, begun, ended, signs, omega, xi
         )
     return slips
 
 
 def stepped(
-    slip: _Array, inner: _Array, begins: _Array, ends: _Array, rate: _Array, holding: float,
-    begun: NDArray[np.bool_], ended: NDArray[np.bool_], signs: _Array, omega: float, xi: float,
+    slip: _Array, inner: _Array, begins: _Array, ends: _Array, begun: NDArray[np.bool_],
+    ended: NDArray[np.bool_], signs: _Array, omega: float, xi: float,
 ) -> Slips:  # fmt: skip
-    """The steps of the sign of the slip, from the slip at instants of each flight; where it reverses while the
-    acceleration of the primary mass is below that at which friction sticks, with a margin, the flight counts as one
-    that sticks."""
+    """The steps of the sign of the slip, from the slip at instants of each flight."""
     times: list[float] = []
     level: list[float] = []
     turns: list[float] = []
-    slopes: list[float] = []
-    stuck = 0
     for j in np.flatnonzero(begun | ended).tolist():
         own, x = np.sign(slip[j]), inner[j]
         if not np.isfinite(slip[j]).all():
@@ -452,22 +440,16 @@ def stepped(
         ])  # fmt: skip
         x = np.concatenate([begins[j : j + 1], x, ends[j : j + 1]])
         places = np.flatnonzero(own[1:] * own[:-1] < 0)
-        near = np.clip(places, 0, ALONG - 1)
-        if (abs(rate[j, near]) < STICKS * holding).any():
-            stuck += 1
-            continue
         full = np.concatenate([own[:1], slip[j], own[-1:]])
         share = np.full(places.size, 0.5)
         some = (places > 0) & (places < ALONG)
         share[some] = (full[places] / (full[places] - full[places + 1]))[some]
         reversals = (x[places] + share * (x[places + 1] - x[places])).tolist()
         turns += reversals
-        # where the slip reverses next to an impact, its place is not computed
-        slopes += np.where(some, -rate[j, near] - holding * own[places], math.inf).tolist()
         times += [float(begins[j]), *reversals, float(ends[j])]
         level += [*(own[0] * (-1.0) ** np.arange(len(reversals) + 1)).tolist(), 0.0]
     # where flights follow each other, the sign does not pass through 0
     every, signs_of = np.array(times), np.array(level)
     kept = np.append(every[1:] > every[:-1], True) if every.size else np.zeros(0, dtype=bool)
     every, signs_of = every[kept], signs_of[kept]
-    return Slips(every, np.diff(signs_of, prepend=0.0), np.array(turns), np.array(slopes), stuck, omega, xi)
+    return Slips(every, np.diff(signs_of, prepend=0.0), np.array(turns), omega, xi)

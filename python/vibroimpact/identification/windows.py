@@ -61,8 +61,6 @@ BLURRED = 2e-3
 LEAST_BINS = 12
 #: Largest weight of a flight when one more mode is tried.
 CLIPPED = 50.0
-#: Time about a reversal of slip (s) within which a filter of the sensor may smooth the step of the force.
-SMOOTHED = 1.5e-3
 #: Step for derivatives along the imaginary axis.
 STEP = 1e-30
 #: Samples of a flight over which noise is summed, and the variance ratio above which residuals are not noise.
@@ -132,19 +130,11 @@ class Windows:
         self.recorded = values
         #: Whether missing impacts are looked for, and flights that hide some are left out.
         self.complete = True
-        #: Samples that are not about a reversal of the slip.
-        self.smooth = np.ones(t.size, dtype=bool)
 
-    def rub(self, friction: float, slips: Slips, static: float, used: bool = True) -> None:
-        """Take the response to a friction out of the record, and out of use the samples about reversals of the slip,
-        unless others are to stay in `used`."""
+    def rub(self, friction: float, slips: Slips, static: float) -> None:
+        """Take the response to a friction out of the record."""
         self.friction, self.slips, self.static = friction, slips, static
         self.values = self.recorded - self.aside(self.t)
-        if used:
-            turns = np.concatenate([[-math.inf], slips.turns, [math.inf]])
-            place = np.searchsorted(turns, self.t)
-            off = np.minimum(self.t - turns[place - 1], turns[place] - self.t)
-            self.smooth = off > SMOOTHED
 
     def aside(self, t: _Array) -> Any:
         """The response to friction that is not part of the flights."""
@@ -168,7 +158,6 @@ class Windows:
         used = ((self.since > self.after) | first) & (left > self.before)
         # the filters of the sensors settle in the first load cycle
         used &= self.t > self.t[0] + min(2 * math.pi / self.data.Omega, 0.02 * np.ptp(self.t))
-        used &= self.smooth
         numbers = np.bincount(self.flight[used], minlength=self.begins.size)
         self.flies = numbers >= 2 + 2 * self.modes + SPARE
         if self.poor.size == self.flies.size:
@@ -182,12 +171,12 @@ class Windows:
         self.edges = np.searchsorted(self.flight[self.used], [self.own, self.own + 1])
         first, last = self.edges
         self.numbers = last - first
-        self.count = self.used - np.repeat(self.used[first], self.numbers)
+        self.count = np.arange(self.used.size) - np.repeat(first, self.numbers)
 
     def faded(self, pole: complex) -> Any:
         """exp(pole t) at the used samples, with t from the impact before each of them; the exponential of a sum is
         a product, so that few have to be computed."""
-        steps = np.exp(pole * self.step * np.arange(self.count.max(initial=-1) + 1))
+        steps = np.exp(pole * self.step * np.arange(self.numbers.max(initial=0)))
         begins = np.exp(pole * self.since[self.used[self.edges[0]]])
         return np.repeat(begins, self.numbers) * steps[self.count]
 
