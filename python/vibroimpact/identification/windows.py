@@ -756,7 +756,8 @@ class Windows:
         """Why impacts are not resolved, the commonest reason first, and what would help with it."""
         pulse = 1e3 * (self.before + self.after)
         reasons = (
-            "beside a flight that no state describes, in which an impact may be hidden",
+            "beside a flight that no state describes, in which an impact may be hidden"
+            + ", or one in which the slip reverses" * (self.slips is not None),
             f"beside a flight with too few samples outside of the pulses, which last {pulse:.2g} ms",
             f"with a jump of the velocity below {CLEAR:g} standard errors",
             "at a time that the flights do not determine",
