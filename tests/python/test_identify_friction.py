@@ -399,7 +399,7 @@ def chaotic(seed, friction):
         "M": M, "K": K, "m": M * draw.uniform(0.025, 0.05), "d": draw.uniform(25, 60) * 4.0 / K, "F0": 4.0,
         "xi": draw.uniform(0.007, 0.016), "restitution": tuple(draw.uniform(0.55, 0.85, 2).tolist()),
         "frequency": float(draw.choice([1.04, 1.06, 1.1])) * math.sqrt(K / M) / (2 * math.pi),
-        "rate": 10e3, "snr": 42.0, "contact": 4e-4,
+        "rate": 10e3, "snr": 42.0, "contact": 4e-4, "calibration": 0.0,
     }  # fmt: skip
     rig = vi.VirtualRig(**numbers, friction=friction)
     true = {"xi": rig.xi, "mu": rig.m / M, "d": rig.d, "friction": friction}
@@ -408,23 +408,21 @@ def chaotic(seed, friction):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("friction", [0.0, 1e-3, 5e-3])
-def test_intervals_of_chaotic_records_with_friction_cover(friction, share):
+def test_intervals_of_chaotic_records_with_friction_cover(share):
     """Of all records that give parameters without a doubt, stated intervals contain the true values as often as
     stated, and none is off by five errors. Others are refused with an error, or are periodic."""
     offs = []
-    for seed in range(share(40)):
-        made, true = chaotic(seed, friction)
+    for seed in range(share(120)):
+        made, true = chaotic(seed, (0.0, 1e-3, 3e-3)[seed % 3])
         try:
-            found = quietly(made, known={"M": M, "K": K}, friction=True)
+            found = quietly(made, known={"M": M, "K": K}, friction=True, calibration=0)
         except vi.SingularError:
             continue
         if found.status == "periodic" or not found.good:
             continue
         offs.append(list(off(found, true).values()))
         assert max(map(abs, offs[-1])) < 5, seed
+    assert len(offs) >= 0.1 * share(120)
     # parameters of a record behave like two independent numbers
-    deviation = (0.95 * 0.05 / (2 * max(1, len(offs)))) ** 0.5
-    inside = [abs(one) < 1.96 for one in sum(offs, [])]
-    assert not inside or np.mean(inside) > 0.95 - 4 * deviation
-    assert len(offs) >= 0.3 * share(40) - 1
+    deviation = (0.95 * 0.05 / (2 * len(offs))) ** 0.5
+    assert np.mean(np.abs(offs) < 1.96) > 0.95 - 4 * deviation
