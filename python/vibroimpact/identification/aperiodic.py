@@ -99,6 +99,10 @@ class Impacts:
         resolved = flown.resolved
         self.lawful = lawful = np.zeros(N, dtype=bool)
         lawful[1:-1] = resolved[:-2] & resolved[1:-1] & resolved[2:]
+        if windows.slips is not None:
+            # where the slip reverses friction may stick, and its errors are not those of a linear equation
+            turned = np.searchsorted(flown.times, windows.slips.turns)
+            lawful[turned[turned < N]] = lawful[turned[turned > 0] - 1] = False
         if lawful.sum() < LEAST_IMPACTS:
             raise TooFewError(
                 f"{int(lawful.sum())} of {N} impacts between two others that are resolved: must be at least "

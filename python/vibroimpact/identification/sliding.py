@@ -22,13 +22,12 @@ from .signals import centred
 from .stages import APART, lawful_of
 from .steps import Step, flown, flown_apart
 from .strains import Strain
+from .windows import SMOOTHED
 
 _Array = NDArray[np.float64]
 #: Largest number of fits with the response to friction of the previous one, and its change at which they end,
 #: relative to the errors of a folded record.
 ROUNDS, SETTLED = 12, 0.03
-#: Time about a reversal of slip (s) within which a filter of the sensor may smooth the step of the force.
-SMOOTHED = 1.5e-3
 #: Number of rounds in which the impacts of a record that is not periodic are searched for again, and largest change
 #: of a parameter in the last round, in standard errors.
 SEARCHES, MOVED = 2, 0.1
@@ -112,8 +111,7 @@ def of_flights(
     """The fit to the single flights of a record that is not periodic, as `with_friction`.
 
     In each round the response to the slip of the previous one is taken out of the record. Flights without a known
-    slip, and those in which it reverses, where friction may stick, are left out: the errors of the time of a
-    reversal are not those of a linear equation.
+    slip are left out.
     """
     (step, *_), now, law = found
     windows = step.windows
@@ -146,8 +144,6 @@ def of_flights(
         windows.rub(here, slips, static)
         begins, ends = (np.append(windows.t[0], flights.times), np.append(flights.times, windows.t[-1]))
         unknown = slips.sign(0.5 * (begins + ends)) == 0
-        reversing = np.unique(np.searchsorted(flights.times, slips.turns))
-        unknown[reversing] = True
         flights = windows.without(windows.poor | unknown)
         before = values
         try:
@@ -179,9 +175,11 @@ def of_flights(
         )
         if not rough and moved < MOVED:
             other.notes.append(lawful_of(lawful))
+            reversing = np.unique(np.searchsorted(flights.times, slips.turns))
             if reversing.size:
                 other.notes.append(
-                    f"in {reversing.size} flights of the free mass its slip reverses, or friction sticks: left out"
+                    f"in {reversing.size} flights of the free mass its slip reverses, or friction sticks: the impacts at "
+                    "their ends are left out"
                 )
             return [other], now, law
     raise SingularError(f"{given}: the fit did not converge in {ROUNDS} rounds; {HINT}")

@@ -61,6 +61,8 @@ BLURRED = 2e-3
 LEAST_BINS = 12
 #: Largest weight of a flight when one more mode is tried.
 CLIPPED = 50.0
+#: Time about a reversal of slip (s) within which a filter of the sensor may smooth the step of the force.
+SMOOTHED = 1.5e-3
 #: Step for derivatives along the imaginary axis.
 STEP = 1e-30
 #: Samples of a flight over which noise is summed, and the variance ratio above which residuals are not noise.
@@ -128,13 +130,18 @@ class Windows:
         self.slips: Slips | None = None
         self.friction, self.static = 0.0, float(start[0])
         self.recorded = values
+        #: Samples that are not about a reversal of the slip.
+        self.smooth = np.ones(t.size, dtype=bool)
         #: Whether missing impacts are looked for, and flights that hide some are left out.
         self.complete = True
 
     def rub(self, friction: float, slips: Slips, static: float) -> None:
-        """Take the response to a friction out of the record."""
+        """Take the response to a friction out of the record, and samples about reversals of the slip out of use."""
         self.friction, self.slips, self.static = friction, slips, static
         self.values = self.recorded - self.aside(self.t)
+        turns = np.concatenate([[-math.inf], slips.turns, [math.inf]])
+        place = np.searchsorted(turns, self.t)
+        self.smooth = np.minimum(self.t - turns[place - 1], turns[place] - self.t) > SMOOTHED
 
     def aside(self, t: _Array) -> Any:
         """The response to friction that is not part of the flights."""
@@ -157,6 +164,7 @@ class Windows:
         first = self.flight == 0
         used = ((self.since > self.after) | first) & (left > self.before)
         # the filters of the sensors settle in the first load cycle
+        used &= self.smooth
         used &= self.t > self.t[0] + min(2 * math.pi / self.data.Omega, 0.02 * np.ptp(self.t))
         numbers = np.bincount(self.flight[used], minlength=self.begins.size)
         self.flies = numbers >= 2 + 2 * self.modes + SPARE
@@ -171,12 +179,12 @@ class Windows:
         self.edges = np.searchsorted(self.flight[self.used], [self.own, self.own + 1])
         first, last = self.edges
         self.numbers = last - first
-        self.count = np.arange(self.used.size) - np.repeat(first, self.numbers)
+        self.count = self.used - np.repeat(self.used[first], self.numbers)
 
     def faded(self, pole: complex) -> Any:
         """exp(pole t) at the used samples, with t from the impact before each of them; the exponential of a sum is
         a product, so that few have to be computed."""
-        steps = np.exp(pole * self.step * np.arange(self.numbers.max(initial=0)))
+        steps = np.exp(pole * self.step * np.arange(self.count.max(initial=-1) + 1))
         begins = np.exp(pole * self.since[self.used[self.edges[0]]])
         return np.repeat(begins, self.numbers) * steps[self.count]
 
