@@ -141,7 +141,7 @@ def of_flights(
         assert windows is not None
         slips = slips_of(windows, flights, flights.states, windows.common, values, here)
         static = float(windows.common[2])
-        windows.rub(here, slips, static)
+        windows.rub(here, slips, static, same=not rough)
         begins, ends = (np.append(windows.t[0], flights.times), np.append(flights.times, windows.t[-1]))
         unknown = slips.sign(0.5 * (begins + ends)) == 0
         flights = windows.without(windows.poor | unknown)

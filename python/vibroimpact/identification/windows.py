@@ -135,10 +135,13 @@ class Windows:
         #: Whether missing impacts are looked for, and flights that hide some are left out.
         self.complete = True
 
-    def rub(self, friction: float, slips: Slips, static: float) -> None:
-        """Take the response to a friction out of the record, and samples about reversals of the slip out of use."""
+    def rub(self, friction: float, slips: Slips, static: float, same: bool = False) -> None:
+        """Take the response to a friction out of the record, and samples about reversals of the slip out of use unless
+        the used samples are to stay the same."""
         self.friction, self.slips, self.static = friction, slips, static
         self.values = self.recorded - self.aside(self.t)
+        if same:
+            return
         turns = np.concatenate([[-math.inf], slips.turns, [math.inf]])
         place = np.searchsorted(turns, self.t)
         self.smooth = np.minimum(self.t - turns[place - 1], turns[place] - self.t) > SMOOTHED
