@@ -297,7 +297,7 @@ def test_friction_of_other_records_is_refused():
 
 
 def test_the_response_to_the_slip_obeys_newtons_law():
-    """Acceleration, damping and stiffness balance the force at any time, and the integrals are those of its sign."""
+    """Acceleration, damping and stiffness balance the force at any time; the integrals are those of its sign."""
     random = np.random.default_rng(1)
     times = np.sort(random.uniform(0, 2, 30))
     signs = random.choice([-1.0, 0.0, 1.0], 30)
@@ -326,8 +326,8 @@ def test_the_response_to_the_slip_obeys_newtons_law():
 
 
 def test_no_friction_is_the_limit_of_a_known_one():
-    """Of a chaotic record without friction: with a known friction of 0 the parameters are those without one, but for
-    what the flights tell that are left out, whose variance is the difference of the variances."""
+    """Of a chaotic record without friction: with a known friction of 0 the parameters are those without one, but
+    for what the equations tell that are left out, whose variance is the difference of the variances."""
     made = recorded(44.0, 0.0)
     plain = vi.identify(made, known={"M": M, "K": K})
     found = vi.identify(made, known={"M": M, "K": K}, friction=0.0)

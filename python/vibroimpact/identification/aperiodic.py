@@ -457,8 +457,8 @@ def by_laws(
     """The parameters from momentum and restitution at all impacts, and the impacts for which these laws hold.
 
     If the response to friction is not part of the flights, the friction is known, or fitted if it is not among the
-    `shared` values: then the value is the one that was taken out of the record, and the strain says how far from the
-    fitted one it is. A `rough` fit, which only provides a start, may contradict what is known.
+    `shared` values: then the value is the one that was taken out of the record, and the strain says how far from
+    the fitted one it is. A `rough` fit, which only provides a start, may contradict what is known.
     """
     for _ in range(CROSSINGS):
         impacts = Impacts(windows, flown, shared, guess, law, law_speed)
@@ -660,7 +660,8 @@ def start_of_friction(
     """mu, d and friction over F0 of a record without parameters that fulfil the laws with some friction, and the
     slip.
 
-    Momentum at the impacts alone gives mu and d with this friction, with which the slip is known, and then all three.
+    Momentum at the impacts alone gives mu and d with this friction, with which the slip is known, and then all
+    three.
     """
     flown = windows.without(windows.poor)
     impacts = Impacts(windows, flown, shared, guess, law, None)

@@ -302,15 +302,15 @@ def of_no_friction(data: Measured, law: Any, p: _Array, motion: Impacting) -> Im
 
 
 class Slips:
-    """The sign of the slip of the free mass during a record that is not periodic, as steps at impacts and reversals,
-    and the response of the primary mass to a force of this sign, in units of its static displacement.
+    """The sign of the slip of the free mass in a record that is not periodic, as steps at impacts and reversals, and
+    the response of the primary mass to a force of this sign, in units of its static displacement.
 
     The sign is 0 in flights without a known slip.
     """
 
     def __init__(
         self, times: _Array, changes: _Array, turns: _Array, omega: float, xi: float
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.times, self.changes = times, changes
         #: Times of the reversals in flights.
         self.turns = turns
@@ -383,9 +383,7 @@ def slips_of(
     t, X, V, after = windows.events(states, common, flown.times)
     t = np.where(resolved, t, flown.times)
     size = windows.friction * windows.static
-    X, V, after = (
-        x + size * slips.at(t, order) for x, order in ((X, 0), (V, 1), (after, 1))
-    )
+    X, V, after = (x + size * slips.at(t, order) for x, order in ((X, 0), (V, 1), (after, 1)))
     z = X + 0.5 * signs * values["d"] * values.get("gain", 1.0)
     push = friction * static * omega**2
     drag = push / values["mu"]
@@ -416,9 +414,7 @@ def slips_of(
             elif j < known.size - 1 and known[j + 1]:
                 start[j], ended[j] = start[j + 1] + passed[j] + whole[j], True
         slip = start[:, None] - bent - velocity
-        slips = stepped(
-            slip, inner, begins, ends, begun, ended, signs, omega, xi
-        )
+        slips = stepped(slip, inner, begins, ends, begun, ended, signs, omega, xi)
     return slips
 
 

@@ -28,13 +28,13 @@ _Array = NDArray[np.float64]
 #: Largest number of fits with the response to friction of the previous one, and its change at which they end,
 #: relative to the errors of a folded record.
 ROUNDS, SETTLED = 12, 0.03
-#: Number of rounds in which the impacts of a record that is not periodic are searched for again, and largest change
-#: of a parameter in the last round, in standard errors.
+#: Number of rounds in which the impacts of a record that is not periodic are searched for again, and largest
+#: change of a parameter in the last round, in standard errors.
 SEARCHES, MOVED = 2, 0.1
 #: The message about a friction that a record does not determine.
 UNDETERMINED = (
-    "friction = True: undetermined, since with these impacts friction resembles other coefficients of restitution; it "
-    "must be known or left out"
+    "friction = True: undetermined, since with these impacts friction resembles other coefficients of "
+    "restitution; it must be known or left out"
 )
 #: Largest friction over F0 with which a fit begins.
 MOST = 0.1
@@ -57,8 +57,8 @@ def with_friction(
         return of_flights(found, scale, shared, guess, friction)
     if plain is None or step.data is None or not plain.motions:
         raise SingularError(
-            f"{given}: must be left out for a record with the status {step.rhythm.status!r}, from which no parameters "
-            "are fitted"
+            f"{given}: must be left out for a record with the status {step.rhythm.status!r}, from which no "
+            "parameters are fitted"
         )
     law = replace(law, friction=True)
     known = dict(shared)
@@ -142,8 +142,9 @@ def of_flights(
         slips = slips_of(windows, flights, flights.states, windows.common, values, here)
         static = float(windows.common[2])
         windows.rub(here, slips, static, same=not rough)
-        begins, ends = (np.append(windows.t[0], flights.times), np.append(flights.times, windows.t[-1]))
-        unknown = slips.sign(0.5 * (begins + ends)) == 0
+        times = flights.times
+        middle = 0.5 * (np.append(windows.t[0], times) + np.append(times, windows.t[-1]))
+        unknown = slips.sign(middle) == 0
         flights = windows.without(windows.poor | unknown)
         before = values
         try:
@@ -164,8 +165,8 @@ def of_flights(
             strain = now.strains.pop("friction", Strain(0.0, 0.0))
             if here == 0 and strain.size < -BEYOND and not rough:
                 raise SingularError(
-                    f"{given}: momentum and restitution at {int(lawful.sum())} impacts give {strain.change:.4g} F0: "
-                    f"must be at least 0; {HINT}"
+                    f"{given}: momentum and restitution at {int(lawful.sum())} impacts give "
+                    f"{strain.change:.4g} F0: must be at least 0; {HINT}"
                 )
             values["friction"] = here = max(here + strain.change, 0.0)
         moved = max(
@@ -178,8 +179,8 @@ def of_flights(
             reversing = np.unique(np.searchsorted(flights.times, slips.turns))
             if reversing.size:
                 other.notes.append(
-                    f"in {reversing.size} flights of the free mass its slip reverses, or friction sticks: the impacts at "
-                    "their ends are left out"
+                    f"in {reversing.size} flights of the free mass its slip reverses, or friction sticks: the "
+                    "impacts at their ends are left out"
                 )
             return [other], now, law
     raise SingularError(f"{given}: the fit did not converge in {ROUNDS} rounds; {HINT}")

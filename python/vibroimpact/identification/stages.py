@@ -578,8 +578,8 @@ def apart(
 def lawful_of(lawful: NDArray[np.bool_]) -> str:
     """The note about the impacts that give the parameters."""
     return (
-        f"{APART[0]} {int(lawful.sum())} of {lawful.size} impacts give the parameters; the others are next to a flight "
-        "that is too short or hides an impact"
+        f"{APART[0]} {int(lawful.sum())} of {lawful.size} impacts give the parameters; the others are next to a "
+        "flight that is too short or hides an impact"
     )
 
 

@@ -125,8 +125,8 @@ class Windows:
         self.lost: list[int] = []
         #: Flights that are discarded at the end.
         self.poor = np.zeros(0, dtype=bool)
-        #: The slip in the flights, whose response is not part of `values`, and the friction (over F0) and the static
-        #: displacement for which it is.
+        #: The slip in the flights, whose response is not part of `values`, and the friction over F0 and the
+        #: static displacement for which it is taken out.
         self.slips: Slips | None = None
         self.friction, self.static = 0.0, float(start[0])
         self.recorded = values
@@ -136,8 +136,8 @@ class Windows:
         self.complete = True
 
     def rub(self, friction: float, slips: Slips, static: float, same: bool = False) -> None:
-        """Take the response to a friction out of the record, and samples about reversals of the slip out of use unless
-        the used samples are to stay the same."""
+        """Take the response to a friction out of the record, and samples about reversals of the slip out of use,
+        unless the used samples are to stay the same."""
         self.friction, self.slips, self.static = friction, slips, static
         self.values = self.recorded - self.aside(self.t)
         if same:
