@@ -302,8 +302,8 @@ def of_no_friction(data: Measured, law: Any, p: _Array, motion: Impacting) -> Im
 
 
 class Slips:
-    """The sign of the slip of the free mass in a record that is not periodic, as steps at impacts and reversals, and
-    the response of the primary mass to a force of this sign, in units of its static displacement.
+    """The sign of the slip of the free mass in a record that is not periodic, as steps at impacts and reversals,
+    and the response of the primary mass to a force of this sign, in units of its static displacement.
 
     The sign is 0 in flights without a known slip.
     """
