@@ -16,7 +16,6 @@ beyond five errors. Parameters of one record depend on each other: the errors of
 again (bootstrap). Parameters that are undetermined are not counted.
 """
 
-import dataclasses
 import math
 import pathlib
 import sys
@@ -28,34 +27,13 @@ import vibroimpact as vi
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "tests/python"))
 from reference_rig import SPEED, K, M, wide_rig
+from shared_identify import virtual
 
 GENERATORS = ("pulses", "spikes", "virtual", "drift")
 #: Largest share by which coefficients of restitution fall in "drift".
 DRIFT = 0.01
 #: Standard deviations of an interval that holds 68 %.
 SIGMA68 = 0.9944578832097532
-
-
-def virtual(rig, seed, drift=0.0):
-    """A record of the package's own rig with the same parameters, in the middle of the record if they drift."""
-    rig = dataclasses.replace(rig, restitution=tuple(R / (1 - drift / 2) for R in rig.restitution))
-    walls = rig.restitution
-    if rig.exponent:
-        walls = [
-            vi.PowerLaw(1.0, speed=SPEED * R ** (1 / rig.exponent), exponent=rig.exponent, sharpness=20)
-            for R in rig.restitution
-        ]  # fmt: skip
-    made = vi.VirtualRig(
-        M=M, K=K, m=M * rig.mu, d=rig.d, xi=rig.xi, restitution=tuple(walls), F0=rig.F0, frequency=rig.frequency,
-        harmonics=rig.harmonics, rate=rig.rate, snr=-20 * math.log10(rig.noise), ring_frequency=rig.ringing,
-        ring_damping=rig.ring_decay / (2 * math.pi * rig.ringing), ring_share=rig.ring_share,
-        calibration=rig.calibration, bandwidth=rig.known_lowpass, contact=rig.contact,
-        known_bandwidth=seed % 2 == 0, drift=drift,
-    )  # fmt: skip
-    # begun with a free mass that moves, as of a motion with equal walls
-    alike = vi.Oscillator(xi=rig.xi, mu=rig.mu, restitution=sum(rig.restitution) / 2)
-    begin = vi.equispaced(alike, made.r, made.clearance)
-    return made.record(rig.duration, seed, motion=begin[0] if begin else None)
 
 
 def scored(generator, chaos, seed):

@@ -1,4 +1,9 @@
-"""The rig of a bench test, and records of it, shared by tests of identification."""
+"""The rig of a bench test, and records of rigs, shared by tests of identification."""
+
+import dataclasses
+import math
+
+import vibroimpact as vi
 
 #: The rig of a bench test: 2.7 kg on 42 kN/m, a particle of 0.11 kg, 6 N at 19.5 Hz.
 BENCH = {
@@ -8,3 +13,28 @@ BENCH = {
 KNOWN = {"M": 2.7, "K": 42e3, "m": 0.11}
 #: Impacts of no duration, and fully known sensors: with little noise, small effects show.
 IDEAL = {"contact": 0.0, "offset": 0.0, "known_bandwidth": True}
+
+
+def virtual(rig, seed, drift=0.0):
+    """A record of the package's own rig with the parameters of one of `reference_rig`, in the middle of the record
+    if they drift."""
+    from reference_rig import SPEED, K, M
+
+    rig = dataclasses.replace(rig, restitution=tuple(R / (1 - drift / 2) for R in rig.restitution))
+    walls = rig.restitution
+    if rig.exponent:
+        walls = [
+            vi.PowerLaw(1.0, speed=SPEED * R ** (1 / rig.exponent), exponent=rig.exponent, sharpness=20)
+            for R in rig.restitution
+        ]  # fmt: skip
+    made = vi.VirtualRig(
+        M=M, K=K, m=M * rig.mu, d=rig.d, xi=rig.xi, restitution=tuple(walls), F0=rig.F0, frequency=rig.frequency,
+        harmonics=rig.harmonics, rate=rig.rate, snr=-20 * math.log10(rig.noise), ring_frequency=rig.ringing,
+        ring_damping=rig.ring_decay / (2 * math.pi * rig.ringing), ring_share=rig.ring_share,
+        calibration=rig.calibration, bandwidth=rig.known_lowpass, contact=rig.contact,
+        known_bandwidth=seed % 2 == 0, drift=drift,
+    )  # fmt: skip
+    # begun with a free mass that moves, as of a motion with equal walls
+    alike = vi.Oscillator(xi=rig.xi, mu=rig.mu, restitution=sum(rig.restitution) / 2)
+    begin = vi.equispaced(alike, made.r, made.clearance)
+    return made.record(rig.duration, seed, motion=begin[0] if begin else None)

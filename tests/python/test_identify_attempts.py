@@ -1,13 +1,15 @@
 """Results of identify for records that no fit describes, and for drifting coefficients of restitution."""
 
+import contextlib
 import warnings
 
 import pytest
 import vibroimpact as vi
 
 pytest.importorskip("scipy")
-from shared_identify import BENCH
-from vibroimpact.identification import fit, flights
+from reference_rig import K, M, wide_rig
+from shared_identify import BENCH, virtual
+from vibroimpact.identification import fit, flights, windows
 from vibroimpact.identification.attempts import Attempt, Attempts
 from vibroimpact.identification.steps import of_record
 
@@ -53,6 +55,60 @@ def test_what_failed_is_not_tried_again(monkeypatch):
         vi.identify(record, known={"M": 2.7, "K": 42e3, "m": 2.7}, calibration=0)
     assert counts[flights] < 950
     assert counts[fit] < 700
+
+
+def counted(monkeypatch, counts, owner, name, key):
+    """Count the calls of a function or method of the package."""
+    function = getattr(owner, name)
+
+    def once(*given, **options):
+        counts[key] = counts.get(key, 0) + 1
+        return function(*given, **options)
+
+    monkeypatch.setattr(owner, name, once)
+
+
+#: Records of the generators of `reference_rig` whose identification took 2.5 to 8.5 s, and the most calls that it
+#: may make: folds of the record in which onsets are sought ("folds"), derivatives of residuals of flights
+#: ("derivatives"), exact motions ("motions"), and fits of all single flights ("flights"). Formerly there were 24
+#: folds, and derivatives for each of 4500 residuals.
+SLOW = {
+    ("pulses", False, 4002): {"folds": 6, "derivatives": 2200},
+    ("spikes", False, 4002): {"folds": 8, "derivatives": 1800},
+    ("virtual", True, 4004): {"folds": 10, "derivatives": 2700},
+    # at a fold, beyond which no motion exists; formerly 2102 motions
+    ("pulses", False, 4001): {"motions": 1600},
+    # some 100 flights at 50 kHz; formerly 276 fits
+    ("pulses", True, 4004): {"flights": 260},
+}
+
+
+@pytest.mark.parametrize("which", SLOW, ids=lambda which: f"{which[0]}-{which[2]}")
+def test_slow_records_take_few_evaluations(which, monkeypatch):
+    """Derivatives are computed at accepted points only, the record is folded once for each period and number of
+    bins, single flights are fitted once for each set of common parameters, and fits that no longer move are given
+    up."""
+    generator, chaos, seed = which
+    rig, made, *_ = wide_rig(seed, generator, chaos)
+    if generator == "virtual":
+        record = virtual(rig, seed)
+    else:
+        passed = rig.known_lowpass
+        record = vi.SensorRecord(
+            rig.rate, load=made[1], acceleration=made[2],
+            bandwidth=None if passed is None else {"load": passed, "acceleration": passed},
+        )  # fmt: skip
+    counts = {}
+    counted(monkeypatch, counts, flights, "folded", "folds")
+    counted(monkeypatch, counts, flights.Predicted, "by_impacts", "derivatives")
+    counted(monkeypatch, counts, fit.System, "motion", "motions")
+    counted(monkeypatch, counts, windows.Windows, "solved", "flights")
+    known = {"M": M, "K": K} | ({} if chaos else {"m": M * rig.mu})
+    law = "power" if rig.exponent else "constant"
+    with warnings.catch_warnings(), contextlib.suppress(vi.SingularError):
+        warnings.simplefilter("ignore", vi.PoorFitWarning)
+        vi.identify(record, known=known, calibration=rig.calibration, law=law)
+    assert {name: counts[name] for name in SLOW[which] if counts[name] > SLOW[which][name]} == {}
 
 
 def test_the_best_attempt_has_the_least_misfit():

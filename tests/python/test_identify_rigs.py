@@ -13,7 +13,7 @@ from reference_rig import SPEED, K, M, chaotic_rig, flights, random_rig, record,
 from shared_identify import BENCH, KNOWN
 from vibroimpact.identification.aperiodic import Impacts, possible
 from vibroimpact.identification.fit import Fit
-from vibroimpact.identification.flights import unexplained
+from vibroimpact.identification.flights import news_of, unexplained
 from vibroimpact.identification.laws import Law
 from vibroimpact.identification.stages import apart
 from vibroimpact.identification.steps import of_record
@@ -57,11 +57,9 @@ def test_impacts_that_a_motion_lacks_are_told_by_the_record():
     assert max(map(abs, off)) < 4
     turn, middle = 2 * np.pi * found.frequency, (acceleration.size - 1) / 2 / rig.rate
     angles = turn * (found.impact_times[:5] - middle) % (2 * np.pi)
-    assert unexplained(acceleration, rig.rate, turn, k, angles) is None
-    places = [
-        unexplained(acceleration, rig.rate, turn, k, np.delete(angles, i)) or np.inf
-        for i in range(5)
-    ]
+    sudden = list(news_of(acceleration, rig.rate, turn, k))
+    assert unexplained(sudden, turn, k, angles) is None
+    places = [unexplained(sudden, turn, k, np.delete(angles, i)) or np.inf for i in range(5)]
     assert (abs(places - angles) < 0.1).sum() == 4  # at the weakest, no flight turns so abruptly
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.errors import SingularError
-from .flights import HOPELESS, Measured, predicted
+from .flights import HOPELESS, Measured, predicted, turns_of
 from .friction import Rubbing, of_no_friction
 from .known import HINT
 from .laws import Law
@@ -113,6 +113,7 @@ def fit(
     bounds |= {f"F0/K {i}": (0.0, math.inf) for i in range(count)}
     low, high = np.array([bounds.get(name, (-math.inf, math.inf)) for name in names]).T
     systems = [(Rubbing if law.friction else System)(data, law) for data in records]
+    turns = [turns_of(data, data.places) for data in records]
     walls = (*law.of_wall(0), *law.of_wall(1), *["friction"] * law.friction)
     # also derivatives with respect to known values, to test whether the records agree with them
     held = [name for name in law.shared if name in known]
@@ -179,11 +180,11 @@ def fit(
 
         if data.places.size:
             one = predicted(
-                data, data.places, data.order, omega, xi, static, phase, motion.angles, motion.jumps
-            )
-            by = one.angles @ motion.by[0] + one.jumps @ motion.by[1]
-            own = np.column_stack([one.omega, one.xi, one.static, one.phase])
-            by[:, [0, 1, of_static, of_phase]] += own
+                data, data.places, data.order, omega, xi, static, phase, motion.angles, motion.jumps,
+                turns[i],
+            )  # fmt: skip
+            by = one.along(motion.by)
+            by[:, [0, 1, of_static, of_phase]] += one.by_system
             value = one.value
             if motion.aside is not None:
                 by, value = by + motion.aside_by, value + motion.aside
@@ -268,17 +269,17 @@ def by_friction(
     begins = np.cumsum([0, *sizes])
     for i, (data, p) in enumerate(zip(records, points, strict=True)):
         motion = of_no_friction(data, law, p, found.motions[i])
-        angles, jumps = motion.by[:, :, -1] * found.lengths[0] / found.lengths[i]
+        by_friction = motion.by[:, :, -1:] * found.lengths[0] / found.lengths[i]
         if data.places.size:
             omega, xi, static, phase = p[[0, 1, 4, 5]].tolist()
             one = predicted(
                 data, data.places, data.order, omega, xi, static, phase, motion.angles, motion.jumps
             )
             own = motion.aside_by[:, -1] * found.lengths[0] / found.lengths[i]
-            own = found.gain * (one.angles @ angles + one.jumps @ jumps + own) / data.errors
+            own = found.gain * (one.along(by_friction)[:, 0] + own) / data.errors
             own -= data.beside @ (data.beside.T @ own)
         else:
-            own = angles / data.angle_errors
+            own = by_friction[0, :, 0] / data.angle_errors
         every[begins[i] : begins[i] + own.size] = own
     return every
 

@@ -9,9 +9,10 @@ and projected out.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
+from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,8 +42,6 @@ FIRST_PULSE, LONGEST_PULSE, LEAST_FLIGHT = 4e-3, 12e-3, 0.3
 #: Residual, relative to its error, at which a pulse has ended. The excluded part is extended beyond that by a
 #: multiple of the time in which the pulse fades by a factor of ten, but at most by a share of its length.
 ENDED, MARGIN, FADES = 3.0, 0.6, 1.0
-#: Largest exponent of a factor of a wave.
-MOST_FADED = 200.0
 #: Misfit of periodic flights above which they do not describe the record.
 HOPELESS = 25.0
 #: Misfit of free flights above which others are tried.
@@ -114,44 +113,147 @@ class Measured:
         return Pattern(self.sides, self.k)
 
 
-class Predicted(NamedTuple):
-    """The motion of the primary mass at given angles, and its derivatives."""
+class Ages:
+    """The times since the latest impacts, for given angles of samples and of the impacts of a period."""
 
-    value: _Array
-    omega: _Array
-    xi: _Array
-    static: _Array
-    phase: _Array
-    angles: _Array
-    jumps: _Array
+    def __init__(self, data: Measured, places: _Array, angles: _Array) -> None:
+        whole, n = 2 * math.pi * data.k, places.size
+        at = angles % whole
+        begins = np.sort(at)
+        #: Beginning and end of the samples after each impact in the order of the angles, the last one of the
+        #: previous period first; None for samples in another order.
+        self.edges: list[int] | None = None
+        if n and places[0] >= 0 and places[-1] < whole and (places[1:] >= places[:-1]).all():
+            self.edges = [0, *np.searchsorted(places, begins).tolist(), n]
+            latest = np.repeat(np.arange(begins.size + 1), np.diff(self.edges))
+        else:
+            places = places % whole
+            latest = np.searchsorted(begins, places, side="right")
+        begins = np.concatenate([begins[-1:], begins]) if begins.size else np.zeros(1)
+        #: (N + 1, N) Times from all impacts to each latest one (s).
+        self.gaps = (begins[:, None] - at) % whole / data.Omega
+        begins[0] -= whole
+        #: (n) Number of the latest impact, and time since then.
+        self.latest, self.times = latest, (places - begins[latest]) / data.Omega
+
+
+class Waves:
+    """Damped waves exp(pole t) that begin at the impacts of each period.
+
+    From impact to impact all of them only turn and fade together. Each is therefore the wave that begins at the
+    latest impact, times its own value there.
+    """
+
+    def __init__(self, ages: Ages, pole: complex) -> None:
+        self.ages = ages
+        #: (N + 1, N) The waves at each latest impact.
+        self.turned = np.exp(pole * ages.gaps)
+        fade, turn = np.exp(pole.real * ages.times), pole.imag * ages.times
+        #: (n, 2) Real and negative imaginary part of the wave since the latest impact.
+        self.wave = np.empty((fade.size, 2))
+        np.multiply(fade, np.cos(turn), out=self.wave[:, 0])
+        np.multiply(-fade, np.sin(turn), out=self.wave[:, 1])
+
+    def sums(self, sizes: Any) -> tuple[_Complex, _Complex]:
+        """Sums of all waves with given sizes (N) at each latest impact, and those of the waves times their
+        ages."""
+        each = self.turned * sizes
+        return each.sum(axis=1), (each * self.ages.gaps).sum(axis=1)
+
+    def real(self, sizes: Any, out: _Array | None = None) -> _Array:
+        """The real part of the wave since the latest impact times sizes there (N + 1, m), at all samples
+        (n, m)."""
+        out = np.empty((self.wave.shape[0], sizes.shape[1])) if out is None else out
+        parts = np.empty((sizes.shape[0], 2, sizes.shape[1]))
+        parts[:, 0], parts[:, 1] = sizes.real, sizes.imag
+        edges, latest = self.ages.edges, self.ages.latest
+        if edges is None:
+            out[:] = self.wave[:, :1] * parts[latest, 0]
+            out += self.wave[:, 1:] * parts[latest, 1]
+            return out
+        for own, a, b in zip(parts, edges[:-1], edges[1:], strict=True):
+            np.matmul(self.wave[a:b], own, out=out[a:b])
+        return out
+
+
+class Predicted:
+    """A derivative of the displacement of a damped oscillator under the load and periodic impulses at given
+    angles, and its derivatives, which are computed only where they are used."""
+
+    def __init__(
+        self, data: Measured, places: _Array, order: int, omega: float, xi: float, static: float, phase: float,
+        angles: _Array, jumps: _Array, turns: _Array,
+    ) -> None:  # fmt: skip
+        self.data, self.jumps_of, self.turns = data, jumps, turns
+        self.at = order, omega, xi
+        # after unit impulses, one in each period
+        rate = math.sqrt(1 - xi**2)
+        self.pole = pole = omega * complex(-xi, rate)
+        self.whole = 2 * math.pi * data.k / data.Omega
+        self.waves = Waves(Ages(data, places, angles), pole)
+        self.q = np.exp(pole * self.whole)
+        self.size = pole**order / (1 - self.q) / (omega * rate)
+        self.sums, self.moments = self.waves.sums(self.size * jumps)
+        moved = self.waves.real(-1j * self.sums[:, None])[:, 0]
+        self.load = of_load(data, order, omega, xi, static, phase)
+        self.value: _Array = self.load[0] @ turns + moved
+
+    @cached_property
+    def by_system(self) -> _Array:
+        """Derivatives with respect to omega, xi, static and phase (n, 4)."""
+        order, omega, xi = self.at
+        pole, q, sums, rate = self.pole, self.q, self.sums, math.sqrt(1 - xi**2)
+        # of the sum of all waves, by their pole
+        by_pole = (order / pole + self.whole * q / (1 - q)) * sums + self.moments
+        by_omega, by_xi = pole / omega, omega * complex(-1, -xi / rate)
+        parts = [
+            by_pole * by_omega - sums / omega, by_pole * by_xi + sums * xi / rate**2,
+            sums * by_omega, sums * by_xi,
+        ]  # fmt: skip
+        each = self.waves.real(-1j * np.stack(parts, axis=1))
+        found: _Array = (self.load[1:] @ self.turns).T
+        found[:, :2] += each[:, :2] + self.waves.ages.times[:, None] * each[:, 2:]
+        return found
+
+    @property
+    def omega(self) -> _Array:
+        """Derivatives with respect to omega."""
+        return self.by_system[:, 0]
+
+    @property
+    def xi(self) -> _Array:
+        """Derivatives with respect to xi."""
+        return self.by_system[:, 1]
+
+    @property
+    def sizes(self) -> _Complex:
+        """Sizes of the waves in the derivatives with respect to angles and jumps (N + 1, 2N)."""
+        sizes = -1j * self.size * self.waves.turned
+        return np.hstack([sizes * (-self.pole / self.data.Omega * self.jumps_of), sizes])
+
+    def by_impacts(self, out: _Array) -> None:
+        """Put the derivatives with respect to the angles of the impacts, then the jumps, into an array (n, 2N)."""
+        self.waves.real(self.sizes, out)
+
+    def along(self, by: _Array) -> _Array:
+        """Derivatives with respect to parameters (n, P), from those of the angles and jumps (2, N, P)."""
+        return self.waves.real(self.sizes @ by.reshape(-1, by.shape[-1]))
+
+    @property
+    def angles(self) -> _Array:
+        """Derivatives with respect to the angles of the impacts (n, N)."""
+        return self.waves.real(self.sizes[:, : self.jumps_of.size])
+
+    @property
+    def jumps(self) -> _Array:
+        """Derivatives with respect to the jumps (n, N)."""
+        return self.waves.real(self.sizes[:, self.jumps_of.size :])
 
 
 def since(places: _Array, angles: _Array, data: Measured) -> _Array:
     """Times since the latest impacts, for given angles of impacts and of samples (n, N), s."""
     passed: _Array = ((places[:, None] - angles) % (2 * math.pi * data.k)) / data.Omega
     return passed
-
-
-def faded(pole: complex, places: _Array, angles: _Array, data: Measured) -> tuple[_Array, _Complex]:
-    """Times since the latest impacts, as from `since`, and exp(pole t) at these times (n, N).
-
-    The exponential of a sum is a product, so that few exponentials have to be computed, unless one of the factors
-    would overflow.
-    """
-    whole = 2 * math.pi * data.k
-    tau = places[:, None] - angles
-    turns = np.floor(tau / whole)
-    tau -= whole * turns
-    tau /= data.Omega
-    first = int(turns.min(initial=0.0))
-    number = int(turns.max(initial=0.0)) - first + 1
-    reach = max(abs(places).max(initial=0.0), abs(angles).max(initial=0.0), number * whole)
-    if abs(pole.real) * reach / data.Omega > MOST_FADED:
-        return tau, np.exp(pole * tau)
-    one = pole / data.Omega
-    wave = np.exp(one * places)[:, None] * np.exp(-one * angles)
-    wave *= np.exp(-one * whole * (first + np.arange(number)))[(turns - first).astype(np.int64)]
-    return tau, wave
 
 
 def turns_of(data: Measured, places: _Array) -> _Array:
@@ -161,10 +263,10 @@ def turns_of(data: Measured, places: _Array) -> _Array:
 
 
 def of_load(
-    data: Measured, order: int, omega: float, xi: float, static: float, phase: float, turns: _Array
+    data: Measured, order: int, omega: float, xi: float, static: float, phase: float
 ) -> _Array:
-    """A derivative of the displacement of a damped oscillator under the load alone at the angles of `turns`, and
-    its derivatives with respect to omega, xi, static and phase (5, n)."""
+    """A derivative of the displacement of a damped oscillator under the load alone, and its derivatives with
+    respect to omega, xi, static and phase, as coefficients of the rows of `turns_of` (5, 2 harmonics)."""
     w = data.orders * data.Omega
     below = omega**2 - w**2 + 2j * xi * omega * w
     each = data.shape * np.exp(1j * data.orders * phase) * omega**2 * (1j * w) ** order / below
@@ -174,38 +276,18 @@ def of_load(
             -static * each * 2j * omega * w / below, each, static * 1j * data.orders * each,
         ]
     )  # fmt: skip
-    found: _Array = np.hstack([sizes.real, -sizes.imag]) @ turns
-    return found
+    return np.hstack([sizes.real, -sizes.imag])
 
 
 def predicted(
     data: Measured, places: _Array, order: int, omega: float, xi: float, static: float, phase: float, angles:
     _Array,
-    jumps: _Array,
+    jumps: _Array, turns: _Array | None = None,
 ) -> Predicted:  # fmt: skip
-    """A derivative of the displacement of a damped oscillator under the load and periodic impulses."""
-    load, by_omega, by_xi, by_static, by_phase = of_load(
-        data, order, omega, xi, static, phase, turns_of(data, places)
-    )
-    # after unit impulses, one in each period
-    rate = math.sqrt(1 - xi**2)
-    pole = omega * complex(-xi, rate)
-    whole = 2 * math.pi * data.k / data.Omega
-    tau, wave = faded(pole, places, angles, data)
-    q = np.exp(pole * whole)
-    size = 1 / (omega * rate)
-    wave *= pole**order / (1 - q)
-    response = wave.imag * size
-    slope = (wave * pole).imag * size
-    # of the sum of all waves, by their pole
-    by_pole = size * ((order / pole + whole * q / (1 - q)) * (wave @ jumps) + (wave * tau) @ jumps)
-    moved = response @ jumps
-    by_omega = by_omega + (by_pole * pole / omega).imag - moved / omega
-    by_xi = by_xi + (by_pole * omega * complex(-1, -xi / rate)).imag + moved * xi / rate**2
-    return Predicted(
-        load + moved, by_omega, by_xi, by_static, by_phase,
-        -slope * jumps / data.Omega, response,
-    )  # fmt: skip
+    """A derivative of the displacement of a damped oscillator under the load and periodic impulses; `turns` are
+    those of the places, if they are known."""
+    turns = turns_of(data, places) if turns is None else turns
+    return Predicted(data, places, order, omega, xi, static, phase, angles, jumps, turns)
 
 
 @dataclass
@@ -216,17 +298,24 @@ class Ringing:
     size: _Complex
 
 
-def rung(data: Measured, places: _Array, angles: _Array, mode: Ringing) -> tuple[_Array, _Array]:
-    """The ringing at given angles, and its derivatives with respect to real and imaginary parts of the amplitudes
-    and of the pole."""
+def rung(data: Measured, ages: Ages, mode: Ringing) -> tuple[_Array, Callable[[], _Array]]:
+    """The ringing at given ages, and a function that returns its derivatives with respect to real and imaginary
+    parts of the amplitudes and of the pole."""
     whole = 2 * math.pi * data.k / data.Omega
-    tau, wave = faded(mode.pole, places, angles, data)
+    waves = Waves(ages, mode.pole)
     q = np.exp(mode.pole * whole)
-    wave /= 1 - q
-    value = wave @ mode.size
-    by_pole = (wave * tau) @ mode.size + whole * q / (1 - q) * value
-    columns = [wave.real, -wave.imag, by_pole.real[:, None], -by_pole.imag[:, None]]
-    return value.real, np.hstack(columns)
+    sums, moments = waves.sums(mode.size / (1 - q))
+
+    def derivatives() -> _Array:
+        sizes = waves.turned / (1 - q)
+        out = np.empty((ages.times.size, 2 * mode.size.size + 2))
+        waves.real(np.hstack([sizes, 1j * sizes]), out[:, :-2])
+        by_pole = moments + whole * q / (1 - q) * sums
+        each = waves.real(np.stack([by_pole, 1j * by_pole, sums, 1j * sums], axis=1))
+        out[:, -2:] = each[:, :2] + ages.times[:, None] * each[:, 2:]
+        return out
+
+    return waves.real(sums[:, None])[:, 0], derivatives
 
 
 class Folded(NamedTuple):
@@ -318,10 +407,13 @@ def news_of(
         yield grid, abs(unpredicted(even - even.mean(), past)), past
 
 
-def unexplained(values: _Array, rate: float, Omega: float, k: int, angles: _Array) -> float | None:
-    """An angle, far from all impacts, at which a record changes as abruptly as at its weakest impact."""
+def unexplained(
+    sudden: Iterable[tuple[_Array, _Array, int]], Omega: float, k: int, angles: _Array
+) -> float | None:
+    """An angle, far from all impacts, at which a record changes as abruptly as at its weakest impact, by its
+    `news_of`."""
     half, abrupt, place = math.pi * k, 0, 0.0
-    for grid, news, past in news_of(values, rate, Omega, k):
+    for grid, news, past in sudden:
         apart = abs((grid[:, None] - angles + half) % (2 * half) - half)
         pulse = PULSE * Omega
         far = apart.min(axis=1) > max(pulse, (past + 2) * (grid[1] - grid[0]))
@@ -334,18 +426,17 @@ def unexplained(values: _Array, rate: float, Omega: float, k: int, angles: _Arra
     return place if abrupt >= len(COARSE) - 1 else None
 
 
-def onsets(values: _Array, rate: float, Omega: float, k: int) -> list[_Array]:
-    """Candidate sets of angles at which impacts seem to begin in a folded record, by finer and coarser bins; also
-    the empty set."""
-    found = []
-    for grid, news, past in news_of(values, rate, Omega, k):
+def onsets(sudden: Iterable[tuple[_Array, _Array, int]]) -> Iterator[_Array]:
+    """Candidate sets of angles at which impacts seem to begin in a folded record, by its `news_of`; also the empty
+    set."""
+    for grid, news, past in sudden:
         strong = news > max(UNPREDICTED, SHARE * news.max())
         # an impact causes prediction errors as long as it is among the past values
         recent = np.convolve(np.concatenate([strong[-past:], strong]), np.ones(past), "valid")[:-1]
         begins = grid[strong & (recent == 0)]
         if begins.size:
-            found.append(begins)
-    return [*found, np.empty(0)]
+            yield begins
+    yield np.empty(0)
 
 
 class FreeFit(NamedTuple):
@@ -424,23 +515,32 @@ class Flights:
             modes.append(Ringing(complex(own[-2], own[-1]), own[:N] + 1j * own[N : 2 * N]))
         return four, angles, jumps, float(rest[0]), modes
 
-    def model(self, x: _Array, N: int, places: _Array, begins: _Array) -> tuple[_Array, _Array]:
-        """The motion and its derivatives with respect to all parameters; amplitudes of modes refer to given
-        angles."""
+    def model(
+        self, x: _Array, N: int, places: _Array, ages: Ages, turns: _Array | None = None
+    ) -> tuple[_Array, Callable[[_Array], None]]:
+        """The motion, and a function that puts its derivatives with respect to all parameters into an array;
+        amplitudes of modes refer to the impacts of given ages, and `turns` are those of the places, if they are
+        known."""
         (omega, xi, static, phase), angles, jumps, offset, modes = self.split(x, N)
         if not (0 <= xi < 0.9 and omega > 0 and all(self.rings(mode.pole) for mode in modes)):
             raise SingularError("no damped oscillator")
-        one = predicted(self.data, places, self.data.order, omega, xi, static, phase, angles, jumps)
+        one = predicted(
+            self.data, places, self.data.order, omega, xi, static, phase, angles, jumps, turns
+        )
         value = one.value + offset
-        columns = [
-            np.column_stack([one.omega, one.xi, one.static, one.phase]), one.angles, one.jumps,
-            np.ones((places.size, 1)),
-        ]  # fmt: skip
-        for mode in modes:
-            own, by = rung(self.data, places, begins, mode)
+        ringing = [rung(self.data, ages, mode) for mode in modes]
+        for own, _ in ringing:
             value = value + own
-            columns.append(by)
-        return value, np.hstack(columns)
+
+        def derivatives(J: _Array) -> None:
+            J[:, :4] = one.by_system
+            one.by_impacts(J[:, 4 : 4 + 2 * N])
+            J[:, 4 + 2 * N] = 1.0
+            for j, (_, by_mode) in enumerate(ringing):
+                first = 4 + 2 * N + 1 + j * (2 * N + 2)
+                J[:, first : first + 2 * N + 2] = by_mode()
+
+        return value, derivatives
 
     def fit(
         self,
@@ -466,7 +566,10 @@ class Flights:
             first = 4 + 2 * N + 1 + j * (2 * N + 2)
             fixed[first : first + 2 * N] = False
         fixed[2] = "static" in self.priors or self.force is not None
-        value, J = self.model(x, N, places, begin[1])
+        turns, ages = turns_of(self.data, places), Ages(self.data, places, begin[1])
+        value, by = self.model(x, N, places, ages, turns)
+        J = np.empty((places.size, x.size))
+        by(J)
         target = (values - value + J[:, ~fixed] @ x[~fixed]) / errors
         x[~fixed] = np.linalg.lstsq(J[:, ~fixed] / errors[:, None], target, rcond=1e-9)[0]
         if not abs(values).max() < 1e100:
@@ -493,15 +596,24 @@ class Flights:
             by[[0, 2]] = 2 * mass * x[0] * x[2] / error, mass * x[0] ** 2 / error
             return (mass * x[0] ** 2 * x[2] - load) / error, by
 
-        def residuals(x: _Array) -> tuple[_Array, _Array]:
-            value, J = self.model(x, N, places, begin[1])
-            f, J = (value - values) / errors, J / errors[:, None]
-            more = np.zeros((len(priors), x.size))
-            for row, (place, _, error) in zip(more, priors, strict=True):
-                row[place] = 1 / error
+        weights = 1 / errors[:, None]
+
+        def residuals(x: _Array) -> tuple[_Array, Callable[[_Array | None], _Array]]:
+            value, by = self.model(x, N, places, ages, turns)
             off = [(x[place] - value) / error for place, value, error in priors]
-            last, by = force(x)
-            return np.concatenate([f, off, [last]]), np.vstack([J, more, by])
+            last, by_last = force(x)
+
+            def derivatives(J: _Array | None) -> _Array:
+                J = np.empty((places.size + len(priors) + 1, x.size)) if J is None else J
+                by(J[: places.size])
+                J[: places.size] *= weights
+                J[places.size :] = 0.0
+                for row, (place, _, error) in zip(J[places.size :], priors, strict=False):
+                    row[place] = 1 / error
+                J[-1] = by_last
+                return J
+
+            return np.concatenate([(value - values) / errors, off, [last]]), derivatives
 
         x, f, J, _ = levenberg(residuals, x, np.array(scales), most=STEPS)
         four, angles, jumps, offset, modes = self.split(x, N)
@@ -512,7 +624,8 @@ class Flights:
         spread[free] = np.sqrt(
             np.maximum(np.diag(covariance), 0) * max(1.0, square / max(1, freedom))
         )
-        left = (self.fold.values - self.model(x, N, self.fold.angles, begin[1])[0]) / self.errors
+        every = Ages(self.data, self.fold.angles, begin[1])
+        left = (self.fold.values - self.model(x, N, self.fold.angles, every)[0]) / self.errors
         for mode in modes:
             mode.size = mode.size * np.exp(mode.pole * (angles - begin[1]) / self.data.Omega)
         data = replace(
@@ -592,6 +705,8 @@ class Flights:
         if w == 0:
             return found
         own = ~found.pulse
+        weights = 1 / self.errors[own][:, None]
+        ages = Ages(self.data, self.fold.angles[own], found.data.angles)
         for shift in (0.0, -0.4, 0.4):
             for decay in DECAYS:
                 mode = Ringing(
@@ -600,8 +715,7 @@ class Flights:
                 )
                 if not self.rings(mode.pole):
                     continue
-                _, by = rung(self.data, self.fold.angles[own], found.data.angles, mode)
-                A = by[:, :-2] / self.errors[own][:, None]
+                A = rung(self.data, ages, mode)[1]()[:, :-2] * weights
                 rest = found.left[own] - A @ np.linalg.lstsq(A, found.left[own], rcond=1e-9)[0]
                 square = float(rest @ rest)
                 if square < least:
@@ -709,27 +823,31 @@ class Flights:
         N = found.data.angles.size
         fold, used = self.fold, self.fold.place >= 0
         x = self.packed(self.point(found))
-        each = np.bincount(
-            fold.place[used], self.model(x, N, fold.each[used], found.data.angles)[0]
+        values, middle = (
+            self.model(x, N, places, Ages(self.data, places, found.data.angles))[0]
+            for places in (fold.each[used], fold.angles)
         )
-        middle = self.model(x, N, fold.angles, found.data.angles)[0]
+        each = np.bincount(fold.place[used], values)
         self.fold = fold._replace(values=fold.means + middle - each / fold.counts)
         return self.fit(self.point(found), found.pulse)
 
     def best(
-        self, starts: list[_Array], report: Callable[[float, str], None], other: Callable[[], bool]
+        self,
+        starts: Iterable[_Array],
+        report: Callable[[float, str], None],
+        other: Callable[[], bool],
     ) -> FreeFit:
         """The flights between impacts that begin at given angles, including missing impacts; from several starts
         the first good result, or the best. `report` receives the share of the starts that were tried. If the first
         one is poor, `other` says whether the record is known not to be periodic."""
         best: FreeFit | None = None
+        failed: SingularError | None = None
         for i, angles in enumerate(starts):
-            report(i / len(starts), "flights of a period")
+            report(i / (len(COARSE) + 1), "flights of a period")
             try:
                 found = self.completed(angles)
-            except SingularError:
-                if best is None and angles is starts[-1]:
-                    raise
+            except SingularError as error:
+                failed = error
                 continue
             if best is None or found.square < best.square:
                 best, self.begin = found, angles
@@ -740,7 +858,9 @@ class Flights:
                     f"repeating flights leave residuals of {best.misfit:.3g} times the scatter from period to "
                     "period"
                 )
-        assert best is not None
+        if best is None:
+            assert failed is not None
+            raise failed
         return self.curved(best)
 
     def completed(self, angles: _Array) -> FreeFit:
@@ -796,8 +916,9 @@ def beside(found: FreeFit) -> _Array:
     """Orthonormal directions of the components that are projected out: offset and ringing."""
     data = found.data
     columns = [np.ones((data.places.size, 1))]
+    ages = Ages(data, data.places, data.angles)
     for mode in found.modes:
-        columns.append(rung(data, data.places, data.angles, mode)[1])
+        columns.append(rung(data, ages, mode)[1]())
     together = np.hstack(columns) / data.errors[:, None]
     together /= np.maximum(np.linalg.norm(together, axis=0), 1e-300)
     U, s, _ = np.linalg.svd(together, full_matrices=False)

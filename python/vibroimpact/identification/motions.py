@@ -159,10 +159,10 @@ class System:
             except np.linalg.LinAlgError:
                 break
             step = change[:, 0]
-            room = FARTHEST * (np.diff(angles, append=angles[0] + 2 * math.pi * self.k)).min()
+            room = FARTHEST * (np.roll(angles, -1) - angles + self.last).min()
             step = step * min(1.0, room / max(abs(step[:N]).max(), 1e-300))
             angles, jumps = angles + step[:N], jumps + step[N:]
-            if (np.diff(angles) <= 0).any():
+            if (angles[1:] <= angles[:-1]).any():
                 break
             small = abs(step[:N]).max() + abs(step[N:]).max() / max(abs(jumps).max(), 1e-300)
             if small < SETTLED:

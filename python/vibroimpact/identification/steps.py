@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
+from itertools import islice, tee
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,7 @@ from .flights import (
     Measured,
     beside,
     folded,
+    news_of,
     onsets,
 )
 from .friction import Slips
@@ -107,6 +109,8 @@ class Step:
         #: Flights, or the error that there are none, by the number of load cycles of a period and whether the
         #: sensors count as exact; copies of a step share them.
         self.known_flights: dict[tuple[int, bool], tuple[Flights, FreeFit] | SingularError] = {}
+        #: Prediction errors of the folded record by the number of load cycles of a period; copies share them.
+        self.known_news: dict[int, Iterator[tuple[_Array, _Array, int]]] = {}
         self.noise = math.nan
         #: Whether the scatter from period to period exceeds the noise and is some share of the motion, and whether
         #: this share is large, as for an almost periodic motion.
@@ -137,6 +141,15 @@ class Step:
         """The recorded motion without the response to friction."""
         values: _Array = getattr(self.record, self.quantity)
         return values if isinstance(self.aside, float) else values - self.aside
+
+    def news(self, k: int) -> Iterator[tuple[_Array, _Array, int]]:
+        """The prediction errors of the record folded over k load cycles, each computed once and only if it is
+        used."""
+        assert self.record is not None
+        known = self.known_news if isinstance(self.aside, float) else {}
+        begun = known.get(k) or news_of(self.motion, self.record.rate, self.Omega, k)
+        own, known[k] = tee(begun)
+        return own
 
 
 def of_record(
@@ -417,11 +430,9 @@ def best_of(
         fold = folded(step.motion, record.rate, data.Omega, data.k, PLACES)
         xi = known.get("xi", guess["xi"])
         flights = Flights(data, fold, omega, xi, step.noise, priors, force)
-        starts = (
-            [begin] if begin is not None else onsets(step.motion, record.rate, data.Omega, data.k)
-        )
+        starts = iter([begin]) if begin is not None else onsets(step.news(data.k))
         try:
-            free = flights.best(starts[:1] if quick else starts, step.report, step.aperiodic)
+            free = flights.best(islice(starts, 1) if quick else starts, step.report, step.aperiodic)
         except SingularError as error:
             step.known_flights[which] = error
         else:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..results.tables import Result, made
 from .fit import DOUBTFUL, TYPICAL_FRICTION, Fit
-from .flights import LEAST_GAIN, Measured, predicted, rung, unexplained
+from .flights import LEAST_GAIN, Ages, Measured, predicted, rung, unexplained
 from .friction import slid
 from .known import KNOWN, Doubted
 from .laws import Law
@@ -313,7 +313,7 @@ def doubts_of(
                 "or an impact is missing"
             )
     if data is not None and step.record is not None:
-        place_of = unexplained(step.motion, step.record.rate, data.Omega, data.k, data.angles)
+        place_of = unexplained(step.news(data.k), data.Omega, data.k, data.angles)
         if place_of is not None:
             late = (place_of - data.angles[0]) % (2 * math.pi * data.k) / data.Omega
             texts.append(
@@ -470,7 +470,8 @@ def modelled(data: Measured, i: int, step: Step, found: Fit, angles: Any) -> Any
         value = free.offset + found.gain * (
             value if motion.at is None else value + motion.at(angles)
         )
-        return value + sum(rung(data, angles, free.data.angles, mode)[0] for mode in free.modes)
+        ages = Ages(data, angles, free.data.angles)
+        return value + sum(rung(data, ages, mode)[0] for mode in free.modes)
 
     whole = 2 * math.pi * data.k
     pulse = np.where(free.pulse, fold.values - at(fold.angles), 0.0)

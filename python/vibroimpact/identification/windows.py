@@ -141,6 +141,7 @@ class Windows:
         self.friction, self.slips, self.static = friction, slips, static
         self.values = self.recorded - self.aside(self.t)
         if same:
+            self.values_used, self.latest = self.values[self.used], None
             return
         turns = np.concatenate([[-math.inf], slips.turns, [math.inf]])
         place = np.searchsorted(turns, self.t)
@@ -183,12 +184,17 @@ class Windows:
         first, last = self.edges
         self.numbers = last - first
         self.count = self.used - np.repeat(self.used[first], self.numbers)
+        # what each step of a fit uses; a new large array would cost more than what is computed in it
+        self.turns_used, self.since_used = self.turns[:, self.used], self.since[self.used]
+        self.values_used = self.values[self.used]
+        self.rows = np.empty((4 * self.modes + 10, self.used.size))
+        self.latest: tuple[_Array, tuple[_Array, ...]] | None = None
 
     def faded(self, pole: complex) -> Any:
         """exp(pole t) at the used samples, with t from the impact before each of them; the exponential of a sum is
         a product, so that few have to be computed."""
         steps = np.exp(pole * self.step * np.arange(self.count.max(initial=-1) + 1))
-        begins = np.exp(pole * self.since[self.used[self.edges[0]]])
+        begins = np.exp(pole * self.since_used[self.edges[0]])
         return np.repeat(begins, self.numbers) * steps[self.count]
 
     def poles(self, common: _Array) -> list[complex]:
@@ -213,8 +219,7 @@ class Windows:
         pole), of the derivatives with respect to omega, xi, static and phase under the load alone, of the offset,
         and of the record without the load."""
         poles, (omega, xi, static, phase, offset) = self.poles(common), common[:5].tolist()
-        since, q = self.since[self.used], len(poles)
-        rows = np.empty((4 * q + 6, since.size))
+        since, q, rows = self.since_used, len(poles), self.rows
         for j, pole in enumerate(poles):
             wave = self.faded(pole)
             if not j:
@@ -222,11 +227,9 @@ class Windows:
             set_wave(rows, j, wave)
             wave *= since if j else since + self.data.order / pole
             set_wave(rows, q + j, wave)
-        load = of_load(
-            self.data, self.data.order, omega, xi, static, phase, self.turns[:, self.used]
-        )
+        load = of_load(self.data, self.data.order, omega, xi, static, phase) @ self.turns_used
         rows[-6:-2], rows[-2] = load[1:], 1.0
-        rows[-1] = self.values[self.used] - load[0] - offset
+        rows[-1] = self.values_used - load[0] - offset
         return rows
 
     def by_common(self, common: _Array, states: _Array) -> _Array:
@@ -260,7 +263,22 @@ class Windows:
 
     def fitted(self, common: _Array) -> tuple[Any, ...]:
         """States of all flights by linear least squares, the residuals, and the equations for the common
-        parameters."""
+        parameters, of the trusted flights; only these are computed anew if nothing else has changed."""
+        if self.latest is None or not np.array_equal(self.latest[0], common):
+            self.latest = common.copy(), self.solved(common)
+        gram, states, inverse, by, coupled, turned, left = self.latest[1]
+        q = 2 + 2 * self.modes
+        some = self.trusted & self.flies
+        of_left = gram[some, :-1, -1] - (gram[some, :-1, :q] @ states[some, :, None])[..., 0]
+        own, back = by[some], np.swapaxes(by[some], 1, 2)
+        weights = (back @ (gram[some, :-1, :-1] @ own)).sum(axis=0)
+        weights -= np.tensordot(coupled[some], turned[some], ((0, 1), (0, 1)))
+        slope = (back @ of_left[..., None]).sum(axis=0)[:, 0]
+        return states, inverse, turned, left, weights, slope
+
+    def solved(self, common: _Array) -> tuple[_Array, ...]:
+        """The products of the rows of `basis` in each flight; states and the inverses of their equations; the
+        derivatives as sums of rows, with respect to the states and of the states; and the residuals."""
         rows, q = self.basis(common), 2 + 2 * self.modes
         gram = np.zeros((self.begins.size, rows.shape[0], rows.shape[0]))
         gram[:, :q, :q] = np.eye(q)
@@ -278,13 +296,7 @@ class Windows:
         by = self.by_common(common, states)
         coupled = gram[:, :q, :-1] @ by
         turned = inverse @ coupled
-        some = self.trusted & self.flies
-        of_left = gram[some, :-1, -1] - (gram[some, :-1, :q] @ states[some, :, None])[..., 0]
-        own, back = by[some], np.swapaxes(by[some], 1, 2)
-        weights = (back @ (gram[some, :-1, :-1] @ own)).sum(axis=0)
-        weights -= np.tensordot(coupled[some], turned[some], ((0, 1), (0, 1)))
-        slope = (back @ of_left[..., None]).sum(axis=0)[:, 0]
-        return states, inverse, turned, left, weights, slope
+        return gram, states, inverse, by, coupled, turned, left
 
     def trends(
         self, states: _Array, inverse: _Array, left: _Array
@@ -575,7 +587,7 @@ class Windows:
         """The motion under the load alone, with the offset."""
         turns = turns_of(self.data, self.data.Omega * t)
         omega, xi, static, phase, offset = self.common[:5].tolist()
-        load = of_load(self.data, self.data.order, omega, xi, static, phase, turns)
+        load = of_load(self.data, self.data.order, omega, xi, static, phase) @ turns
         loaded: _Array = load[0] + offset
         return loaded
 
