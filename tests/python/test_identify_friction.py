@@ -310,7 +310,9 @@ def test_the_response_to_the_slip_obeys_newtons_law():
     assert a + 2 * xi * omega * v + omega**2 * (x - sign) == pytest.approx(0, abs=1e-9 * omega**2)
     assert sign == pytest.approx(np.append(0.0, signs)[np.searchsorted(times, t)])
     step = 1e-5
-    assert (slips.at(t + step, 0) - slips.at(t - step, 0)) / (2 * step) == pytest.approx(v, abs=1e-4)
+    assert (slips.at(t + step, 0) - slips.at(t - step, 0)) / (2 * step) == pytest.approx(
+        v, abs=1e-4
+    )
     once, twice = slips.sums(t)
     later = slips.sums(t + step)
     assert (later[0] - once) / step == pytest.approx(sign, abs=1e-9)

@@ -16,8 +16,8 @@ from .problem import Problem
 _Array = NDArray[np.float64]
 _Indices = NDArray[np.intp]
 #: Largest relative difference of the levels of two searches that agree, and largest difference of their designs,
-#: as a share of the ranges. Searches that end at different designs agree only if their levels differ by less than the
-#: last number: on a rough landscape levels are about the same by chance.
+#: as a share of the ranges. Searches that end at different designs agree only if their levels differ by less than
+#: the last number: on a rough landscape levels are about the same by chance.
 AGREEMENT, NEAR, EQUAL = 0.02, 0.02, 0.002
 #: Relative gain below which a better candidate is not worth its evaluation.
 SETTLED = 5e-4

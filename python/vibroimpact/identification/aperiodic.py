@@ -655,7 +655,11 @@ def by_flights(windows: Windows, flown: Flown, shared: Mapping[str, float], law:
 
 
 def start_of_friction(
-    windows: Windows, shared: Mapping[str, float], guess: Mapping[str, float], law: Law, friction: float
+    windows: Windows,
+    shared: Mapping[str, float],
+    guess: Mapping[str, float],
+    law: Law,
+    friction: float,
 ) -> tuple[dict[str, float], Slips]:
     """mu, d and friction over F0 of a record without parameters that fulfil the laws with some friction, and the
     slip.

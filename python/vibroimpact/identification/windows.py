@@ -141,7 +141,6 @@ class Windows:
         self.friction, self.slips, self.static = friction, slips, static
         self.values = self.recorded - self.aside(self.t)
         if same:
-            self.values_used, self.latest = self.values[self.used], None
             return
         turns = np.concatenate([[-math.inf], slips.turns, [math.inf]])
         place = np.searchsorted(turns, self.t)

@@ -197,8 +197,9 @@ contains
                if (status == stat%ok) then
                   call state_now(motion%run, motion%state, here(:n), here(n + 1:))
                   ! a vibration that has decayed below the range of a simulation has ended
-                  if (maxval(abs(here)) < 1 .and. is_far(motion%run, here(:n), here(n + 1:))) &
+                  if (maxval(abs(here)) < 1 .and. is_far(motion%run, here(:n), here(n + 1:))) then
                      here = 0
+                  end if
                end if
             end select
             deallocate (motion)
