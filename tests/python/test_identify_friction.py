@@ -329,7 +329,8 @@ def test_the_response_to_the_slip_obeys_newtons_law():
 
 def test_no_friction_is_the_limit_of_a_known_one():
     """Of a chaotic record without friction: with a known friction of 0 the parameters are those without one, but
-    for what the equations tell that are left out, whose variance is the difference of the variances."""
+    for what the equations tell that are left out, whose variance is the difference of the variances. How many these
+    are depends on the record."""
     made = recorded(44.0, 0.0)
     plain = vi.identify(made, known={"M": M, "K": K})
     found = vi.identify(made, known={"M": M, "K": K}, friction=0.0)
@@ -337,7 +338,7 @@ def test_no_friction_is_the_limit_of_a_known_one():
     assert found.values["friction"] == 0.0
     for name, error in plain.errors.items():
         other = found.errors[name]
-        assert 0.95 * error <= other < 1.5 * error, name
+        assert 0.95 * error <= other < 3 * error, name
         apart = 3 * math.sqrt(max(0.0, other**2 - error**2)) + 0.05 * error
         assert abs(found.values[name] - plain.values[name]) < apart, name
 

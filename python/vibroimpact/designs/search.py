@@ -348,8 +348,10 @@ def verified(pool: Pool, share: float) -> int:
         if here in pool.verified or not pool.problem.quick:
             return here
         pool.verified.add(here)
-        known = float(pool.bounds[here])
-        pool.bounds[here] = max(known, other_level(pool, here, known + AGREEMENT * abs(known)))
+        limit = float(pool.bounds[here] + AGREEMENT * abs(pool.bounds[here]))
+        level = other_level(pool, here, limit)
+        if level > limit:
+            pool.bounds[here] = level
 
 
 def other_level(pool: Pool, candidate: int, limit: float) -> float:
