@@ -329,8 +329,8 @@ def test_the_response_to_the_slip_obeys_newtons_law():
 
 def test_no_friction_is_the_limit_of_a_known_one():
     """Of a chaotic record without friction: with a known friction of 0 the parameters are those without one, but
-    for what the equations tell that are left out, whose variance is the difference of the variances. How many these
-    are depends on the record."""
+    for what the equations tell that are left out, whose variance is the difference of the variances. How many
+    these are depends on the record."""
     made = recorded(44.0, 0.0)
     plain = vi.identify(made, known={"M": M, "K": K})
     found = vi.identify(made, known={"M": M, "K": K}, friction=0.0)
