@@ -490,6 +490,14 @@ def test_searches_agree_if_three_end_at_the_best_design():
     assert archive((1.0, 30.0), (1.5, 25.0), (1.0, 30.0), (2.0, 40.0), (1.0, 30.0)) is True
 
 
+def test_the_front_has_no_candidate_that_another_one_beats_or_equals():
+    archive = Archive(
+        values=[np.array([value]) for value in (1.0, 2.0, 2.0, 3.0, 4.0, 5.0)],
+        nominal=[1.0, 2.0, 2.0, 1.5, 3.0, np.nan], level=[4.0, 2.0, 2.0, 4.0, 1.0, 0.5], runs=[8, 8, 8, 8, 8, 2],
+    )  # fmt: skip
+    assert archive.front.tolist() == [True, True, False, False, True, False]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2])
 def test_searches_that_end_at_different_designs_do_not_agree(seed):

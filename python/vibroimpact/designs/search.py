@@ -133,14 +133,19 @@ class Archive:
 
     @property
     def front(self) -> NDArray[np.bool_]:
-        """For each candidate, whether it was evaluated for all runs and no other one is better in both levels."""
+        """For each candidate, whether it was evaluated for all runs and no other one is better in both levels; of
+        equal candidates the first one."""
         pairs = np.stack([self.nominal, self.level], axis=1)
-        front = self.complete
-        pairs = pairs[front]
-        front[front] = [
+        some = np.flatnonzero(self.complete)
+        _, first = np.unique(np.array(self.values)[some], axis=0, return_index=True)
+        some = np.sort(some[first])
+        pairs = pairs[some]
+        best = [
             not (np.all(pairs <= pair, axis=1) & np.any(pairs < pair, axis=1)).any()
             for pair in pairs
         ]
+        front = np.zeros(len(self.level), bool)
+        front[some[best]] = True
         return front
 
     def sensitivity(self, problem: Problem) -> dict[str, float]:
