@@ -220,8 +220,8 @@ contains
          text = 'a stop is touched at zero speed by a force below its preload, which would hold &
             &the structure there: start with a speed, or without a preload'
       case (stat%friction_rests)
-         text = 'impacts accumulate on a gap whose R is a law, or where friction acts across the &
-            &gap, on a belt or at a moving wall: the motion that follows cannot be computed'
+         text = 'impacts accumulate on a gap and move friction that acts across it, on a belt or &
+            &along a moving wall, or R of the gap is a law: what follows cannot be computed'
       case (stat%friction_undecided)
          text = 'friction elements have no consistent state at this instant, or a belt drags a &
             &mass that no spring holds: the motion that follows cannot be computed'

@@ -619,7 +619,8 @@ def design(
     states : int
         Number of initial states of each unit. In the search it is larger if there are few units and frequencies,
         up to 200, of which the worst one does not count: a few would miss bad attractors. The best candidates of
-        an oscillator are verified by 4,000 further runs, of which 0.5 % at a frequency may be above the level.
+        an oscillator are verified by 4,000 further runs: if more of them are above the level than one in the
+        number of runs of the search at a frequency, and than 0.5 %, the level is raised.
     samples : int
         Number of samples of the confirmation, at least 10; 0 for none.
     evaluations : int

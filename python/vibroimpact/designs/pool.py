@@ -43,7 +43,8 @@ class Pool:
     known : ndarray of bool (candidates, nodes, units, states)
         Which runs were simulated; these arrays have room for further candidates.
     bounds : ndarray (candidates,)
-        Levels of complete candidates, and lower bounds of the levels of other candidates.
+        Levels of complete candidates, and lower bounds of the levels of other candidates, or of complete ones that
+        are worse from other initial states.
     risk : ndarray (nodes, units, states)
     """
 
@@ -55,8 +56,10 @@ class Pool:
         self.known = np.empty((0, *shape), bool)
         self.bounds = np.empty(0)
         self.risk = np.zeros(shape) if risk is None else np.minimum(risk, HUGE)
-        #: Candidates that were also judged from other initial states.
-        self.verified: set[int] = set()
+        #: Candidates that were also judged from other initial states, and whether by all of these.
+        self.verified: dict[int, bool] = {}
+        #: Excess and greatest target of those that are worse from these states.
+        self.others: dict[int, tuple[float, float]] = {}
         # how many units, or initial states of units, may be above the level at a frequency
         many = shape[1] * (shape[2] if problem.weighted else 1) - 1
         self.spare: int = many - math.ceil(problem.quantile * many)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..base.libraries import scipy
 from ..results import door
 from .order import Order
-from .pool import Grid, Pool, penalised
+from .pool import HUGE, Grid, Pool, penalised
 from .problem import Problem
 
 _Array = NDArray[np.float64]
@@ -29,8 +29,8 @@ HEADS, TRIALS = 6, 6
 #: With fewer pairs of a frequency and a unit than this, each unit has more initial states, for twice as many runs
 #: in all, but at most `MOST`. Otherwise candidates win by luck: their runs miss a bad attractor beside a good one.
 LEAST, MOST = 280, 200
-#: Number of runs from other initial states by which the best candidates are verified, and the share of the runs at
-#: a frequency that may be above the level, if the quantile does not allow more.
+#: Number of runs from other initial states by which the best candidates are verified, and the least share of the
+#: runs at a frequency that may be above the level.
 VERIFIED, RARE = 4000, 0.005
 #: Number of steps after which the better half of these candidates is kept, and of all steps.
 HALVED, STEPS = 3, 12
@@ -78,8 +78,10 @@ class Archive:
         found = np.full((4, len(pool.values)), np.nan)
         found[1] = pool.bounds
         found[:, done] = levels_of(pool.problem, pool.target[done], pool.excess[done])
-        # levels of candidates that were verified may be higher
+        # figures from other initial states may be worse
         found[1, done] = pool.bounds[done]
+        for one, figures in pool.others.items():
+            found[2:, one] = np.maximum(found[2:, one], figures)
         best = int(done[np.argmin(found[1, done])])
         if not self.level or found[1, best] < self.level[self.best]:
             self.grid, self.targets = pool.grid, pool.target[best]
@@ -350,28 +352,37 @@ def verified(pool: Pool, share: float) -> int:
     """
     while True:
         here = _least(pool, share)
-        if here in pool.verified or not pool.problem.quick:
+        sure = pool.verified.get(here)
+        if sure or not pool.problem.quick:
             return here
-        pool.verified.add(here)
-        limit = float(pool.bounds[here] + AGREEMENT * abs(pool.bounds[here]))
-        level = other_level(pool, here, limit)
-        if level > limit:
-            pool.bounds[here] = level
+        limit = (
+            float(pool.bounds[here] + AGREEMENT * abs(pool.bounds[here]))
+            if sure is None
+            else np.inf
+        )
+        level, over, worst = other_level(pool, here, limit)
+        # a lower bound is enough until no candidate is below it
+        pool.verified[here] = level <= limit
+        if sure is False or level > limit:
+            pool.bounds[here] = np.clip(level, pool.bounds[here], HUGE)
+            pool.others[here] = over, worst
 
 
-def other_level(pool: Pool, candidate: int, limit: float) -> float:
-    """The level of a candidate from other initial states, or a lower bound of it that is above a limit."""
+def other_level(pool: Pool, candidate: int, limit: float) -> tuple[float, float, float]:
+    """The level of a candidate from other initial states, or a lower bound of it that is above a limit; the level
+    of the excess, and the greatest target."""
     problem, grid = pool.problem, pool.grid
     nodes, units = len(grid.nodes), grid.shares.shape[1]
     states = -(-VERIFIED // (nodes * units))
     places = np.random.default_rng(2).uniform(-1, 1, (4, states))
     # as rare as the grid can tell
-    rare = max(
-        1 - problem.quantile if problem.weighted else 0, RARE, 1 / (units * grid.places.shape[1])
-    )
-    spare = int(rare * (units * states - 1))
+    rare = max(RARE, 1 / (units * grid.places.shape[1]))
+    if problem.weighted:
+        spare = int(max(1 - problem.quantile, rare) * (units * states - 1))
+    else:
+        spare = pool.spare * states + int(rare * (units * states - 1))
     figures = np.full((2, nodes, 0), -np.inf)
-    level = -np.inf
+    level, over = -np.inf, 0.0
     for some in np.array_split(places, min(10, states), axis=1):
         found = problem.outcomes(pool.values[[candidate]], grid.shares, grid.nodes, some)
         figures = np.concatenate([figures, np.stack(found).reshape(2, nodes, -1)], axis=2)
@@ -380,7 +391,7 @@ def other_level(pool: Pool, candidate: int, limit: float) -> float:
             level = float(penalised(target, over))
         if level > limit:
             break
-    return level
+    return level, float(over), float(figures[0].max())
 
 
 def _least(pool: Pool, share: float) -> int:
