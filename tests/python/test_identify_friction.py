@@ -7,12 +7,13 @@ import warnings
 import numpy as np
 import pytest
 import vibroimpact as vi
+from vibroimpact.identification.aperiodic import Impacts
 from vibroimpact.identification.flights import Measured, predicted
-from vibroimpact.identification.friction import Rubbing, Slips
+from vibroimpact.identification.friction import Rubbing, Slips, slips_of
 from vibroimpact.identification.known import known_values
 from vibroimpact.identification.laws import Law
 from vibroimpact.identification.stages import identified_by
-from vibroimpact.identification.steps import of_record
+from vibroimpact.identification.steps import flown_apart, of_record
 from vibroimpact.motions.exact import settled
 
 pytest.importorskip("scipy")
@@ -341,6 +342,54 @@ def test_no_friction_is_the_limit_of_a_known_one():
         assert 0.95 * error <= other < 3 * error, name
         apart = 3 * math.sqrt(max(0.0, other**2 - error**2)) + 0.05 * error
         assert abs(found.values[name] - plain.values[name]) < apart, name
+
+
+def test_laws_do_not_depend_on_the_times_at_which_the_slip_was_taken_to_reverse():
+    """The impacts of changed flights are not at the reversals of the slip whose response was taken out. With the
+    response of a slip that reverses at these impacts, the same motion leaves the same residuals of the laws."""
+    friction, law = 0.01, Law(friction=True)
+    scale, shared = known_values({"M": M, "K": K})
+    step = of_record(recorded(48.0, 1e-3), None, scale, 0, 1, 0.01)
+    guess = {"xi": 0.01, "mu": 0.05, "R1": 0.7, "R2": 0.7}
+    flown = flown_apart(step, scale, shared, guess)
+    windows, common, own = step.windows, flown.common, flown.resolved
+    plain = Impacts(windows, flown, shared, guess, law, None)
+    slips = slips_of(windows, flown, flown.states, common, plain.values, friction)
+
+    def meeting(states):
+        return np.where(own, windows.events(states, common, flown.times)[0], flown.times)
+
+    def of_slip(slips, times):
+        windows.rub(friction, slips, float(common[2]))
+        return Impacts(windows, flown._replace(times=times), shared, guess, law, None)
+
+    random = np.random.default_rng(1)
+    states = flown.states * (1 + 1e-6 * random.standard_normal(flown.states.shape))
+    times, later = meeting(flown.states), meeting(states)
+    old = of_slip(slips, times)
+    moved = slips.times.copy()
+    at = np.searchsorted(times, moved)
+    at_impact = np.append(times, np.inf)[at] == moved
+    moved[at_impact] = later[at[at_impact]]
+    other = Slips(moved, slips.changes, slips.turns, slips.omega, slips.xi)
+    # within a flight the two responses differ by a free oscillation
+    middle = 0.5 * (windows.begins + np.append(windows.times, windows.t[-1]))
+    waves = [
+        one.waves[k] * np.exp(one.pole * (windows.begins - one.begins[k]))
+        for one in (slips, other)
+        for k in [np.searchsorted(one.times, middle, side="right")]
+    ]
+    apart = friction * float(common[2]) * (waves[0] - waves[1])
+    same = states + np.stack([apart.real, apart.imag], axis=-1)
+    new = of_slip(other, later)
+    lawful = old.lawful[1:-1]
+    assert lawful.sum() > 50
+    residuals = [
+        one.constraints(s, common, old.g)[lawful] for one, s in ((old, states), (new, same))
+    ]
+    changed = friction * common[2] * common[0] ** 2 * abs(later - times)[1:-1][lawful]
+    assert changed.max() > 1e-9
+    assert abs(residuals[0] - residuals[1]).max() < 1e-3 * changed.max()
 
 
 def exactly(friction, noise=5e-4, rate=10e3, duration=6.0):

@@ -99,14 +99,16 @@ class Impacts:
         resolved = flown.resolved
         self.lawful = lawful = np.zeros(N, dtype=bool)
         lawful[1:-1] = resolved[:-2] & resolved[1:-1] & resolved[2:]
+        inner, without = int(lawful.sum()), ""
         if windows.slips is not None:
             # where the slip reverses friction may stick, and its errors are not those of a linear equation
             turned = np.searchsorted(flown.times, windows.slips.turns)
             lawful[turned[turned < N]] = lawful[turned[turned > 0] - 1] = False
+            without = f", without {inner - int(lawful.sum())} next to a reversal of the slip"
         if lawful.sum() < LEAST_IMPACTS:
             raise TooFewError(
-                f"{int(lawful.sum())} of {N} impacts between two others that are resolved: must be at least "
-                f"{LEAST_IMPACTS}; {windows.hindered()}"
+                f"{int(lawful.sum())} of {N} impacts between two others that are resolved{without}: must be "
+                f"at least {LEAST_IMPACTS}; {windows.hindered()}"
             )
         # entries of unresolved impacts are not used
         self.states, self.spread, self.turned = (
@@ -182,10 +184,15 @@ class Impacts:
         #: The slip in the flights, if friction is part of the equations.
         self.slips, self.static = slips, static
         N = self.flown.times.size
-        #: Response of the primary mass and its rate at the impacts, and integrals over the flights between them.
-        self.beside, self.once, self.mean = np.zeros((2, N)), np.zeros(N - 1), np.zeros(N - 1)
+        #: Response of the primary mass, its rate, and its acceleration before and after the impacts, and integrals
+        #: over the flights between them.
+        self.beside, self.once, self.mean = np.zeros((4, N)), np.zeros(N - 1), np.zeros(N - 1)
         if slips is not None:
-            self.beside = np.stack([slips.at(self.flown.times, order) for order in (0, 1)])
+            x, v = (slips.at(self.flown.times, order) for order in (0, 1))
+            square = slips.omega**2
+            rest = -square * x - 2 * slips.xi * slips.omega * v
+            # the slip, that of the free mass against the wall, reverses at the impact
+            self.beside = np.stack([x, v, rest + square * self.signs, rest - square * self.signs])
             self.once, self.mean = slips.between(self.flown.times)
         return friction * static
 
@@ -196,9 +203,9 @@ class Impacts:
         t, X, V, after = self.windows.events(states, common, self.flown.times)
         if rubs:
             push, off = value["friction"] * self.static, t - self.flown.times
-            x, v = self.beside
+            x, v, a_before, a_after = self.beside
             X = X + push * (x + v * off)
-            V, after = V + push * v, after + push * v
+            V, after = V + push * (v + a_before * off), after + push * (v + a_after * off)
         z = X + 0.5 * signs * value["d"] * value["gain"]
         flight = np.diff(z, axis=-1) / np.diff(t, axis=-1)
         one, two = flight[..., :-1], flight[..., 1:]

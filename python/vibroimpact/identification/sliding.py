@@ -54,7 +54,10 @@ def with_friction(
     (step, *_), plain, law = found
     given = "friction = True" if friction is None else f"friction = {friction:g}"
     if plain is not None and step.windows is not None and step.data is None:
-        return of_flights(found, scale, shared, guess, friction)
+        try:
+            return of_flights(found, scale, shared, guess, friction)
+        except np.linalg.LinAlgError as error:
+            raise SingularError(f"{given}: the fit of flights failed: {error}; {HINT}") from error
     if plain is None or step.data is None or not plain.motions:
         raise SingularError(
             f"{given}: must be left out for a record with the status {step.rhythm.status!r}, from which no "
@@ -139,19 +142,22 @@ def of_flights(
             flights = flown_apart(other, scale, shared, guess, rubbed, complete=searches > 0)
         windows = other.windows
         assert windows is not None
-        slips = slips_of(windows, flights, flights.states, windows.common, values, here)
-        static = float(windows.common[2])
+        # a fit may have left flights out of the windows after these flights
+        slips = slips_of(windows, flights, flights.states, flights.common, values, here)
+        static = float(flights.common[2])
         windows.rub(here, slips, static, same=not rough)
         times = flights.times
         middle = 0.5 * (np.append(windows.t[0], times) + np.append(times, windows.t[-1]))
         unknown = slips.sign(middle) == 0
         flights = windows.without(windows.poor | unknown)
-        before = values
+        before, poor = values, windows.poor
         try:
             now, law, lawful = by_laws(windows, flights, known, guess, law, None, rough)
-        except SingularError:
+        except (SingularError, np.linalg.LinAlgError):
             if not rough or i == ROUNDS - 1:
                 raise
+            # the fit may have failed because it left out too many
+            windows.poor = poor
             values, slips = start_of_friction(windows, shared, guess, law, here)
             if friction is None:
                 here = float(np.clip(values["friction"], 0.0, MOST))
@@ -160,7 +166,7 @@ def of_flights(
         values = {**now.values, "gain": now.gain}
         errors = dict(zip(now.names, np.sqrt(np.diag(now.covariance)).tolist(), strict=True))
         if friction is None:
-            if now.undetermined and not rough:
+            if "friction" in now.undetermined and not rough:
                 raise SingularError(UNDETERMINED)
             strain = now.strains.pop("friction", Strain(0.0, 0.0))
             if here == 0 and strain.size < -BEYOND and not rough:
@@ -169,19 +175,19 @@ def of_flights(
                     f"{strain.change:.4g} F0: must be at least 0; {HINT}"
                 )
             values["friction"] = here = max(here + strain.change, 0.0)
-        moved = max(
+        moves = (
             abs(values[name] - before.get(name, math.inf)) / error
             for name, error in errors.items()
             if name in values and name not in now.undetermined
         )
+        moved = max(moves, default=0.0)
         if not rough and moved < MOVED:
-            other.notes.append(lawful_of(lawful))
-            reversing = np.unique(np.searchsorted(flights.times, slips.turns))
-            if reversing.size:
-                other.notes.append(
-                    f"in {reversing.size} flights of the free mass its slip reverses, or friction sticks: the "
-                    "impacts at their ends are left out"
-                )
+            reversing = np.unique(np.searchsorted(flights.times, slips.turns)).size
+            others = (
+                "is too short, hides an impact, has an unknown slip, or is one of "
+                f"{reversing} in which the slip reverses or friction sticks"
+            )
+            other.notes.append(lawful_of(lawful, others))
             return [other], now, law
     raise SingularError(f"{given}: the fit did not converge in {ROUNDS} rounds; {HINT}")
 

@@ -575,11 +575,11 @@ def apart(
     return steps, found, law
 
 
-def lawful_of(lawful: NDArray[np.bool_]) -> str:
-    """The note about the impacts that give the parameters."""
+def lawful_of(lawful: NDArray[np.bool_], others: str = "is too short or hides an impact") -> str:
+    """The note about the impacts that give the parameters, and about the flights next to the `others`."""
     return (
         f"{APART[0]} {int(lawful.sum())} of {lawful.size} impacts give the parameters; the others are next to a "
-        "flight that is too short or hides an impact"
+        f"flight that {others}"
     )
 
 

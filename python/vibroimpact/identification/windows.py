@@ -137,7 +137,7 @@ class Windows:
 
     def rub(self, friction: float, slips: Slips, static: float, same: bool = False) -> None:
         """Take the response to a friction out of the record, and samples about reversals of the slip out of use,
-        unless the used samples are to stay the same."""
+        unless the used samples are to stay the same; to be followed by `cut`, as in `run` and `without`."""
         self.friction, self.slips, self.static = friction, slips, static
         self.values = self.recorded - self.aside(self.t)
         if same:
@@ -779,7 +779,7 @@ class Windows:
         pulse = 1e3 * (self.before + self.after)
         reasons = (
             "beside a flight that no state describes, in which an impact may be hidden"
-            + ", or one in which the slip reverses" * (self.slips is not None),
+            + ", or one whose slip is unknown" * (self.slips is not None),
             f"beside a flight with too few samples outside of the pulses, which last {pulse:.2g} ms",
             f"with a jump of the velocity below {CLEAR:g} standard errors",
             "at a time that the flights do not determine",
