@@ -462,19 +462,25 @@ def chaotic(seed, friction):
 @pytest.mark.slow
 def test_intervals_of_chaotic_records_with_friction_cover(share):
     """Of all records that give parameters without a doubt, stated intervals contain the true values as often as
-    stated, and none is off by five errors. Others are refused with an error, or are periodic."""
-    offs = []
+    stated, and none is off by five errors. Others are refused with an error, most of them because they do not
+    determine the friction."""
+    offs, tried = [], 0
     for seed in range(share(120)):
         made, true = chaotic(seed, (0.0, 1e-3, 3e-3)[seed % 3])
         try:
             found = quietly(made, known={"M": M, "K": K}, friction=True, calibration=0)
-        except vi.SingularError:
+        except vi.SingularError as refused:
+            tried += "'no impacts'" not in str(refused)
             continue
-        if found.status == "periodic" or not found.good:
+        if found.status == "periodic":
+            continue
+        tried += 1
+        if not found.good:
             continue
         offs.append(list(off(found, true).values()))
         assert max(map(abs, offs[-1])) < 5, seed
-    assert len(offs) >= 0.1 * share(120)
+    # measured: 2 of the 7 first ones with impacts that do not repeat (12 rigs), 23 of all 57 (120 rigs)
+    assert len(offs) > 0.25 * tried
     # parameters of a record behave like two independent numbers
     deviation = (0.95 * 0.05 / (2 * len(offs))) ** 0.5
     assert np.mean(np.abs(offs) < 1.96) > 0.95 - 4 * deviation
