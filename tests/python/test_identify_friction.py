@@ -466,7 +466,8 @@ def test_intervals_of_chaotic_records_with_friction_cover(share):
     determine the friction."""
     offs, tried = [], 0
     for seed in range(share(120)):
-        made, true = chaotic(seed, (0.0, 1e-3, 3e-3)[seed % 3])
+        # without friction, which moves the free mass at first, it would stay between the walls
+        made, true = chaotic(seed, (3e-4, 1e-3, 3e-3)[seed % 3])
         try:
             found = quietly(made, known={"M": M, "K": K}, friction=True, calibration=0)
         except vi.SingularError as refused:
@@ -479,7 +480,7 @@ def test_intervals_of_chaotic_records_with_friction_cover(share):
             continue
         offs.append(list(off(found, true).values()))
         assert max(map(abs, offs[-1])) < 5, seed
-    # measured: 2 of the 7 first ones with impacts that do not repeat (12 rigs), 23 of all 57 (120 rigs)
+    # measured: 4 of the 9 first ones with impacts that do not repeat (12 rigs), 33 of all 75 (120 rigs)
     assert len(offs) > 0.25 * tried
     # parameters of a record behave like two independent numbers
     deviation = (0.95 * 0.05 / (2 * len(offs))) ** 0.5
