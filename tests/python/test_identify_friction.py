@@ -9,9 +9,10 @@ import pytest
 import vibroimpact as vi
 from vibroimpact.identification.aperiodic import Impacts
 from vibroimpact.identification.flights import Measured, predicted
-from vibroimpact.identification.friction import Rubbing, Slips, slips_of
+from vibroimpact.identification.friction import Rubbing, slips_of
 from vibroimpact.identification.known import known_values
 from vibroimpact.identification.laws import Law
+from vibroimpact.identification.slips import Slips
 from vibroimpact.identification.stages import identified_by
 from vibroimpact.identification.steps import flown_apart, of_record
 from vibroimpact.motions.exact import settled

@@ -337,7 +337,7 @@ def test_the_shares_of_basins_are_of_the_same_states():
     belt = vi.Friction([1], slip=0.6, stick=0.9, speed=0.2)
     mass = vi.Structure([1.0], [0.1], [1.0], [gap], friction=[belt])
     plane = (("q_0", (-0.9, 0.9)), ("q_dot_0", (-0.3, 0.1)))
-    basins = vi.basins(mass, None, plane, points=(6, 3), settling=0)
+    basins = vi.basins(mass, None, plane, points=(6, 3), settling=1)
     assert (basins.labels == -4).mean() == pytest.approx(1 / 3)
     texts = [text.get_text() for text in basins.plot().get_legend().get_texts()]
     of_open = [text for text in texts if "closed gap" not in text]

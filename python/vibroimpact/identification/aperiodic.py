@@ -26,9 +26,10 @@ from .fit import (
     covariance_of,
     far_off_gain,
 )
-from .friction import Slips, slips_of
+from .friction import slips_of
 from .known import HINT
 from .laws import Law
+from .slips import Slips
 from .state_noise import noise_information, without_noise
 from .strains import held_strains, strains_of, trends_of
 from .windows import Flown, Windows

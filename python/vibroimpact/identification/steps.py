@@ -28,7 +28,6 @@ from .flights import (
     news_of,
     onsets,
 )
-from .friction import Slips
 from .known import HINT
 from .measured import MOTIONS, SensorRecord
 from .signals import (
@@ -47,6 +46,7 @@ from .signals import (
     white_noise,
     whole_periods,
 )
+from .slips import Slips
 from .windows import Flown, Windows, picked
 
 _Array = NDArray[np.float64]

@@ -27,9 +27,9 @@ from .flights import (
     of_load,
     turns_of,
 )
-from .friction import Slips
 from .known import HINT
 from .signals import spikes
+from .slips import Slips
 
 _Array = NDArray[np.float64]
 _Bool = NDArray[np.bool_]
