@@ -106,7 +106,7 @@ contains
             if (course%exists) then
                a(m + k, :m) = coordinates%scale(k)*((a(m + k, :m) - course%residuals)/(2*h))
             else
-               ! no motion follows below, as at a stiffness of 0; this slope only guides Newton's method
+               ! no motion follows below, as at a stiffness of 0; Newton's method alone uses this
                a(m + k, :m) = coordinates%scale(k)*((a(m + k, :m) - residuals)/h)
             end if
          end do
