@@ -504,6 +504,7 @@ def test_a_design_is_converted_to_physical_units(tmp_path):
     assert "(mm)" in shown.plot()[0].get_xlabel()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("job", [
     {"r": (1.0, 1.02), "free": {"clearance": (20, 45)}, "evaluations": 64},
     {"r": (0.96, 0.99), "free": {"clearance": (5, 60), "mu": (0.02, 0.08)}, "searches": 4},

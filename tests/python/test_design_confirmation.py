@@ -12,6 +12,7 @@ from vibroimpact.designs.problem import OscillatorHost, Problem
 from vibroimpact.systems.distribution import interval, uncertain
 
 
+@pytest.mark.slow
 def test_probability_is_that_of_a_known_share():
     """One uncertain parameter with a known effect: without impacts max|X| is the load times A."""
     osc = vi.Oscillator(xi=0.2, mu=1e-9, restitution=0.75)
