@@ -551,15 +551,6 @@ def test_the_front_has_no_candidate_that_another_one_beats_or_equals():
     assert archive.front.tolist() == [True, True, False, False, True, False]
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", [1, 2])
-def test_searches_that_end_at_different_designs_do_not_agree(seed):
-    """On a rough landscape, where the levels of three of eight searches are within 2 % of each other by chance."""
-    found = vi.design(ROUGH, **ROUGH_JOB, samples=0, rng=seed)
-    assert found.converged is False
-    assert found.searches["level"].max() > 1.03 * found.level
-
-
 def test_searches_agree_where_they_converge():
     """Searches that disagree are reported as such."""
     kwargs = {"r": (1.0, 1.02), "free": {"clearance": (20, 45)}, **QUICK, "evaluations": 64}
