@@ -56,10 +56,11 @@ class Pool:
         self.known = np.empty((0, *shape), bool)
         self.bounds = np.empty(0)
         self.risk = np.zeros(shape) if risk is None else np.minimum(risk, HUGE)
-        #: Candidates that were also judged from other initial states, and whether by all of these.
-        self.verified: dict[int, bool] = {}
-        #: Excess and greatest target of those that are worse from these states.
-        self.others: dict[int, tuple[float, float]] = {}
+        #: A pool of other initial states, the indices there of candidates that were also judged from these, and the
+        #: candidates that are worse from these.
+        self.other: Pool | None = None
+        self.twins: dict[int, int] = {}
+        self.lucky: set[int] = set()
         # how many units, or initial states of units, may be above the level at a frequency
         many = shape[1] * (shape[2] if problem.weighted else 1) - 1
         self.spare: int = many - math.ceil(problem.quantile * many)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,8 +80,14 @@ class Archive:
         found[:, done] = levels_of(pool.problem, pool.target[done], pool.excess[done])
         # figures from other initial states may be worse
         found[1, done] = pool.bounds[done]
-        for one, figures in pool.others.items():
-            found[2:, one] = np.maximum(found[2:, one], figures)
+        if pool.other is not None:
+            for one in pool.lucky:
+                _, _, *figures = levels_of(
+                    pool.other.problem,
+                    pool.other.target[[pool.twins[one]]],
+                    pool.other.excess[[pool.twins[one]]],
+                )
+                found[2:, [one]] = np.maximum(found[2:, [one]], figures)
         best = int(done[np.argmin(found[1, done])])
         if not self.level or found[1, best] < self.level[self.best]:
             self.grid, self.targets = pool.grid, pool.target[best]
@@ -219,12 +225,13 @@ def search(
         Searches with other units: each search then starts from the best candidates of an earlier one.
     """
     fine = grid(problem, order.specimens, order.nodes, order.states)
-    archive, risk, most = Archive(), None, order.searches
+    archive, risk, most, other = Archive(), None, order.searches, None
     if earlier is not None and earlier.grid is not None and earlier.targets is not None:
         risk = foreseen(earlier.grid, earlier.targets, fine)
         most = len(earlier.searches)
     for number in range(most):
         pool = Pool(problem, fine, risk)
+        pool.other = elsewhere(problem, fine, other.risk if other else None)
         # the random numbers depend only on the seed of the order and the number of the search
         rng = np.random.default_rng((order.seed, number))
         report = part_of(progress, number, 1, most)
@@ -246,7 +253,7 @@ def search(
             archive.stopped = True
         if archive.agree(problem) or archive.stopped:
             break
-        risk = pool.risk
+        risk, other = pool.risk, pool.other
     return archive
 
 
@@ -352,46 +359,46 @@ def verified(pool: Pool, share: float) -> int:
     """
     while True:
         here = _least(pool, share)
-        sure = pool.verified.get(here)
-        if sure or not pool.problem.quick:
+        limit = float(pool.bounds[here] + AGREEMENT * abs(pool.bounds[here]))
+        if not pool.problem.quick or other_level(pool, here, limit) <= limit:
             return here
-        limit = (
-            float(pool.bounds[here] + AGREEMENT * abs(pool.bounds[here]))
-            if sure is None
-            else np.inf
-        )
-        level, over, worst = other_level(pool, here, limit)
-        # a lower bound is enough until no candidate is below it
-        pool.verified[here] = level <= limit
-        if sure is False or level > limit:
-            pool.bounds[here] = np.clip(level, pool.bounds[here], HUGE)
-            pool.others[here] = over, worst
 
 
-def other_level(pool: Pool, candidate: int, limit: float) -> tuple[float, float, float]:
-    """The level of a candidate from other initial states, or a lower bound of it that is above a limit; the level
-    of the excess, and the greatest target."""
-    problem, grid = pool.problem, pool.grid
-    nodes, units = len(grid.nodes), grid.shares.shape[1]
-    states = -(-VERIFIED // (nodes * units))
-    places = np.random.default_rng(2).uniform(-1, 1, (4, states))
+def other_level(pool: Pool, candidate: int, limit: float) -> float:
+    """The level of a candidate from other initial states, or a lower bound of it that is above a limit.
+
+    From then on it is the level of the candidate if it is above the limit.
+    """
+    if pool.other is None:
+        pool.other = elsewhere(pool.problem, pool.grid)
+    other = pool.other
+    if candidate not in pool.twins:
+        pool.twins[candidate] = int(other.add(pool.values[[candidate]])[0])
+    twin = pool.twins[candidate]
+    level = float(other.race(np.array([twin]), limit, other.order(twin), 8)[0])
+    other.look_at(twin)
+    if level > limit or candidate in pool.lucky:
+        pool.lucky.add(candidate)
+        pool.bounds[candidate] = max(level, pool.bounds[candidate])
+    return level
+
+
+def elsewhere(problem: Problem, grid: Grid, risk: _Array | None = None) -> Pool:
+    """A pool for the same units and frequencies, but about `VERIFIED` runs from other initial states."""
+    units, states = grid.shares.shape[1], -(-VERIFIED // (len(grid.nodes) * grid.shares.shape[1]))
+    few = Pool(problem, grid)
     # as rare as the grid can tell
-    rare = max(RARE, 1 / (units * grid.places.shape[1]))
+    many, rare = units * states - 1, max(RARE, 1 / (units * grid.places.shape[1]))
     if problem.weighted:
-        spare = int(max(1 - problem.quantile, rare) * (units * states - 1))
+        spare = int(max(1 - problem.quantile, rare) * many)
     else:
-        spare = pool.spare * states + int(rare * (units * states - 1))
-    figures = np.full((2, nodes, 0), -np.inf)
-    level, over = -np.inf, 0.0
-    for some in np.array_split(places, min(10, states), axis=1):
-        found = problem.outcomes(pool.values[[candidate]], grid.shares, grid.nodes, some)
-        figures = np.concatenate([figures, np.stack(found).reshape(2, nodes, -1)], axis=2)
-        if figures.shape[2] > spare:
-            target, over = np.partition(figures, -1 - spare, axis=2)[..., -1 - spare].max(axis=1)
-            level = float(penalised(target, over))
-        if level > limit:
-            break
-    return level, float(over), float(figures[0].max())
+        spare = few.spare * states + int(rare * many)
+    # the half keeps the quantile off the next run
+    quantile = min(1.0, (many - spare - 0.5) / many) if spare else 1.0
+    places = np.random.default_rng(2).uniform(-1, 1, (4, states))
+    return Pool(
+        replace(problem, weighted=True, quantile=quantile), replace(grid, places=places), risk
+    )
 
 
 def _least(pool: Pool, share: float) -> int:
