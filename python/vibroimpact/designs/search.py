@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..base.libraries import scipy
 from ..results import door
 from .order import Order
-from .pool import HUGE, Grid, Pool, penalised
+from .pool import Grid, Pool, penalised
 from .problem import Problem
 
 _Array = NDArray[np.float64]
