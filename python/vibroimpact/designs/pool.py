@@ -56,7 +56,7 @@ class Pool:
         self.known = np.empty((0, *shape), bool)
         self.bounds = np.empty(0)
         self.risk = np.zeros(shape) if risk is None else np.minimum(risk, HUGE)
-        #: A pool of other initial states, the indices there of candidates that were also judged from them, and those
+        #: A pool of other initial states, the indices there of candidates that were also judged by it, and those
         #: of these candidates that are worse from them.
         self.other: Pool | None = None
         self.twins: dict[int, int] = {}
