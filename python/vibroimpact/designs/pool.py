@@ -56,10 +56,11 @@ class Pool:
         self.known = np.empty((0, *shape), bool)
         self.bounds = np.empty(0)
         self.risk = np.zeros(shape) if risk is None else np.minimum(risk, HUGE)
-        #: A pool of other initial states, the indices there of candidates that were also judged by it, and those
-        #: of these candidates that are worse from them.
+        #: The pool that judges candidates from other initial states.
         self.other: Pool | None = None
+        #: The index in that pool of each candidate that it has judged.
         self.twins: dict[int, int] = {}
+        #: The candidates that are worse there.
         self.lucky: set[int] = set()
         # how many units, or initial states of units, may be above the level at a frequency
         many = shape[1] * (shape[2] if problem.weighted else 1) - 1
