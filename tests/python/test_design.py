@@ -99,7 +99,7 @@ JOBS = {
 }  # fmt: skip
 
 
-#: A rig whose searches end at different designs of about the same level.
+#: A rig with a rough landscape: levels of searches scatter, and short ones end at different designs.
 ROUGH = vi.Oscillator.from_dimensional(M=2.7, K=42e3, xi=0.011, m=0.11, restitution=0.75, F0=6.0)
 ROUGH_JOB = {
     "r": ("19 Hz", "20.5 Hz"), "free": {"clearance": ("1 mm", "12 mm"), "mu": (0.02, 0.1)},
