@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from .base import checks
 from .base.errors import ParameterTypeError
-from .motions.quantities import Quantities, Signal
+from .motions.quantities import SHOWN, Quantities, Signal
 from .results import namelist
 from .results.events import Sample
 from .results.gradient import Gradient, frozen
@@ -218,7 +218,8 @@ class Physical(Generic[From]):
         if isinstance(value, Quantities):
             fields = {item.name: getattr(value, item.name) for item in dataclasses.fields(value)}
             converted = {key: self._converted(key, item) for key, item in fields.items()}
-            return replace(value, **converted | {"_unit_names": self.units.names})
+            names = tuple(map(self.units.name, SHOWN))
+            return replace(value, **converted | {"_unit_names": names})
         if isinstance(value, (list, tuple)) and not hasattr(value, "_fields"):
             return [self._converted(name, item) for item in value]
         of_point = isinstance(self._of, Point)

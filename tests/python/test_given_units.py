@@ -1,6 +1,7 @@
 """Values with units, wherever numbers are accepted: one reading, or an error that names what is missing."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -492,7 +493,41 @@ def test_a_point_in_physical_units():
     run = vi.simulate(RIG, "19.5 Hz", "4 mm", cycles=3)
     assert "over 0.153846 s" in repr(run.physical().quantities())
     assert " mm, of accelerations " in repr(run.physical("mm N s").quantities())
-    assert " m" not in repr(run.quantities())
+    # dimensionless numbers name their units, also where the point is treated as a structure
+    for quantities in (run.quantities(), vi.simulate(point, cycles=3).quantities()):
+        assert re.search(
+            r"over \S+/omega: .* F0/K, of accelerations \S+ omega\^2 F0/K;", repr(quantities)
+        )
+
+
+def test_a_printed_motion_is_in_the_units_of_the_rig():
+    """Its table has lengths in mm and velocities in mm/s, as in a CSV; without units it has none."""
+    motion = vi.equispaced(RIG, "19.5 Hz", "8 mm")[0]
+    first, point, *_, row, _ = str(motion).splitlines()
+    assert first.endswith("X, Z, A in mm, X', Z' in mm/s")
+    assert point.startswith("  19.5 Hz, d = 8 mm (r = ")
+    length = 1e3 * LENGTH
+    omega = math.sqrt(42e3 / 2.7)
+    assert [float(text) for text in row.split()[2:5]] == pytest.approx(
+        [motion.X[0] * length, motion.Z[0] * length, motion.X_dot_before[0] * length * omega],
+        abs=1e-4,
+    )
+    plain = vi.Oscillator(xi=RIG.xi, mu=RIG.mu, restitution=RIG.restitution)
+    text = str(vi.equispaced(plain, motion.r, motion.clearance)[0])
+    assert " mm" not in text
+    assert f"X{motion.X[0]:11.4f}"[1:] in text
+
+
+def test_a_run_without_impacts_is_named_in_the_units_of_the_rig():
+    """The amplitude and half the clearance are in mm, and the run is shown as it shows itself."""
+    run = vi.simulate(RIG, "19.5 Hz", "12 mm", cycles=30)
+    r = ratio(19.5)
+    amplitude = 1e3 * LENGTH / math.hypot(1 - r * r, 2 * 0.011 * r)
+    with pytest.raises(vi.ParameterError) as caught:
+        vi.exact(RIG, "19.5 Hz", "12 mm", run)
+    message = str(caught.value)
+    assert message.startswith(f"guess = {run!r}: must have impacts")
+    assert f"settles to A = {amplitude:.6g} mm, below d/2 = 6 mm" in message
 
 
 def test_a_tolerance_with_a_unit_is_a_deviation():

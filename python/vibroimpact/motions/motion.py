@@ -41,7 +41,7 @@ from ..results.systems import (
 from ..results.tables import Result, Table, made, runs
 from ..systems.oscillator import Oscillator, Pattern
 from ..systems.structure import Load, Structure
-from ..systems.units import argument, place_text, time_of
+from ..systems.units import argument, place_text, time_of, units_to_show
 from .quantities import Quantities, oscillator_quantities
 from .trajectory import (
     EVENTS_OF_STRUCTURE,
@@ -1044,18 +1044,25 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
             return repr(self)
         n = len(self.pattern)
         cycles = "cycle" if self.pattern.cycles == 1 else f"{self.pattern.cycles} cycles"
+        units = units_to_show(self.osc)
+        length, speed = (1.0, 1.0) if units is None else (units.length, units.velocity)
+        names = (
+            "" if units is None
+            else f"   X, Z, A in {units.name('F0/K')}, X', Z' in {units.name('omega F0/K')}"
+        )  # fmt: skip
         lines = [
-            f"{n} impacts/{cycles}, sides {self.pattern.sides}",
-            f"  r = {self.r:.10g}   d K/F0 = {self.clearance:.10g}   A = {self.A:.6g}   "
+            f"{n} impacts/{cycles}, sides {self.pattern.sides}{names}",
+            f"  {place_text(self.osc, self.r, self.clearance, 10)}   A = {self.A * length:.6g}   "
             f"tau/pi = {self.tau / math.pi:.6g}",
             f"  {self.verdicts()}",
-            f"  residual = {self.residual:.2e}   x from {self.x_min:.6g} to {self.x_max:.6g}   "
+            f"  residual = {self.residual:.2e}   x from {self.x_min * length:.6g} to {self.x_max * length:.6g}   "
             f"max|x|/A = {self.attenuation:.6g}",
             "  side  alpha/pi          X          Z  X' before   X' after  Z' before   Z' after",
         ]
         columns = zip(
-            self.pattern.symbols, self.alpha / math.pi, self.X, self.Z, self.X_dot_before,
-            self.X_dot_after, self.Z_dot_before, self.Z_dot_after, strict=True,
+            self.pattern.symbols, self.alpha / math.pi, self.X * length, self.Z * length,
+            self.X_dot_before * speed, self.X_dot_after * speed, self.Z_dot_before * speed,
+            self.Z_dot_after * speed, strict=True,
         )  # fmt: skip
         for side, *numbers in columns:
             lines.append(

@@ -26,6 +26,8 @@ _Complex = NDArray[np.complex128]
 #: Columns of the impacts of a structure, and further columns for an oscillator.
 IMPACT_TYPE = [("time", "f8"), ("gap", "i4"), ("speed", "f8"), ("impulse", "f8"), ("loss", "f8")]
 OF_OSCILLATOR = [("side", "U1"), ("jump", "f8")]
+#: The dimensionless units of the numbers that the representation shows.
+SHOWN = ("1/omega", "F0/K", "omega^2 F0/K")
 #: Mass used for a free mass of zero mass: so small that it does not affect the primary mass.
 MASSLESS = 1e-30
 
@@ -129,8 +131,8 @@ class Quantities:
     friction_loss: float
     energy_change: float
     of_structure: bool
-    #: The units of length, force and time, for the representation; "" if they are not known.
-    _unit_names: str = ""
+    #: The units of time, length and acceleration, for the representation; "" for those of a structure's user.
+    _unit_names: tuple[str, str, str] = ("", "", "")
     #: The dimensionless unit of each for an oscillator.
     units: ClassVar[dict[str, str]] = {
         "duration": "1/omega", "q": "F0/K", "q_dot": "omega F0/K", "q_ddot": "omega^2 F0/K",
@@ -166,15 +168,12 @@ class Quantities:
     def __repr__(self) -> str:
         signals = (self.q, self.q_ddot) if self.of_structure else (self.x, self.x_ddot)
         peak, highest = (np.max(signal.peak) for signal in signals)
-        length, _, time = self._unit_names.split() if self._unit_names else [""] * 3
-        in_units = [
-            f"{value:.6g}{f' {unit}' * bool(time)}"
-            for value, unit in (
-                (self.duration, time), (peak, length), (highest, f"{length}/{time}^2")
-            )
-        ]  # fmt: skip
+        whole, length, acceleration = (
+            f"{value:.6g}{f' {unit}' * bool(unit)}".replace(" 1/", "/")
+            for value, unit in zip((self.duration, peak, highest), self._unit_names, strict=True)
+        )
         return (
-            f"<Quantities over {in_units[0]}: largest peak {in_units[1]}, of accelerations {in_units[2]}; "
+            f"<Quantities over {whole}: largest peak {length}, of accelerations {acceleration}; "
             f"{len(self.impacts)} impacts>"
         )
 
@@ -236,8 +235,10 @@ def structure_quantities(
     # the work of a moving wall contains its speed
     work = math.fsum([found.work, *(-impacts["impulse"] * wall)])
     units = run.structure._units
-    in_units = units is not None and units.M == units.K == units.F0 == 1
-    return replace(found, work=work, _unit_names=units.names if in_units else "")
+    if units is None:
+        return replace(found, work=work)
+    names = tuple(map(units.name, SHOWN)) if units.M == units.K == units.F0 == 1 else SHOWN
+    return replace(found, work=work, _unit_names=names)
 
 
 def oscillator_quantities(
@@ -271,4 +272,5 @@ def oscillator_quantities(
     }.items():  # fmt: skip
         impacts[name] = values
     ends = (window[0] + later, window[1] + later)
-    return integrated(arguments, (own, labels), ends, harmonics, impacts, False)
+    found = integrated(arguments, (own, labels), ends, harmonics, impacts, False)
+    return replace(found, _unit_names=SHOWN)

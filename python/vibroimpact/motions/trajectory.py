@@ -1308,18 +1308,20 @@ def steady_amplitude(osc: Oscillator, r: float, load: float) -> float:
 def without_impacts(trajectory: Trajectory, begin: float) -> ParameterError:
     """The error for a trajectory without impacts after some time."""
     osc, r, half = trajectory.osc, trajectory.r, 0.5 * trajectory.clearance
-    when = f"since t = {begin:.6g}" if len(trajectory.events) else "in it"
+    when = f"since t = {value_text(osc, 't', begin)}" if len(trajectory.events) else "in it"
     amplitude = steady_amplitude(osc, r, trajectory.load)
+    wall = f"{'D/2' if osc.F0 is None else 'd/2'} = {value_text(osc, 'x', half)}"
+    reached = f"A = {value_text(osc, 'x', amplitude)}"
     if amplitude < half:
         reason = (
-            f"Without impacts |X| settles to A = {amplitude:.6g}, below D/2 = {half:.6g}, and a free mass at rest "
-            "in the middle is never reached. Start from another state, such as state=dict(t=0, x=0, x_dot=0, z=0, "
-            "z_dot=v) with a velocity v"
+            f"Without impacts |X| settles to {reached}, below {wall}, and a free mass at rest in the middle "
+            "is never reached. Start from another state, such as state=dict(t=0, x=0, x_dot=0, z=0, z_dot=v) with "
+            "a velocity v"
         )
     else:
         reason = (
-            f"|X| grows to A = {amplitude:.6g}, above D/2 = {half:.6g}: simulate longer (discard more), or start "
-            "from another state"
+            f"|X| grows to {reached}, above {wall}: simulate longer (discard more), or start from another "
+            "state"
         )
     return ParameterError(
         f"{trajectory!r}: must have impacts at its end; no impact happened {when}. {reason}"

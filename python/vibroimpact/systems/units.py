@@ -801,7 +801,8 @@ def shown_as_given(values: Iterable[tuple[Any, Any]], osc: Any = None) -> Iterat
                 named[text] = number
             return text or found[0]
 
-        value = NUMBER.sub(as_given, value)
+        if not value.startswith("<"):  # a result shows its values in units already
+            value = NUMBER.sub(as_given, value)
         if equals and must and named:
             plain = ", ".join(f"{text} is {number:.6g}" for text, number in named.items())
             allowed = STARTING.sub(
