@@ -228,6 +228,13 @@ def test_lists_may_fall(tmp_path):
     falls = case_in(tmp_path, "mu = 0.04", line.format("40, 25, 20", "1.1, 1.2, 1.3"))
     rises = case_in(tmp_path, "mu = 0.04", line.format("20, 25, 40", "1.3, 1.2, 1.1"))
     assert falls.text == rises.text
+    plane = "basins clearance = 20, axes = 'x', 'x_dot', first_values = {}, second_values = {}"
+    falls = case_in(tmp_path, "mu = 0.04, r = 1.1", plane.format("5, 2, 1", "1, 3"))
+    assert (
+        falls.text == case_in(tmp_path, "mu = 0.04, r = 1.1", plane.format("1, 2, 5", "1, 3")).text
+    )
+    with pytest.raises(ParameterError, match="first_values = 5, 1, 2"):
+        case_in(tmp_path, "mu = 0.04, r = 1.1", plane.format("5, 1, 2", "1, 3"))
     with pytest.raises(ParameterError, match="list = 20, 40, 25"):
         case_in(tmp_path, "mu = 0.04", line.format("20, 40, 25", "1.1, 1.2, 1.3"))
 

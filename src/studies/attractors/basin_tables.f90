@@ -1,7 +1,7 @@
 !> What basins of the oscillator and of structures have in common: a plane of initial states, names
 !! of attractors, and their shares of the states.
 module vi_basin_tables
-   use vi_common_keys, only: check_product, most_numbers
+   use vi_common_keys, only: check_product, most_numbers, turn_upwards
    use vi_kinds, only: wp
    use vi_spacing, only: even
    use vi_study, only: result_type, values_type
@@ -80,6 +80,7 @@ contains
          return
       end if
       do i = 1, 2
+         call turn_upwards(study, trim(uneven_keys(i)), [character(1) ::])
          axis = study%numbers(trim(uneven_keys(i)))
          if (.not. all(axis(2:) > axis(:size(axis) - 1))) then
             call study%refuse(trim(uneven_keys(i)))

@@ -40,8 +40,8 @@ module vi_basins_study
       even_steps = ': it applies only to a plane with even steps', listed = beside//' &
       &first_values', &
       structure_listed = 'states first_values'
-   character(*), parameter :: increasing = 'two or more increasing numbers from -1e100 to 1e100', &
-      along_axis(2) = [character(70) :: &
+   character(*), parameter :: ordered = 'two or more increasing or decreasing numbers from -1e100 to &
+      &1e100', along_axis(2) = [character(70) :: &
       'values along the first axis, if they are not evenly spaced', &
       'values along the second axis, if those along either are not even']
    type(key_type), parameter :: first_keys(*) = [ &
@@ -73,9 +73,9 @@ module vi_basins_study
       takes='two whole numbers, one for each axis, each with 2 <= values <= 100000', &
       option='plane', meaning='number of values along each axis'), &
       key_type('first_values', least=2, most=100000, may_miss=.true., low=-most_state, &
-      high=most_state, only='axes', takes=increasing, unit=of_axis(1), meaning=along_axis(1)), &
+      high=most_state, only='axes', takes=ordered, unit=of_axis(1), meaning=along_axis(1)), &
       key_type('second_values', least=2, most=100000, may_miss=.true., low=-most_state, &
-      high=most_state, only='first_values', takes=increasing, unit=of_axis(2), &
+      high=most_state, only='first_values', takes=ordered, unit=of_axis(2), &
       meaning=along_axis(2)), &
       key_type('t', default='0', low=-most_state, high=most_state, &
       never=beside, why=random, unit='1/omega', meaning='time, unless it is an axis'), &
@@ -170,9 +170,9 @@ module vi_basins_study
       takes='two whole numbers, one for each axis, each with 2 <= values <= 100000', &
       option='plane', meaning='number of values along each axis'), &
       key_type('first_values', least=2, most=100000, may_miss=.true., low=-most_state, &
-      high=most_state, only='axes', takes=increasing, meaning=along_axis(1)), &
+      high=most_state, only='axes', takes=ordered, meaning=along_axis(1)), &
       key_type('second_values', least=2, most=100000, may_miss=.true., low=-most_state, &
-      high=most_state, only='first_values', takes=increasing, &
+      high=most_state, only='first_values', takes=ordered, &
       meaning=along_axis(2)), &
       start_keys, &
       key_type('settling', a_whole, default='1000', low=0.0_wp, high=1.0e6_wp, &
