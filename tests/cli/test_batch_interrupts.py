@@ -8,7 +8,7 @@ import subprocess
 import time
 
 import pytest
-from programs import wait_for, write
+from programs import find_command, wait_for, write
 
 SYSTEM = "&system xi = 0.0114, mu = 0.028, restitution = 0.75, 0.61, r = 0.9 /\n"
 SHORT = "&simulate clearance = 6, cycles = 10 /\n"
@@ -26,10 +26,10 @@ DAMPER = """&structure mass = 1, 1, 0.1, damping = 0.1, -0.05, 0,  -0.05, 0.05, 
 
 
 @contextlib.contextmanager
-def started(binary, folder, interrupt=signal.SIG_DFL):
+def started(binary, folder, interrupt=signal.SIG_DFL, command=()):
     """The running program, ended on exit. Background processes of shells inherit that SIGINT is ignored."""
     with subprocess.Popen(
-        [binary, "case.nml", "-o", "out"],
+        [binary, *command, "case.nml", "-o", "out"],
         cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         preexec_fn=lambda: signal.signal(signal.SIGINT, interrupt),
     ) as process:  # fmt: skip
@@ -82,6 +82,32 @@ def test_studies_of_structures_are_interrupted(study, fault, kept, binary, tmp_p
     assert process.returncode == 1
     assert re.search(f"case_2: interrupted: {fault}", faults)
     assert len([*(tmp_path / "out").iterdir()]) == kept
+
+
+def test_the_command_keeps_what_the_program_keeps(tmp_path):
+    """`vibroimpact run` writes and marks the case that Ctrl-C stops, and says so like the compiled program."""
+    states = "&basins clearance = 5, states = 100000 /\n"
+    write(tmp_path / "case.nml", SYSTEM + SHORT + states + SHORT)
+    with started(find_command(), tmp_path, command=["run"]) as process:
+        wait_for(lambda: (tmp_path / "out/case_1.csv").exists())
+        time.sleep(1)
+        process.send_signal(signal.SIGINT)
+        message, faults = process.communicate(timeout=120)
+    assert process.returncode == 1
+    assert re.search(r"(?m)^case_2: interrupted: \d+ of 100000 states were reached", faults)
+    assert "case_3: not run, since the program was interrupted" in faults
+    kept = sorted(path.name for path in (tmp_path / "out").iterdir())
+    assert faults.splitlines()[-1] == (
+        "vibroimpact run: interrupted; finished results are kept: "
+        + ", ".join(f"out/{name}" for name in kept)
+    )
+    # on a slow machine it may stop before a state is reached
+    none = "case_2: interrupted: 0 of 100000 states were reached" in faults
+    assert kept == ["case_1.csv", "case_2.csv"][: 1 if none else 2]
+    if not none:
+        assert "case_2: out/case_2.csv" in message
+        with open(tmp_path / "out/case_2.csv", encoding="utf-8") as lines:
+            assert any(line.startswith("# ! cut short: ") for line in lines)
 
 
 def test_a_second_interrupt_ends_the_program_at_once(binary, tmp_path):

@@ -37,16 +37,13 @@ class AbandonedError(BaseException):
 
 
 def interruptible(
-    function: Callable[..., Any], *arguments: Any, watch: Callable[[], None] | None = None,
-    counters: NDArray[np.int32] | None = None,
-) -> Any:  # fmt: skip
+    function: Callable[..., Any], *arguments: Any, watch: Callable[[], None] | None = None
+) -> Any:
     """The result of a function of the core, during whose execution the main thread can react to Ctrl-C.
 
     Meanwhile `watch`, if given, is called a few times per second. After an interrupt or an exception of `watch`
-    the result is discarded. With `counters`, the progress counters among the arguments, the core is asked to stop
-    and to abandon the file it is writing, and this function waits until the core has stopped. If the function
-    calls `stoppable` with `progress`, this stops the core; otherwise the core continues in a thread that ends with
-    the program.
+    the result is discarded. If the function calls `stoppable` with `progress`, this stops the core; otherwise the
+    core continues in a thread that ends with the program.
     """
     if watch is None and threading.current_thread() is not threading.main_thread():
         return function(*arguments)
@@ -55,23 +52,20 @@ def interruptible(
         return _finished(call, watch)
     except BaseException:
         call.abandoned.set()
-        if counters is not None:
-            counters[2] = GIVE_UP
-            while not call.done.wait(INTERVAL):
-                pass
         raise
 
 
 def stoppable(
     function: Callable[..., Any], *arguments: Any, counters: NDArray[np.int32],
-    progress: Callable[[float, str], None] | None = None, note: str = "",
+    progress: Callable[[float, str], None] | None = None, note: str = "", writes: bool = False,
 ) -> tuple[Any, bool]:  # fmt: skip
     """The result of a function of the core, and whether it ran to its end.
 
     The last argument of the function contains three progress counters: work done, work known so far, and a stop
     flag. Ctrl-C sets the flag; the core then stops within a few load cycles and returns the part that was
-    finished. A second Ctrl-C ends the wait at once. `progress` is called a few times per second with the fraction
-    done and the note; an exception of `progress` also stops the core, and is raised again.
+    finished. A second Ctrl-C ends the wait at once; a function that `writes` files gives up its file first, as it
+    does at the first Ctrl-C if it is writing by then. `progress` is called a few times per second with the
+    fraction done and the note; an exception of `progress` also stops the core, and is raised again.
     """
     if progress is None and threading.current_thread() is not threading.main_thread():
         return function(*arguments, counters), True
@@ -90,12 +84,15 @@ def stoppable(
 
     call = _started(function, *arguments, counters)
     try:
-        return _finished(call, watch), True
-    except KeyboardInterrupt:
-        counters[2] = 1
-        return _finished(call, None), False
+        try:
+            return _finished(call, watch), True
+        except KeyboardInterrupt:
+            counters[2] = GIVE_UP if counters[2] else 1
+            return _finished(call, None), False
     except BaseException:
-        counters[2] = 1
+        counters[2] = GIVE_UP
+        while writes and not call.done.wait(INTERVAL):
+            pass
         raise
 
 

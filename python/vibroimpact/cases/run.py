@@ -5,12 +5,12 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from .. import _core
 from ..base import checks
-from ..base.errors import ParameterError, ParameterTypeError
-from ..base.interrupt import interruptible, new_counters
+from ..base.errors import ParameterError, ParameterTypeError, StudyInterrupted
+from ..base.interrupt import new_counters, stoppable
 from ..results.tables import Handle, message_of
 from .case import characters, kinds, path_bytes
 
@@ -63,6 +63,9 @@ def run_namelists(
     ------
     ParameterError, ParameterTypeError
         If an argument is not allowed.
+    StudyInterrupted
+        On Ctrl-C; its `result` is the log. What was finished of the case that ran is written; a second Ctrl-C
+        gives it up.
 
     Examples
     --------
@@ -92,17 +95,22 @@ def run_namelists(
     if not files:
         raise ParameterError("paths = []: must name at least one file")
     kind = "" if only is None else checks.choice(only, "only", kinds())
-    # progress counters, which the core updates while it runs
     counters = new_counters()
     arguments = (
-        characters(b"\0".join(files)), characters(target), characters(kind.ljust(16).encode()), counters,
+        characters(b"\0".join(files)), characters(target), characters(kind.ljust(16).encode()),
     )  # fmt: skip
 
-    def watch() -> None:
+    def told(*_: Any) -> None:
+        """Progress: the fraction of the work that the core knows so far, which may fall with the next case."""
         if progress is not None:
             progress(float(counters[0] / max(1, counters[1])))
 
-    handle, status = interruptible(_core.run_namelists, *arguments, watch=watch, counters=counters)
+    (handle, status), complete = stoppable(
+        _core.run_namelists, *arguments, counters=counters, progress=told, writes=True
+    )
     log = message_of(Handle(handle)).split("\0")[:-1]
     lines = [(line.startswith("!"), line[1:]) for line in log if line[0] in "-!"]
-    return RunLog(lines, int(status), [Path(line[1:]) for line in log if line[0] == ">"])
+    found = RunLog(lines, int(status), [Path(line[1:]) for line in log if line[0] == ">"])
+    if not complete:
+        raise StudyInterrupted(found)
+    return found

@@ -81,8 +81,11 @@ def tables(options: argparse.Namespace, folder: Path) -> int:
 
         try:
             log = run_namelists(options.files, folder, progress=show if bar.wanted else None)
-        except KeyboardInterrupt:
+        except KeyboardInterrupt as stop:
             options.record.files += map(str, written.paths())
+            if isinstance(stop, StudyInterrupted):
+                bar.clear()
+                print_log(stop.result)
             raise
     print_log(log)
     return log.status
