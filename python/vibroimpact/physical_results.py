@@ -218,8 +218,8 @@ class Physical(Generic[From]):
         if isinstance(value, Quantities):
             fields = {item.name: getattr(value, item.name) for item in dataclasses.fields(value)}
             converted = {key: self._converted(key, item) for key, item in fields.items()}
-            names = tuple(map(self.units.name, SHOWN))
-            return replace(value, **converted | {"_unit_names": names})
+            shown = {"_unit_names": tuple(map(self.units.name, SHOWN))}
+            return replace(value, **converted | shown)
         if isinstance(value, (list, tuple)) and not hasattr(value, "_fields"):
             return [self._converted(name, item) for item in value]
         of_point = isinstance(self._of, Point)
