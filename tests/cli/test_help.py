@@ -53,6 +53,14 @@ def test_every_option_is_explained(name):
     assert all(len(line) < 100 for line in each[name].description.splitlines())
 
 
+def test_no_figure_of_the_paper_is_absent_without_a_word():
+    """The help of `reproduce` lists each of the ten figures, or says that there is nothing in it to compute."""
+    text = re.sub(r"\s+", " ", module_of("reproduce").DESCRIPTION)
+    nothing = re.search(r"Figures ([\d, and]+) show .*; there is nothing in them to compute", text)
+    named = {*map(int, re.findall(r"\d+", nothing[1])), *map(int, re.findall(r"figure(\d+)", text))}
+    assert named == {*range(1, 11)}
+
+
 @pytest.mark.parametrize("name", WRITTEN)
 def test_example_as_pasted(name, tmp_path):
     """In an empty folder, each example run by a shell has status 0, an empty standard error, and its files."""
