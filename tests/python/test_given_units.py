@@ -139,6 +139,21 @@ def test_uncertain_values_with_units_are_factors():
     assert line.r == pytest.approx([ratio(20), ratio(20.5), ratio(21)], rel=1e-12)
 
 
+def test_bands_of_boundaries_take_units():
+    """Masses, forces and percentages are the parameters of the zone's rig; a zone has no single clearance."""
+    zone = vi.zone(RIG, "RL", ("20 Hz", "21 Hz"), ("6 mm", "12 mm"), lines=5, guesses=2)
+    texts = {"mu": ("100 g", "120 g"), "load": ("5.7 N", "6.3 N"), "xi": ("1 %", "1.2 %")}
+    numbers = {"mu": (0.1 / 2.7, 0.12 / 2.7), "load": (0.95, 1.05), "xi": (0.01, 0.012)}
+    first, second = (
+        vi.boundary_bands(zone, one, samples=4, vertices=4) for one in (texts, numbers)
+    )
+    assert len(first) == len(second) > 0
+    for one, other in zip(first, second, strict=True):
+        assert one.sampled == pytest.approx(other.sampled, rel=1e-9, nan_ok=True)
+    with pytest.raises(ParameterError, match="must be factors of the nominal clearance"):
+        vi.boundary_bands(zone, {"clearance": ("7 mm", "9 mm")}, samples=4)
+
+
 def test_sensors_take_units():
     """Rate, bandwidth, delay, range and noise with units are equivalent to SI values."""
     t = np.arange(50) / 1000

@@ -767,6 +767,13 @@ def test_quantities_of_pint():
     ):
         point = TEXTS.at(frequency, 4 * ureg.mm, 3 * ureg.newton)
         assert (point.r, point.clearance, point.amplitude) == pytest.approx((*AT, 0.5), rel=1e-12)
+    # a ratio without a dimension is the bare number, whatever its units were
+    M, K, F0 = 2.7 * ureg.kg, 42 * ureg.kN / ureg.m, 6 * ureg.newton
+    natural = ((K / M) ** 0.5).to("1/s") / (2 * math.pi) * ureg.s * ureg.Hz
+    ratios = TEXTS.at(19.5 * ureg.Hz / natural, 4 * ureg.mm * K / F0, 3 * ureg.newton / F0)
+    assert (ratios.r, ratios.clearance, ratios.amplitude) == pytest.approx((*AT, 0.5), rel=1e-12)
+    with pytest.raises(ParameterError, match=r"^r = .*: must be a frequency$"):
+        TEXTS.at(19.5 * ureg.Hz / (K / M) ** 0.5, 28)  # of cycles and radians
     several = vi.equispaced_batch(TEXTS, 19.5 * ureg.Hz, [3.0, 4.0] * ureg.mm)
     assert several[0].clearance.ravel() == pytest.approx([21.0, 28.0])
     with pytest.raises(ParameterError, match=r"^r = .*: must be in Hz, rpm or rad/s$"):

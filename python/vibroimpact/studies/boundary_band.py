@@ -20,6 +20,7 @@ from ..base.progress import with_progress
 from ..results import door
 from ..systems.distribution import ROWS, Uncertain, shares, systems, uncertain_parameters
 from ..systems.oscillator import Oscillator, Pattern
+from ..systems.verbs import physical_arguments
 from .zone import Piece, Zone
 
 __all__ = ["BoundaryBand", "boundary_bands"]
@@ -114,6 +115,7 @@ class BoundaryBand:
         return self.r + self.normal[0] * moved, self.clearance * np.exp(self.normal[1] * moved)
 
 
+@physical_arguments
 @with_progress
 def boundary_bands(
     zone: Zone,

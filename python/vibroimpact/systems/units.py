@@ -656,8 +656,9 @@ def number_of(value: Any, name: str, unit: str, units: Callable[[], Units]) -> A
         return converted_each(value, name, lambda item: number_of(item, name, unit, units))
     size, powers, angular = in_si(value, name) if isinstance(value, str) else of_pint(value, name)
     wanted = np.zeros(3, int)
-    if unit == MASS and powers == (0, 0, 0) and not angular:
-        return float(size)  # a share of M, in %
+    size = float(size) if isinstance(size, Decimal) else size
+    if powers == (0, 0, 0) and not angular and (unit == MASS or not isinstance(value, str)):
+        return size  # a share of M in %, or a ratio that pint computed
     for part, power in powers_of(unit).items():
         wanted += np.multiply(DIMENSIONS[part], power)
     if unit == "omega" and powers == (0, 0, -1) and not angular:
@@ -671,7 +672,6 @@ def number_of(value: Any, name: str, unit: str, units: Callable[[], Units]) -> A
         }
         kind |= {MASS: "a mass, or a ratio of masses", "": "a number without a dimension"}
         raise ParameterError(f"{name} = {value!s}: must be {kind.get(unit, 'a velocity')}")
-    size = float(size) if isinstance(size, Decimal) else size
     if unit == "":
         return size
     try:

@@ -277,7 +277,8 @@ def factors_of(given: Mapping[str, Any], before: Mapping[str, Any]) -> dict[str,
     for name in FACTORS:
         if not has_unit(before.get(name)):
             continue
-        nominal = np.asarray(given.get(name, 1.0), dtype=float)
+        # a zone has no single frequency and clearance; the load of a zone or a pattern is F0
+        nominal = np.asarray(given.get(name, 1.0 if name == "load" else ()), dtype=float)
         if nominal.size != 1:
             raise ParameterError(
                 f"uncertain[{name!r}] = {before[name]!s}: must be factors of the nominal {name}, such as "
@@ -329,7 +330,7 @@ def physical_arguments(function: Callable[Given, Found]) -> Callable[Given, Foun
     defaults = {
         name: item.default for name, item in signature.items() if name in ("parameter", "target")
     }
-    with_units = ", ".join(f"`{name}`" for name in names if name in known and name not in SHARES)
+    with_units = ", ".join(f"`{name}`" for name in names if name in taken and name not in SHARES)
     if with_units:
         parts = inspect.cleandoc(function.__doc__ or "").split("\n\n")
         # after the summary and the further forms of call
