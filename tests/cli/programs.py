@@ -63,7 +63,7 @@ COMPLETE = """&system
 /
 """
 #: Columns of each impact, those that all impacts share, and the words of verdicts.
-IMPACT = ["X", "Z", "X_dot_before", "X_dot_after", "Z_dot_before", "Z_dot_after"]
+IMPACT = ["x", "z", "x_dot_before", "x_dot_after", "z_dot_before", "z_dot_after"]
 SHARED = ["clearance", "A", "tau", "residual", "x_min", "x_max", "attenuation"]
 WORDS = {True: "true", False: "false", None: "unknown"}
 #: Messages of a sanitizer or the compiler's runtime library when a program breaks.
@@ -325,8 +325,9 @@ def multipliers(motion):
 
 def assert_same(motion, expected):
     """A motion of a result equals one of the Python API, bit for bit."""
-    for key in IMPACT:
-        assert floats(motion, key) == getattr(expected, key).tolist(), key
+    for key in IMPACT:  # the attribute of a motion is a capital letter
+        own = key[0].upper() + key[1:]
+        assert floats(motion, key) == getattr(expected, own).tolist(), key
     for key in SHARED:
         assert floats(motion, key) == [getattr(expected, key)] * len(motion["r"]), key
     assert multipliers(motion) == expected.multipliers.tolist()

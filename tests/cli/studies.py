@@ -29,7 +29,7 @@ def assert_branch(table, branch):
         assert column(table, name).tolist() == getattr(branch, name).tolist(), name
     for i in range(len(branch.pattern)):
         assert column(table, f"phase_{i + 1}").tolist() == branch.alpha[i].tolist()
-        assert column(table, f"X_{i + 1}").tolist() == branch.X[i].tolist()
+        assert column(table, f"x_{i + 1}").tolist() == branch.X[i].tolist()
     for i in range(4):
         moduli = column(table, f"multiplier_{i + 1}_modulus")
         # none where an approach speed is zero

@@ -433,3 +433,17 @@ def test_the_help_says_what_each_study_does():
     ).stdout
     found = re.findall(r"^  &(\w+) +(.*)$", text, re.MULTILINE)
     assert found == [(study, message["meaning"]) for study, message in LANGUAGE["results"].items()]
+
+
+def test_columns_have_one_spelling():
+    """No two columns of tables differ only in their case: a displacement is x in all of them."""
+    spelled = {}
+    for study, about in LANGUAGE["results"].items():
+        for column in about["columns"]:
+            if column["listed"]:
+                shown = column["label"] or column["name"]
+                stem = shown.removesuffix("_#")
+                spelled.setdefault(stem.lower(), {}).setdefault(stem, study)
+    assert len(spelled) > 80
+    assert {key: found for key, found in spelled.items() if len(found) > 1} == {}
+    assert "x" in spelled["x"]

@@ -116,7 +116,7 @@ def test_free_mass_touches_the_walls(doubles):
     for _, motion in doubles:
         half = floats(motion, "clearance")[0] / 2
         assert half > 0
-        x_column, z_column = floats(motion, "X"), floats(motion, "Z")
+        x_column, z_column = floats(motion, "x"), floats(motion, "z")
         for side, x, z in zip(motion["side"], x_column, z_column, strict=True):
             assert close(z - x, half if side == "R" else -half, abs(x))
 
@@ -124,7 +124,7 @@ def test_free_mass_touches_the_walls(doubles):
 def test_free_mass_flies_straight(doubles):
     """Between impacts z' is constant, and z grows by z' times the time (phase / r)."""
     for case, motion in doubles:
-        columns = [floats(motion, key) for key in ("phase", "Z", "Z_dot_before", "Z_dot_after")]
+        columns = [floats(motion, key) for key in ("phase", "z", "z_dot_before", "z_dot_after")]
         points = list(zip(*columns, strict=True))
         turn = (points[0][0] + 2 * math.pi * case["cycles"], *points[0][1:])
         following = [*points[1:], turn]
@@ -139,7 +139,7 @@ def test_primary_mass_obeys_newton(doubles):
         if len(case["sides"]) > 2:
             continue
         phases = [*floats(motion, "phase"), 2 * math.pi * case["cycles"]]
-        x, before, after = (floats(motion, k) for k in ("X", "X_dot_before", "X_dot_after"))
+        x, before, after = (floats(motion, k) for k in ("x", "x_dot_before", "x_dot_after"))
         A, tau = floats(motion, "A")[0], floats(motion, "tau")[0]
         for i in range(2):
             state = (x[i], after[i])
@@ -185,7 +185,7 @@ def test_extremes_enclose_the_impacts(doubles):
     """x_min <= X_i <= x_max, and the attenuation is max|x|/A."""
     for _, motion in doubles:
         low, high, ratio, A = (floats(motion, k)[0] for k in ("x_min", "x_max", "attenuation", "A"))
-        assert all(low <= x <= high for x in floats(motion, "X"))
+        assert all(low <= x <= high for x in floats(motion, "x"))
         assert ratio == max(-low, high) / A
 
 
@@ -212,7 +212,7 @@ def test_single_precision_differs(cases, results):
     """For N = 2, single precision gives the same numbers to 1e-2, but never the same bits."""
     for i in range(15):
         double, single = (motions(results / f"{w}_{i}.csv")[0] for w in ("double", "single"))
-        x, y = floats(double, "X")[0], floats(single, "X")[0]
+        x, y = floats(double, "x")[0], floats(single, "x")[0]
         scale = floats(double, "A")[0] + floats(double, "clearance")[0]
         assert 0 < abs(x - y) < 1e-2 * scale
 

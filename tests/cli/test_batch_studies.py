@@ -104,7 +104,7 @@ def test_exact_motion(batch, same_build):
     guess = ([0, 1.37 * np.pi], vi.Pattern("RL"))
     motion = vi.exact(osc, 0.94, 37.0, guess)
     assert column(table, "phase").tolist() == motion.alpha.tolist()
-    assert column(table, "X").tolist() == motion.X.tolist()
+    assert column(table, "x").tolist() == motion.X.tolist()
     assert column(table, "clearance").tolist() == [37.0, 37.0]
     assert column(table, "residual").max() < 1e-13
     again = batch("results/case.csv", "-o", "again")

@@ -67,7 +67,7 @@ def test_cases_are_those_that_run(path, tmp_path):
         table, found = motions(results[case.name]), case.motions()
         assert len(table) == len(found)
         for row, motion in zip(table, found, strict=True):
-            assert floats(row, "X") == motion.X.tolist()
+            assert floats(row, "x") == motion.X.tolist()
             assert floats(row, "phase") == motion.alpha.tolist()
             assert floats(row, "restitution") == motion.restitution.tolist()
             assert row["stable"][0] == str(motion.stable).lower()

@@ -236,7 +236,7 @@ def test_the_namelist_runs(name, results, tmp_path):
     table = list(csv.DictReader(lines))
     result = results[name]
     column, wanted = {
-        "motion": lambda: ("X", result.X),
+        "motion": lambda: ("x", result.X),
         "trajectory": lambda: ("time", result.events["time"]),
         "branch": lambda: ("attenuation", result.attenuation),
         "zone": lambda: ("r", np.concatenate([piece.r for piece in result.boundary])),

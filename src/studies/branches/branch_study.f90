@@ -114,7 +114,7 @@ module vi_branch_study
       meaning='greatest value of each coordinate', model=of_structure), &
       column_type('points', 'phases', each='impact', label='phase_#', unit='rad', &
       meaning='load phases of the impacts; for an oscillator from the first impact'), &
-      column_type('points', 'X', each='impact', label='X_#', unit='F0/K', &
+      column_type('points', 'X', each='impact', label='x_#', unit='F0/K', &
       meaning='displacements of the primary mass at the impacts', model=of_oscillator), &
       column_type('points', 'Z', each='impact', unit='F0/K', listed=.false., &
       meaning='displacements of the free mass at the impacts', model=of_oscillator), &

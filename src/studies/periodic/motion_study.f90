@@ -68,7 +68,8 @@ module vi_motion_study
       why=', which leaves no residual', &
       meaning='largest relative residual that counts as consistent')]
 
-   !> Columns of the motions and their impacts.
+   !> Columns of the motions and their impacts. At impacts a motion has the paper's X and Z; tables
+   !! show them as the coordinates x and z of all other studies.
    type(column_type), parameter :: oscillator_columns(*) = [ &
       column_type('motions', 'motion', wholes, meaning='number of the motion'), &
       column_type('impacts', 'impact', wholes, meaning='number of the impact'), &
@@ -77,15 +78,17 @@ module vi_motion_study
       column_type('impacts', 'restitution', meaning='coefficient of restitution'), &
       column_type('impacts', 'phase', unit='rad', meaning='load phase, relative to the first &
       &impact'), &
-      column_type('impacts', 'X', unit='F0/K', meaning='displacement of the primary mass'), &
-      column_type('impacts', 'Z', unit='F0/K', meaning='displacement of the free mass'), &
-      column_type('impacts', 'X_dot_before', unit='omega F0/K', &
+      column_type('impacts', 'X', label='x', unit='F0/K', &
+      meaning='displacement of the primary mass'), &
+      column_type('impacts', 'Z', label='z', unit='F0/K', &
+      meaning='displacement of the free mass'), &
+      column_type('impacts', 'X_dot_before', label='x_dot_before', unit='omega F0/K', &
       meaning='velocity of the primary mass before the impact'), &
-      column_type('impacts', 'X_dot_after', unit='omega F0/K', &
+      column_type('impacts', 'X_dot_after', label='x_dot_after', unit='omega F0/K', &
       meaning='velocity of the primary mass after the impact'), &
-      column_type('impacts', 'Z_dot_before', unit='omega F0/K', &
+      column_type('impacts', 'Z_dot_before', label='z_dot_before', unit='omega F0/K', &
       meaning='velocity of the free mass before the impact'), &
-      column_type('impacts', 'Z_dot_after', unit='omega F0/K', &
+      column_type('impacts', 'Z_dot_after', label='z_dot_after', unit='omega F0/K', &
       meaning='velocity of the free mass after the impact'), &
       column_type('motions', 'r', meaning='frequency ratio'), &
       column_type('motions', 'clearance', unit='F0/K', &
