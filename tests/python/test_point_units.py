@@ -306,6 +306,37 @@ def test_the_load_of_a_branch_is_a_factor():
         vi.branch(motion, "load", bounds=("4.9 N", "5.1 N"))
 
 
+def test_the_structure_of_a_rig_takes_units():
+    """Times, states and values of a structure made by the rig, in the units of the rig or dimensionless."""
+    load = vi.Load("20 Hz", sine=[6, 0])
+    cyclic = 2 * np.pi * 20
+    pair = RIG.structure(d="8 mm")
+    texts, numbers = (
+        vi.simulate(pair, load, duration=duration, state=state, start=start).events
+        for duration, state, start in (
+            ("0.5 s", (["1 mm", "2 mm"], ["10 mm/s", 0]), "5 ms"),
+            (0.5, ([1e-3, 2e-3], [0.01, 0]), 5e-3),
+        )
+    )
+    assert len(texts) == len(numbers) > 5
+    assert texts["time"] == pytest.approx(numbers["time"], rel=1e-9)
+    few = {"points": 2, "settling": 5, "keep": 5}
+    for study in (
+        lambda values: vi.response(pair, load, values, **few),
+        lambda values: vi.bifurcation_diagram(pair, load, "frequency", values, **few),
+    ):
+        assert study(("19 Hz", "20 Hz")).values == pytest.approx(
+            study((0.95 * cyclic, cyclic)).values, rel=1e-12
+        )
+    scaled = vi.simulate(RIG.structure("8 mm"), vi.Load(1.0, sine=[1, 0]), duration="0.1 s")
+    assert scaled.end == pytest.approx(0.1 * np.sqrt(42e3 / 2.7), rel=1e-12)
+    with pytest.raises(vi.ParameterError, match="duration = 1 mm: must be a time"):
+        vi.simulate(pair, load, duration="1 mm")
+    users, force = by_hand()
+    with pytest.raises(vi.ParameterTypeError, match="duration = '1 s': must be a number"):
+        vi.simulate(users, force, duration="1 s")
+
+
 def test_structures_of_users_have_no_units():
     """A structure defined by the user is shown in the user's units, which have no names."""
     structure, load = by_hand()

@@ -315,6 +315,7 @@ def physical_arguments(function: Callable[Given, Found]) -> Callable[Given, Foun
     signature = inspect.signature(function).parameters
     names = list(signature)
     takes_points = hasattr(function, "takes_points")
+    of_structure: Mapping[str, inspect.Parameter] = {}
     if not takes_points and names[0] == "osc":
         of_point = [item for name, item in signature.items() if name not in OF_POINT]
         no_point = "" if {"r", "clearance"} <= {*names} else "give its osc"
@@ -348,6 +349,9 @@ def physical_arguments(function: Callable[Given, Found]) -> Callable[Given, Foun
             order = [names[0], *left_of_point(names[1:], getattr(function, "along", ()))]
             where = [(i, name) for i, name in enumerate(order) if name in taken]
             where += places[len([name for name in names if name in taken]) :]
+        elif args and isinstance(args[0], Structure) and takes_points:
+            order = list(of_structure)
+            where = [(i, name) for i, name in enumerate(order) if name in {*taken, *TIMES}]
         for i, name in where:  # most calls have numbers
             value = args[i] if i < len(args) else kwargs.get(name)
             if type(value) not in PLAIN and has_unit(value):
@@ -355,13 +359,15 @@ def physical_arguments(function: Callable[Given, Found]) -> Callable[Given, Foun
         else:
             return function(*args, **kwargs)
         given: dict[str, Any] = dict(zip(order, args, strict=False)) | kwargs
-        physical = [name for _, name in places if has_unit(given.get(name))]
-        first: Any = given.get(names[0])
+        physical = [name for _, name in where if has_unit(given.get(name))]
+        first: Any = given.get(order[0])
         osc = first if isinstance(first, Oscillator) else getattr(first, "osc", None)
-        units = getattr(getattr(first, "structure", None), "_units", None)
+        of_itself = isinstance(first, Structure)
+        structure = first if of_itself else getattr(first, "structure", None)
+        units = getattr(structure, "_units", None)
         if units is not None and not isinstance(osc, Oscillator):
             osc = OfStructure(units)
-            physical = [name for name in physical if name in OF_PARAMETER]
+            physical = [name for name in physical if of_itself or name in OF_PARAMETER]
         if not isinstance(osc, (Oscillator, OfStructure)):
             return function(*args, **kwargs)
         before = {name: given[name] for name in physical}
@@ -372,6 +378,8 @@ def physical_arguments(function: Callable[Given, Found]) -> Callable[Given, Foun
                         f"{name} = {given[name]!s}: must be numbers, factors of the `Load` of the point"
                     )
         chosen = defaults | {name: given[name] for name in ("parameter", "target") if name in given}
+        if of_itself:  # a response is along the frequency
+            chosen = {"parameter": "frequency"} | chosen
         for name in physical:
             of = str(chosen.get("parameter", chosen.get("target")))
             given[name] = dimensionless(osc, name, given[name], of)
