@@ -540,6 +540,19 @@ def test_a_printed_motion_is_in_the_units_of_the_rig():
     assert f"X{motion.X[0]:11.4f}"[1:] in text
 
 
+def test_notebooks_show_the_units_of_the_rig():
+    """A point has its frequency, clearance and load with units beside the ratios, and a motion its extremes."""
+    point = RIG.at("19.5 Hz", "4 mm", "3 N")
+    cells = dict(
+        re.findall(r"<t[hd][^>]*>([^<]*)</t[hd]><td[^>]*>([^<]*)</td>", point._repr_html_())
+    )
+    assert (cells["f"], cells["d"], cells["load"]) == ("19.5 Hz", "4 mm", "3 N")
+    assert (float(cells["d K/F0"]), float(cells["load over F0"])) == pytest.approx((28, 0.5))
+    motion = vi.equispaced(RIG, "19.5 Hz", "8 mm")[0]
+    extremes = f"{1e3 * LENGTH * motion.x_min:.6g} to {1e3 * LENGTH * motion.x_max:.6g} mm"
+    assert extremes in motion._repr_html_()
+
+
 def test_a_run_without_impacts_is_named_in_the_units_of_the_rig():
     """The amplitude and half the clearance are in mm, and the run is shown as it shows itself."""
     run = vi.simulate(RIG, "19.5 Hz", "12 mm", cycles=30)

@@ -41,7 +41,7 @@ from ..results.systems import (
 from ..results.tables import Result, Table, made, runs
 from ..systems.oscillator import Oscillator, Pattern
 from ..systems.structure import Load, Structure
-from ..systems.units import argument, place_text, time_of, units_to_show
+from ..systems.units import argument, place_text, range_text, time_of, units_to_show
 from .quantities import Quantities, oscillator_quantities
 from .trajectory import (
     EVENTS_OF_STRUCTURE,
@@ -990,7 +990,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
             return {"coordinates": str(self.structure.coordinates), "impacts": str(len(self.gaps))}
         shown = ", ".join(f"{phase:.4g}" for phase in self.alpha[:12] / np.pi)
         return {
-            "x": f"{self.x_min:.6g} to {self.x_max:.6g}",
+            "x": range_text(self.osc, "x", self.x_min, self.x_max),
             "max|x|/A": f"{self.attenuation:.4g}" if self.A > 0 else "-",
             "α/π": shown + (", …" if len(self.alpha) > 12 else ""),
             "|λ|": ", ".join(f"{size:.4g}" for size in np.abs(self.multipliers)),

@@ -615,6 +615,12 @@ class Point:
             name: repr(value) if isinstance(value, Load) else f"{value:.10g}"
             for name, value in facts.items()
         }
+        if self.osc.F0 is not None:
+            values = {"r": self.r, "clearance": self.clearance, "load": self.amplitude}
+            shown = {
+                {"r": "f", "clearance": "d"}.get(name, name): value_text(self.osc, name, value)
+                for name, value in values.items() if not isinstance(value, Load)
+            } | shown  # fmt: skip
         return facts_html(repr(self.osc), shown)
 
     def _stops_text(self) -> str:
