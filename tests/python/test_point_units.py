@@ -332,6 +332,12 @@ def test_the_structure_of_a_rig_takes_units():
     assert scaled.end == pytest.approx(0.1 * np.sqrt(42e3 / 2.7), rel=1e-12)
     with pytest.raises(vi.ParameterError, match="duration = 1 mm: must be a time"):
         vi.simulate(pair, load, duration="1 mm")
+    # radians per second are no ratio: r would be 126
+    with pytest.raises(
+        vi.ParameterError, match=r"^load = .*: must have a frequency without a unit"
+    ):
+        vi.simulate(RIG.structure("8 mm"), load, cycles=3)
+    assert load == vi.Load(load.frequency, sine=[6, 0])
     users, force = by_hand()
     with pytest.raises(vi.ParameterTypeError, match="duration = '1 s': must be a number"):
         vi.simulate(users, force, duration="1 s")

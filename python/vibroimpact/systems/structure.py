@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,7 +14,7 @@ from ..base import checks
 from ..base.errors import ParameterError, ParameterTypeError, SingularError
 from ..base.status import DEFECTIVE, raise_status, sentence
 from .restitution import KINDS, ByValue, Law, Restitution, checked, numbers_of, to_columns
-from .units import Units, own_number
+from .units import Units, has_unit, own_number
 
 __all__ = ["Friction", "Gap", "Load", "Stop", "Structure"]
 
@@ -891,12 +891,16 @@ class Load(ByValue):
     sine: _Array
     cosine: _Array
     constant: _Array
+    #: Whether the frequency had a unit, and is in radians per second.
+    _in_seconds: ClassVar[bool] = False
 
     def __init__(
         self, frequency: float | None = None, sine: ArrayLike | None = None,
         cosine: ArrayLike | None = None, constant: ArrayLike | None = None,
     ) -> None:  # fmt: skip
         if frequency is not None:
+            if has_unit(frequency):
+                object.__setattr__(self, "_in_seconds", True)
             frequency = own_number(frequency, "omega", label="frequency")
             frequency = checks.to_float(frequency, "frequency", "a number > 0")
             if not 0 < frequency < np.inf:
@@ -1058,3 +1062,10 @@ def check_load(
         )
     if frequency and not load.frequency:
         raise ParameterError(f"load = {load!r}: must have a frequency, which gives the period")
+    units = structure._units
+    if getattr(load, "_in_seconds", False) and units is not None and units.to("SI").omega != 1:
+        raise ParameterError(
+            f"load = {load!r}: must have a frequency without a unit, in that of the structure; with a unit it is "
+            "in radians per second, and this structure is dimensionless (its frequencies are ratios r) or has "
+            "another unit of time"
+        )
