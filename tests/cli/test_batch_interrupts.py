@@ -150,17 +150,22 @@ def test_an_interrupt_removes_the_file_that_is_written(numbers, binary, tmp_path
     assert all(re.fullmatch(r"case_1\.csv\.[0-9A-F]{16}\.part", name) for name in names)
 
 
-def test_a_second_interrupt_gives_up_the_finished_part(binary, tmp_path):
+@pytest.mark.parametrize("command", [(), ("run",)])
+def test_a_second_interrupt_gives_up_the_finished_part(command, binary, tmp_path):
     """The first signal stops the simulation and writes the events so far; the second one stops the writing."""
     write(tmp_path / "case.nml", SYSTEM + SHORT + LONG.replace("2000000,", "10000000,"))
-    with started(binary, tmp_path) as process:
+    program = find_command() if command else binary
+    first = signal.SIGINT if command else signal.SIGTERM
+    with started(program, tmp_path, command=command) as process:
         wait_for(lambda: (tmp_path / "out/case_1.csv").exists())
         time.sleep(0.3)
-        process.send_signal(signal.SIGTERM)
+        process.send_signal(first)
         wait_for(lambda: [*tmp_path.glob("out/case_2*.part")])
         process.send_signal(signal.SIGINT)
         _, faults = process.communicate(timeout=60)
-    assert (process.returncode, faults) == (1, "case_2: interrupted; its file was not written\n")
+    kept = "vibroimpact run: interrupted; finished results are kept: out/case_1.csv\n"
+    wanted = kept if command else "case_2: interrupted; its file was not written\n"
+    assert (process.returncode, faults) == (1, wanted)
     assert [path.name for path in (tmp_path / "out").iterdir()] == ["case_1.csv"]
 
 
