@@ -688,8 +688,7 @@ contains
             cycle
          end if
          if (status /= stat%ok) return
-         ! where more than the phase is free, the step tells
-         if (found%motion%residual <= 4*epsilon(1.0_wp) .and. .not. free) exit
+         ! also where the state repeats: it is not determined where the step is not
          call newton_step(run, begun, state, s, p, free, step, period, change, status)
          if (status /= stat%ok) return
          if (found%motion%residual <= 4*epsilon(1.0_wp)) exit
