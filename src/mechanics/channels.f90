@@ -81,7 +81,7 @@ module vi_channels
 contains
 
    !> The first event of a flight.
-   pure subroutine first_event(regime, x0, v0, phase, leaving, limit, pace, reached, space, &
+   pure recursive subroutine first_event(regime, x0, v0, phase, leaving, limit, pace, reached, space, &
       patience, partings)
       !> The regime.
       type(regime_type), intent(in) :: regime
@@ -109,14 +109,17 @@ contains
       most = huge(most)
       if (present(patience)) most = patience
       call make_room(regime, space)
-      if (present(partings)) then
-         call search_cells(regime, size(x0), size(regime%upper), size(regime%turns, 1), x0, v0, &
-            phase, 1 + size(partings), [leaving, partings], limit, most, pace, space%pairs, &
-            space%work, space%values, space%turns, space%doubtful, space%watch, reached)
-      else
+      if (.not. present(partings)) then
          call search_cells(regime, size(x0), size(regime%upper), size(regime%turns, 1), x0, v0, &
             phase, 1, [leaving], limit, most, pace, space%pairs, space%work, space%values, &
             space%turns, space%doubtful, space%watch, reached)
+      else if (leaving%row > 0) then
+         call first_event(regime, x0, v0, phase, leaving_type(), limit, pace, reached, space, &
+            patience, [leaving, partings])
+      else
+         call search_cells(regime, size(x0), size(regime%upper), size(regime%turns, 1), x0, v0, &
+            phase, size(partings), partings, limit, most, pace, space%pairs, space%work, &
+            space%values, space%turns, space%doubtful, space%watch, reached)
       end if
    end subroutine first_event
 

@@ -1621,23 +1621,45 @@ contains
       !> Load phase Omega t (rad).
       real(wp), intent(in) :: phase
       !> (n) Coordinates and velocities.
-      real(wp), intent(in) :: q(:), rate(:)
+      real(wp), contiguous, intent(in) :: q(:), rate(:)
       !> (m) The pairs.
-      real(wp), intent(out) :: x(:), v(:)
-      real(wp) :: free(size(q)), free_rate(size(q))
+      real(wp), contiguous, intent(out) :: x(:), v(:)
+      real(wp) :: free(size(q), 2), by_rate(size(x), 2)
       integer :: h
 
-      free = q - regime%offset
-      free_rate = rate
+      free(:, 1) = q - regime%offset
+      free(:, 2) = rate
       do h = 1, size(regime%steady, 2)
          associate (turn => cmplx(cos(h*phase), sin(h*phase), wp))
-            free = free - real(regime%steady(:, h)*turn)
-            free_rate = free_rate - real(regime%steady_rate(:, h)*turn)
+            free(:, 1) = free(:, 1) - real(regime%steady(:, h)*turn)
+            free(:, 2) = free(:, 2) - real(regime%steady_rate(:, h)*turn)
          end associate
       end do
-      x = matmul(regime%xq, free) + matmul(regime%xd, free_rate)
-      v = matmul(regime%vq, free) + matmul(regime%vd, free_rate)
+      call multiply(size(x), size(q), regime%xq, free(:, 1), x)
+      call multiply(size(x), size(q), regime%vq, free(:, 1), v)
+      call multiply(size(x), size(q), regime%xd, free(:, 2), by_rate(:, 1))
+      call multiply(size(x), size(q), regime%vd, free(:, 2), by_rate(:, 2))
+      x = x + by_rate(:, 1)
+      v = v + by_rate(:, 2)
    end subroutine to_pairs
+
+   !> y = a x, each sum in the order of the columns.
+   pure subroutine multiply(n, m, a, x, y)
+      !> Rows and columns.
+      integer, intent(in) :: n, m
+      !> The matrix, and x (m).
+      real(wp), intent(in) :: a(n, m), x(m)
+      !> (n)
+      real(wp), intent(out) :: y(n)
+      integer :: i, k
+
+      y = 0
+      do k = 1, m
+         do i = 1, n
+            y(i) = y(i) + a(i, k)*x(k)
+         end do
+      end do
+   end subroutine multiply
 
    !> Coordinates and velocities from the pairs.
    pure subroutine state_of(regime, phase, x, v, q, rate)

@@ -76,6 +76,8 @@ module vi_structure_run
       type(leaving_type) :: leaving
       type(leaving_type), allocatable :: partings(:)
       type(pace_type) :: pace
+      !> (regimes) The lengths of cells when a regime was left; of level 0 if it was not so far.
+      type(pace_type), allocatable :: paces(:)
       !> (n) Room for coordinates and velocities, and for searches.
       real(wp), allocatable :: q(:), rate(:)
       type(space_type) :: space
@@ -436,7 +438,8 @@ contains
       !> The gaps and stops, as in `regime_type`.
       integer, intent(in) :: closed(:)
       !> The load phase (rad), and (n) coordinates and velocities.
-      real(wp), intent(in) :: phase, q(:), rate(:)
+      real(wp), contiguous, intent(in) :: q(:), rate(:)
+      real(wp), intent(in) :: phase
       !> In: time. Out: regime and pairs; what leaves limits that the regime lacks is not listed any
       !! more.
       type(run_state_type), intent(inout) :: state
@@ -446,13 +449,17 @@ contains
 
       call find_regime(run, closed, number, status)
       if (status /= stat%ok) return
+      if (number /= state%regime) call change_pace(state, number)
       state%regime = number
       state%space%watch%kept = .false.
       if (run%load%step > 0) call set_forces(run%regimes(number), run%load, state%cycle, &
          state%elapsed)
       associate (regime => run%regimes(number))
-         if (allocated(state%x)) deallocate (state%x, state%v)
-         allocate (state%x(size(regime%xq, 1)), state%v(size(regime%xq, 1)))
+         if (allocated(state%x)) then
+            if (size(state%x) /= size(regime%xq, 1)) deallocate (state%x, state%v)
+         end if
+         if (.not. allocated(state%x)) allocate (state%x(size(regime%xq, 1)), &
+            state%v(size(regime%xq, 1)))
          call to_pairs(regime, phase, q, rate, state%x, state%v)
          if (.not. allocated(state%partings)) return
          ! rows of forces have other numbers in each regime
@@ -460,6 +467,25 @@ contains
             .and. has_limit(regime, state%partings(i)), i=1, size(state%partings))])
       end associate
    end subroutine enter
+
+   !> Goes on with the cells of an earlier flight in the regime that is entered: flights in contact
+   !! may be far shorter than those between contacts.
+   pure subroutine change_pace(state, next)
+      !> In and out: the state, still in the regime that is left.
+      type(run_state_type), intent(inout) :: state
+      !> Number of the regime that is entered.
+      integer, intent(in) :: next
+      type(pace_type), allocatable :: more(:)
+
+      if (.not. allocated(state%paces)) allocate (state%paces(0))
+      if (max(state%regime, next) > size(state%paces)) then
+         allocate (more(max(state%regime, next)), source=pace_type(level=0))
+         more(:size(state%paces)) = state%paces
+         call move_alloc(more, state%paces)
+      end if
+      state%paces(state%regime) = state%pace
+      if (state%paces(next)%level > 0) state%pace = state%paces(next)
+   end subroutine change_pace
 
    !> Whether a regime has the limit that a row leaves.
    pure logical function has_limit(regime, leaving)
@@ -693,8 +719,7 @@ contains
       do j = 1, size(structure%openings)
          factor = factor_along(structure, j, gap)
          if (.not. abs(factor) > 0) cycle
-         left = pack(left, abs(left) /= j)
-         if (factor > 0) left = merged(left, -j)
+         left = replaced(left, j, merge(-j, 0, factor > 0))
       end do
    end function opened
 
@@ -800,8 +825,7 @@ contains
                to = wrong
             end do
             if (wrong == 0) return
-            closed = pack(regime%closed, abs(regime%closed) /= wrong)
-            if (to /= 0) closed = merged(closed, to)
+            closed = replaced(regime%closed, wrong, to)
          end associate
          call enter(run, closed, phase, q, rate, state, status)
          if (status /= stat%ok) return
@@ -976,8 +1000,7 @@ contains
             *(dot_product(structure%directions(:, number), state%rate) &
             - structure%laws(number)%numbers(3))
       end associate
-      call enter(run, merged(pack(before, abs(before) /= number), number), phase, state%q, &
-         state%rate, state, status)
+      call enter(run, replaced(before, number, number), phase, state%q, state%rate, state, status)
       passes = .false.
       if (status /= stat%ok) return
       associate (regime => run%regimes(state%regime))
@@ -1027,12 +1050,8 @@ contains
          return
       end if
       call state_now(run, state, state%q, state%rate)
-      if (reached%wall > 0) then
-         call enter(run, pack(before, before /= number), phase, state%q, state%rate, state, status)
-      else
-         call enter(run, merged(pack(before, before /= number), -number), phase, state%q, &
-            state%rate, state, status)
-      end if
+      call enter(run, replaced(before, number, merge(0, -number, reached%wall > 0)), phase, &
+         state%q, state%rate, state, status)
       if (status /= stat%ok) return
       call leading_term(run%regimes(state%regime), state%x, state%v, phase, &
          run%structure%channel(number), 1, order, sense)
@@ -1075,7 +1094,7 @@ contains
       integer, intent(out) :: status
       integer, allocatable :: before(:), closed(:), halted(:)
       real(wp) :: scale, speed
-      integer :: i
+      integer :: i, to
 
       allocate (before, source=run%regimes(state%regime)%closed)
       allocate (closed, source=before)
@@ -1083,11 +1102,11 @@ contains
          do i = 1, size(rubbing)
             associate (number => rubbing(i), belt => structure%laws(rubbing(i))%numbers(3), &
                direction => structure%directions(:, rubbing(i)))
-               closed = pack(closed, abs(closed) /= number)
                speed = dot_product(direction, state%rate) - belt
                scale = 64*epsilon(1.0_wp)*(dot_product(abs(direction), abs(state%rate)) + abs(belt))
-               if (speed < -scale) closed = merged(closed, -number)
-               if (abs(speed) <= scale) closed = merged(closed, number)
+               to = merge(number, 0, abs(speed) <= scale)
+               if (speed < -scale) to = -number
+               closed = replaced(closed, number, to)
             end associate
          end do
       end associate
@@ -1417,7 +1436,7 @@ contains
       if (.not. presses) return
       do i = 1, size(changed)
          j = merge(-changed(i), changed(i), any(closed == changed(i)))
-         closed = merged(pack(closed, abs(closed) /= changed(i)), j)
+         closed = replaced(closed, changed(i), j)
          call tell_later(state, changed(i))
       end do
       call enter(run, closed, phase, state%q, state%rate, state, status)
@@ -1768,9 +1787,8 @@ contains
       !> `stat%ok`, `stat%stop_holds` where the stop would hold the structure at this limit, or as
       !! in `new_regime`.
       integer, intent(out) :: status
-      integer, allocatable :: closed(:)
       real(wp) :: phase
-      integer :: kind, order, sense, number
+      integer :: kind, order, sense, number, to
       logical :: grazes
 
       status = stat%ok
@@ -1790,16 +1808,16 @@ contains
             end if
          end if
          passes = .true.
-         closed = pack(regime%closed, abs(regime%closed) /= number)
          if (reached%row /= structure%channel(number)) then
             kind = merge(press_event, let_go_event, reached%wall > 0)
-            closed = merged(closed, merge(number, -number, kind == press_event))
+            to = merge(number, -number, kind == press_event)
          else
             kind = merge(touch_event, leave_event, reached%wall > 0)
-            if (kind == touch_event) closed = merged(closed, number)
+            to = merge(number, 0, kind == touch_event)
          end if
       end associate
-      call enter(run, closed, phase, state%q, state%rate, state, status)
+      call enter(run, replaced(run%regimes(state%regime)%closed, number, to), phase, state%q, &
+         state%rate, state, status)
       if (status /= stat%ok) return
       ! the limit that was passed is left on its other side
       associate (regime => run%regimes(state%regime), row => reached%row, &
@@ -1862,8 +1880,11 @@ contains
             run%load%frequency*state%elapsed, row, d)
          leaving%speed = abs(d(1))
       end if
-      if (.not. allocated(state%partings)) allocate (state%partings(0))
-      state%partings = [pack(state%partings, state%partings%row /= row), leaving]
+      if (allocated(state%partings)) then
+         state%partings = [pack(state%partings, state%partings%row /= row), leaving]
+      else
+         allocate (state%partings(1), source=leaving)
+      end if
    end subroutine part
 
    !> Whether the speed of an impact is nothing but rounding.
@@ -1873,21 +1894,27 @@ contains
       !> The state at the start of the flight, and the impact.
       type(run_state_type), intent(in) :: state
       type(reached_type), intent(in) :: reached
-      real(wp), parameter :: share = 8*epsilon(1.0_wp)
-      real(wp), dimension(size(state%x)) :: x, v
 
-      associate (regime => run%regimes(state%regime), row => reached%row)
-         ! most speeds are far above what the rounding error of the distance amounts to
-         associate (fastest => regime%rows%fastest(row))
-            only_touches = .not. (fastest > 0 .and. reached%speed > &
-               fastest*state%space%values(row, 6))
-         end associate
-         if (.not. only_touches) return
-         x = state%x
-         v = state%v
-         call advance_in_place(regime%modes, reached%time, x, v)
-         only_touches = reached%speed <= share*size_of_rate(regime, x, v, row, reached%time)
+      ! most speeds are far above what the rounding error of the distance amounts to
+      associate (fastest => run%regimes(state%regime)%rows%fastest(reached%row))
+         only_touches = .not. (fastest > 0 .and. reached%speed > &
+            fastest*state%space%values(reached%row, 6))
       end associate
+      if (only_touches) only_touches = has_no_speed()
+   contains
+      !> Whether it is rounding, from the terms of the speed.
+      pure logical function has_no_speed()
+         real(wp), parameter :: share = 8*epsilon(1.0_wp)
+         real(wp), dimension(size(state%x)) :: x, v
+
+         associate (regime => run%regimes(state%regime))
+            x = state%x
+            v = state%v
+            call advance_in_place(regime%modes, reached%time, x, v)
+            has_no_speed = reached%speed <= share*size_of_rate(regime, x, v, reached%row, &
+               reached%time)
+         end associate
+      end function has_no_speed
    end function only_touches
 
    !> The gap at a wall of a row.
@@ -2133,6 +2160,31 @@ contains
       call restitution_of(structure, gap, speed, restitution, slope)
       total = total + speed/(1 - restitution)
    end function total_of_speeds
+
+   !> What is closed, in ascending order, after a stop or friction changes.
+   pure function replaced(set, number, to) result(changed)
+      !> What was closed, and the number of the stop or the friction.
+      integer, intent(in) :: set(:), number
+      !> How it is in the set now: as itself, as -number, or not at all (0).
+      integer, intent(in) :: to
+      integer :: changed(count(abs(set) /= number) + merge(1, 0, to /= 0))
+      integer :: i, n
+      logical :: waits
+
+      n = 0
+      waits = to /= 0
+      do i = 1, size(set)
+         if (abs(set(i)) == number) cycle
+         if (waits .and. set(i) > to) then
+            n = n + 1
+            changed(n) = to
+            waits = .false.
+         end if
+         n = n + 1
+         changed(n) = set(i)
+      end do
+      if (waits) changed(n + 1) = to
+   end function replaced
 
    !> A set with one more member.
    pure function merged(set, one) result(larger)
