@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Counts the instructions of eighteen kinds of computation, and compares them with kept numbers.
+"""Counts the instructions of nineteen kinds of computation, and compares them with kept numbers.
 
 usage: check_instructions.py PROGRAM [--renew]
 
@@ -26,6 +26,10 @@ STRUCTURE = """&structure mass = 1, 0.042, damping = 0.01, 0, stiffness = 1, 0 /
 &gap direction = 1, -1, opening = 18.5, restitution = 0.75 /
 &load frequency = 0.94, sine = 1, 0 /
 """
+DRAG = (
+    STRUCTURE.replace("0.01, 0", "0.01, 0.001")
+    + "&simulate q_dot = 0, 20, discard = 2000, cycles = 1 /"
+)
 TABLE1 = "&system xi = 0.005, mu = 0.042, restitution = 0.75, r = 0.94 /\n"
 BELT = """&structure mass = 1, damping = 0.05, stiffness = 1 /
 &friction direction = 1, slip = 0.6, stick = 1, speed = 0.2 /
@@ -84,8 +88,10 @@ CASES = {
     "clearance_max = 40, max_impacts = 2, lines = 5, survey = 2 /",
     "lattice": lattice(30),
     "friction": BELT + "&simulate cycles = 2, discard = 200 /",
-    "simulation of a structure": STRUCTURE.replace("0.01, 0", "0.01, 0.001")
-    + "&simulate discard = 2000, cycles = 1 /",
+    "simulation of a structure": DRAG,
+    "simulation with stops": DRAG.replace("&gap", "&stop").replace(
+        "restitution = 0.75", "stiffness = 10, damping = 0.11"
+    ),
     "exact motion of a structure": STRUCTURE + "&motion gaps = 0, 1, phases_over_pi = 0.52, 1.9 /",
     "zone of a structure": STRUCTURE + "&motion gaps = 0, 1, phases_over_pi = 0.52, 1.9 /\n"
     "&zone x = 'frequency', x_low = 0.9, x_high = 0.98, y = 'opening', y_low = 15, y_high = 22, "

@@ -4,9 +4,10 @@ event.
 The systems are a driven mass that meets a stop of 100 times its stiffness, and a driven mass with dry friction
 strong enough to stick. Both sides must find the same events. A contact with the stop is two events.
 
-Two further tables compare structures with each other, in turns: the two masses of 1983 with friction in the slot
-beside the same masses with rigid walls alone, joined by a weak spring, so that the general path is taken; and a
-chain of 12 masses with 1 to 12 elements, whose cost must grow linearly.
+Further rows compare structures with each other, in turns: the two masses of 1983 with friction in the slot, or
+with elastic stops in place of the walls, beside the same masses with rigid walls alone, joined by a weak spring,
+so that the general path is taken; a driven mass with an elastic stop beside one with a rigid wall; and a chain of
+12 masses with 1 to 12 elements, whose cost must grow linearly.
 
 Run with `python benchmarks/element_speed.py` (the rows of SciPy and heyoka need these).
 """
@@ -149,13 +150,30 @@ def agree(times, known, end):
     return len(times) >= len(known) and bool(np.abs(times[: len(known)] - known).max() < 1e-6)
 
 
-def pair(friction):
+def stop_like(direction, opening, restitution, mass):
+    """An elastic stop that reflects a mass nearly as a rigid wall does."""
+    decrement = -math.log(restitution)
+    damping = decrement / math.hypot(math.pi, decrement)
+    return vi.Stop(direction, opening, STOP, 2 * damping * math.sqrt(STOP * mass))
+
+
+def pair(friction=0.0, elastic=False):
     """The two masses of 1983, which a weak spring keeps from the kernel of the oscillator."""
     spring = 1e-3 * np.array([[1.0, -1.0], [-1.0, 1.0]])
-    gaps = [vi.Gap([-1, 1], 12.5, 0.75), vi.Gap([1, -1], 12.5, 0.75)]
+    reduced = 1 / (1 + 1 / 0.028)
+    gaps = [
+        stop_like(d, 12.5, 0.75, reduced) if elastic else vi.Gap(d, 12.5, 0.75)
+        for d in ([-1, 1], [1, -1])
+    ]
     slot = [vi.Friction([-1, 1], friction)] if friction else []
     s = vi.Structure([1, 0.028], [0.0228, 0], np.diag([1.0, 0]) + spring, gaps, slot)
     return s, vi.Load(1.04, sine=[1.0, 0.0])
+
+
+def mass(elastic):
+    """A driven mass that meets a wall or an elastic stop once a cycle."""
+    limit = stop_like([1], 1.0, 0.8, 1.0) if elastic else vi.Gap([1], 1.0, 0.8)
+    return vi.Structure([1], [0.1], [1], [limit]), vi.Load(1.0, cosine=[1.0])
 
 
 def chain(elements):
@@ -190,10 +208,13 @@ def event_costs(systems, cycles):
 
 
 def growth():
-    """Rows of the pair with friction and of the chain."""
-    plain, slot = event_costs([pair(0.0), pair(0.05)], CYCLES)
+    """Rows of the pair and of a mass, and of the chain; a contact with a stop is two events."""
+    plain, slot, soft = event_costs([pair(), pair(0.05), pair(elastic=True)], CYCLES)
+    hard, give = event_costs([mass(False), mass(True)], CYCLES)
     table = [
-        row("the pair with friction: an event", "us", slot, 1.5 * plain, plain, "without friction")
+        row("the pair with friction: an event", "us", slot, 1.5 * plain, plain, "without friction"),
+        row("the pair with stops: a contact", "us", 2 * soft, 2 * plain, plain, "rigid impact"),
+        row("a mass with a stop: a contact", "us", 2 * give, 2 * hard, hard, "rigid impact"),
     ]
     many = [1, 2, 3, 4, 5, 6, 12]
     costs = event_costs([chain(m) for m in many], 300)
