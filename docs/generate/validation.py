@@ -3,6 +3,7 @@
 usage: python -m generate.validation, in the folder docs, writes them; a test fails if the page is out of date.
 """
 
+import cmath
 import csv
 import math
 import re
@@ -173,14 +174,14 @@ def ball():
 
 
 def two_masses(t):
-    """Positions of two masses of 5 with a spring of 1e4 between them, and the speed of the first one.
+    """Positions of two masses of 5 with a spring of 1e4 between them, and their speeds, while the first one slips.
 
     The force 3e3 acts on the second one until 0.2; friction on the first one is at most 3e3 while it sticks, and
     2e3 while it slips.
     """
     omega, slip, change = math.sqrt(2000.0), math.pi / 2 / math.sqrt(2000.0), 0.2
     if t <= slip:
-        return 0.0, 0.3 * (1 - math.cos(omega * t)), 0.0
+        return 0.0, 0.3 * (1 - math.cos(omega * t)), 0.0, 0.3 * omega * math.sin(omega * t)
     # mean and difference of the positions, and their rates
     mean, mean_rate, apart, apart_rate = 0.15, 0.15 * omega, 0.3, 0.3 * omega
     fast, begin = math.sqrt(4000.0), slip
@@ -195,7 +196,8 @@ def two_masses(t):
             apart_rate * c - (apart - level) * fast * s,
         )
         begin = max(begin, end)
-    return mean - apart / 2, mean + apart / 2, mean_rate - apart_rate / 2
+    one, two = mean - apart / 2, mean + apart / 2
+    return one, two, mean_rate - apart_rate / 2, mean_rate + apart_rate / 2
 
 
 def elements():
@@ -229,6 +231,11 @@ def elements():
     ]
     for t, i in ((0.02, 1), (0.15, 0), (0.15, 1)):
         rows.append((f"x{i + 1}({t})", two_masses(t)[i], run.sample([t])[0][i, 0]))
+    # the first mass sticks, and the second one oscillates on the spring
+    held, other, _, speed = two_masses(rest)
+    turn = cmath.exp(1j * math.sqrt(2000) * (0.34 - rest))
+    after = held + (other - held) * turn.real + speed / math.sqrt(2000) * turn.imag
+    rows.append(("x2(0.34)", after, run.sample([0.34])[0][1, 0]))
     lines = ["| quantity | closed form | here | difference |", "|---|---|---|---|"]
     for name, known, value in rows:
         lines.append(row(name, f"{known:.12g}", float(value)))
