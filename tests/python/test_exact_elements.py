@@ -52,6 +52,9 @@ def test_den_hartog(b, f, x, modulus):
     s = vi.Structure([1.0], [0.0], [1.0], friction=[vi.Friction([1.0], f)])
     motion = settled(s, vi.Load(b, cosine=[1.0]))
     assert np.abs(motion.states[:, 0, 0]) == pytest.approx([x, x], rel=1e-13)
+    if b == 0.8:
+        top = int(np.argmax(motion.states[:, 0, 0]))
+        assert motion.phases[top] % TURN == pytest.approx(0.331983464252164, abs=1e-12)
     assert np.abs(motion.multipliers) == pytest.approx([modulus] * 2, rel=3e-8)
     assert motion.determinant == pytest.approx(motion.law, rel=1e-12)
     assert motion.stable
