@@ -250,12 +250,16 @@ contains
       type(peak_type), intent(inout) :: peaks(:)
       !> In and out: their number, at most the size of `peaks`.
       integer, intent(inout) :: n
+      logical :: higher
 
       if (abs(here%x) <= rounding*abs(half%best%x)) return           ! a zero, to rounding
       if (here%x*half%side > 0) then
-         if (abs(here%x) <= abs(half%best%x)*(1 + rounding)) return
+         if (abs(here%x) < abs(half%best%x)*(1 - rounding)) return
+         higher = abs(here%x) > abs(half%best%x)*(1 + rounding)
+         ! of an event at the peak, the state after it counts
+         if (.not. higher .and. here%time > half%best%time*(1 + margin)) return
          half%best = here
-         half%is_peak = .true.
+         half%is_peak = half%is_peak .or. higher
          return
       end if
       if (abs(half%side) > 0 .and. half%is_peak) then
