@@ -99,8 +99,8 @@ NAMED: dict[str, tuple[float, Powers, bool]] = {
 #: Patterns of a number followed by text, of a number in a message, and of one unit with its power.
 QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*((?:1/)?[^\d\s.].*?)\s*")
 NUMBER = re.compile(r"-?\b\d+(?:\.\d+)?(?:e[-+]?\d+)?\b")
-#: The value of the parameter in a message about a starting motion.
-STARTING = re.compile(r"(the motion has (\w+) = )(-?[\d.]+(?:e[-+]?\d+)?)(?: \(.*\))?$")
+#: The value of the parameter in a message about the start of a study.
+STARTING = re.compile(r"(the (?:motion|structure) has (\w+) = )(-?[\d.]+(?:e[-+]?\d+)?)(?: \(.*\))?$")
 FACTOR = re.compile(r"([A-Za-z%]+)(?:\^?(-?\d))?")
 #: The dimensionless units of arguments of functions, by name; a state has a mapping of its own.
 ARGUMENTS = {

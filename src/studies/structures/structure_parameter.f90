@@ -90,7 +90,9 @@ contains
          call group%refuse(name, message)
          return
       end if
-      message = 'the motion has '//word//' = '//trim(number_text(change%start, .false., 10))
+      message = 'the motion'
+      if (group%name == 'atlas') message = 'the structure'
+      message = message//' has '//word//' = '//trim(number_text(change%start, .false., 10))
       if (change%low > change%start) call group%refuse(prefix//'low', message)
       if (change%high < change%start) call group%refuse(prefix//'high', message)
    end subroutine check_parameter
