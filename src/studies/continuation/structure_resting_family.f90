@@ -287,8 +287,8 @@ contains
       good = .true.
    end subroutine orthogonal_basis
 
-   !> The derivatives of a condition by the parameters, by central differences, or one-sided ones at
-   !! the least value of a parameter.
+   !> The derivatives of a condition by the parameters, by central differences, or one-sided ones
+   !! where there are periods on one side only, as at the least or greatest value of a parameter.
    pure subroutine by_parameters(family, coordinates, condition, point, course, slope)
       !> The family.
       class(structure_resting_type), intent(in) :: family
@@ -303,7 +303,7 @@ contains
       !> (parameters) The derivatives.
       real(wp), intent(out) :: slope(:)
       real(wp), parameter :: h = 1.0e-6_wp
-      real(wp) :: moved(size(slope)), both(2)
+      real(wp) :: moved(size(slope)), both(2), here
       integer :: i, j, m
 
       m = size(point) - size(slope)
@@ -315,11 +315,10 @@ contains
                both(i))
          end do
          slope(j) = (both(1) - both(2))/(2*h)
-         if (.not. ieee_is_nan(both(2))) cycle
-         ! a parameter may have no value below
+         if (count(ieee_is_nan(both)) /= 1) cycle
          call value_at(family, point(:m), parameters_at(coordinates, point(m + 1:)), condition, &
-            course, both(2))
-         slope(j) = (both(1) - both(2))/h
+            course, here)
+         slope(j) = merge(here - both(2), both(1) - here, ieee_is_nan(both(1)))/h
       end do
    end subroutine by_parameters
 
