@@ -81,8 +81,8 @@ module vi_channels
 contains
 
    !> The first event of a flight.
-   pure recursive subroutine first_event(regime, x0, v0, phase, leaving, limit, pace, reached, space, &
-      patience, partings)
+   pure recursive subroutine first_event(regime, x0, v0, phase, leaving, limit, pace, reached, &
+      space, patience, partings)
       !> The regime.
       type(regime_type), intent(in) :: regime
       !> (m) The pairs at the start.
