@@ -338,7 +338,7 @@ contains
       if (any(status /= stat%ok)) then
          call result%fail(text//status_text(maxval(status)))
       else
-         call result%add_note(text//'the oscillation ends earlier')
+         call result%add_note(text//'the oscillation ends, or stays on one side of 0')
       end if
    end subroutine add_summary
 
