@@ -135,7 +135,7 @@ def test_what_a_structure_lacks_is_named(atlas):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"x": ("frequency", 1.2, 1.3)}, "the motion has frequency = 1.05"),
+        ({"x": ("frequency", 1.2, 1.3)}, "the structure has frequency = 1.05"),
         ({"x": ("opening", 10.0, 30.0)}, "changes"),
         ({"survey": 0}, "survey"),
         ({"max_impacts": 25}, "max_impacts"),

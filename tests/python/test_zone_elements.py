@@ -245,3 +245,16 @@ def test_stiff_stop_of_a_zone_becomes_a_wall():
         assert types == names
         away.append(np.sqrt(k) * (places - limit))
     assert away[0] == pytest.approx(away[1], rel=0.02, abs=2e-4)
+
+
+def test_an_atlas_counts_contacts_not_what_friction_does():
+    """One contact that lets go before it ends, and two reversals of slip, are one contact in an atlas."""
+    s = vi.Structure([1.0], [0.02], [1.0], [vi.Stop([1.0], 0.5, 30.0, 1.0, release="force")],
+                     [vi.Friction([1.0], 0.01)])  # fmt: skip
+    window = {"x": ("frequency", 0.9, 1.1), "y": ("contact", 20.0, 50.0)}
+    atlas = vi.atlas(s, vi.Load(1.0, cosine=[0.6]), **window, max_impacts=1, survey=6, lines=5)
+    (zone,) = atlas.zones
+    (motion,) = vi.find(*zone.at(1.0, 30.0), states=4)
+    assert sorted(motion.kinds) == ["leave", "let_go", "slip_down", "slip_up", "touch"]
+    assert atlas.survey.counts["periodic"] == 6
+    assert len(atlas.unexplained) == 0

@@ -511,7 +511,7 @@ def atlas(
         the ends are used.
     max_impacts, max_cycles : int
         Limits of the patterns, 2 to 8 symbols and 1 to 4 cycles; an accumulation counts as one symbol. For a
-        structure, 1 to 24 impacts (4 by default) and 1 to 16 cycles.
+        structure, 1 to 24 impacts and contacts with stops (4 by default) and 1 to 16 cycles.
     survey : int
         Number of points of the window at which simulations run until they settle; for a structure 100 by default.
     settling : int

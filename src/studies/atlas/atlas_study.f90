@@ -36,7 +36,8 @@ module vi_atlas_study
       key_type('max_cycles', a_whole, default='1', low=1.0_wp, high=4.0_wp, &
       meaning='largest number of load cycles of a pattern', model=of_oscillator), &
       key_type('max_impacts', a_whole, default='4', low=1.0_wp, high=24.0_wp, &
-      meaning='largest number of impacts of a motion whose zone is traced', model=of_structure), &
+      meaning='largest number of impacts and contacts with stops of a motion whose zone is &
+      &traced', model=of_structure), &
       key_type('max_cycles', a_whole, default='1', low=1.0_wp, high=16.0_wp, &
       meaning='largest number of load cycles in its period', model=of_structure), &
       key_type('survey', a_whole, default='400', low=0.0_wp, high=1.0e6_wp, &

@@ -16,6 +16,7 @@ module vi_structure_atlas
    use vi_structure_found, only: found_list_type
    use vi_structure_path, only: changed, is_odd, opposite_gap, structure_path_type, value_at
    use vi_structure_return, only: settled_type
+   use vi_structure_run, only: impact_event, touch_event
    use vi_structure_start, only: start_curve
    use vi_survey_outcome, only: beyond, chaotic, event_limit, no_impacts, not_confirmed, &
       not_settled, periodic, with_rest
@@ -142,7 +143,7 @@ contains
       else if (one(1)%label > 0) then
          point%motion = list%motions(one(1)%label)
          point%outcome = beyond
-         if (size(point%motion%gaps) <= request%max_impacts .and. point%motion%cycles <= &
+         if (contacts_of(point%motion) <= request%max_impacts .and. point%motion%cycles <= &
             request%max_cycles) point%outcome = periodic
          if (size(point%motion%resting) > 0) point%outcome = with_rest
       else if (one(1)%kind == chaos) then
@@ -155,6 +156,16 @@ contains
          point%outcome = not_confirmed
       end if
    end subroutine settle_at
+
+   !> Impacts and contacts with stops in a period: how they end, and friction, do not count.
+   pure integer function contacts_of(found) result(contacts)
+      !> The motion.
+      type(settled_type), intent(in) :: found
+
+      contacts = size(found%gaps)
+      if (allocated(found%events)) contacts = count(found%events%kind == impact_event .or. &
+         found%events%kind == touch_event)
+   end function contacts_of
 
    !> Traces the zone of a motion of the survey, unless it lies in one that is known.
    subroutine trace(request, path, point, families, n, progress)
