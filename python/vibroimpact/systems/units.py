@@ -100,7 +100,9 @@ NAMED: dict[str, tuple[float, Powers, bool]] = {
 QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*((?:1/)?[^\d\s.].*?)\s*")
 NUMBER = re.compile(r"-?\b\d+(?:\.\d+)?(?:e[-+]?\d+)?\b")
 #: The value of the parameter in a message about the start of a study.
-STARTING = re.compile(r"(the (?:motion|structure) has (\w+) = )(-?[\d.]+(?:e[-+]?\d+)?)(?: \(.*\))?$")
+STARTING = re.compile(
+    r"(the (?:motion|structure) has (\w+) = )(-?[\d.]+(?:e[-+]?\d+)?)(?: \(.*\))?$"
+)
 FACTOR = re.compile(r"([A-Za-z%]+)(?:\^?(-?\d))?")
 #: The dimensionless units of arguments of functions, by name; a state has a mapping of its own.
 ARGUMENTS = {
