@@ -409,7 +409,7 @@ def test_limits_hold_for_the_design():
     kwargs = {
         "r": (1.0, 1.02),
         "free": {"clearance": (12, 45)},
-        **{**QUICK, "evaluations": 32, "specimens": 2},
+        **{**QUICK, "evaluations": 32, "specimens": 2, "searches": 3},
     }
     free = vi.design(OSC, target="displacement", **kwargs)
     assert free.excess == 0
@@ -477,7 +477,7 @@ def test_a_design_is_converted_to_physical_units(tmp_path):
     length = rig.units().length
     found = vi.design(
         rig, r=(1.0, 1.02), free={"clearance": (20, 40), "mu": (0.03, 0.05)}, target="displacement",
-        **QUICK, limit=9.0,
+        **QUICK, limit=9.0, searches=1,
     )  # fmt: skip
     assert found.osc == rig
     shown = found.physical("mm N s")

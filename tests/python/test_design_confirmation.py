@@ -72,7 +72,7 @@ def test_a_tolerance_of_a_chosen_value_is_a_deviation_or_a_factor():
     np.testing.assert_allclose(found[0], [19, 19.6, 21], rtol=1e-14)
     np.testing.assert_allclose(found[1], found[0], rtol=1e-14)
     for spread in ((-1, 1), (0.95, 1.05), stats.norm(0, 0.1), stats.norm(1, 0.01)):
-        made = vi.design(OSC, **GOOD, **QUICK, tolerance={"clearance": spread})
+        made = vi.design(OSC, **GOOD, **QUICK, tolerance={"clearance": spread}, searches=1)
         least, middle, greatest = made.spread["clearance"]
         assert least < middle < greatest
         assert middle == pytest.approx(made.values["clearance"], rel=1e-12)

@@ -1,5 +1,6 @@
 """The page of a design: its contents, and the room for its texts."""
 
+import functools
 import itertools
 
 import numpy as np
@@ -18,6 +19,7 @@ QUICK = {
     "keep": 8,
     "states": 1,
     "samples": 40,
+    "searches": 3,
 }
 LIMITS = {
     "displacement": 40.0, "rms": 30.0, "acceleration": 50.0, "force": 45.0, "speed": 33.3333,
@@ -27,6 +29,7 @@ RIG = vi.Oscillator.from_dimensional(M=2.7, K=42e3, C=7.6, m=0.11, restitution=0
 LONG = "_of_the_absorber_below_the_upper_floor"
 
 
+@functools.cache
 def full():
     """A design of an oscillator with all options."""
     free = {

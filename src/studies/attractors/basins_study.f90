@@ -40,8 +40,8 @@ module vi_basins_study
       even_steps = ': it applies only to a plane with even steps', listed = beside//' &
       &first_values', &
       structure_listed = 'states first_values'
-   character(*), parameter :: ordered = 'two or more increasing or decreasing numbers from -1e100 to &
-      &1e100', along_axis(2) = [character(70) :: &
+   character(*), parameter :: ordered = 'two or more increasing or decreasing numbers from -1e100 &
+      &to 1e100', along_axis(2) = [character(70) :: &
       'values along the first axis, if they are not evenly spaced', &
       'values along the second axis, if those along either are not even']
    type(key_type), parameter :: first_keys(*) = [ &
