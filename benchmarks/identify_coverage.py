@@ -26,8 +26,8 @@ import numpy as np
 import vibroimpact as vi
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "tests/python"))
-from reference_rig import SPEED, K, M, wide_rig
-from shared_identify import virtual
+from reference_rig import SPEED, K, M
+from shared_identify import recorded
 
 GENERATORS = ("pulses", "spikes", "virtual", "drift")
 #: Largest share by which coefficients of restitution fall in "drift".
@@ -39,16 +39,8 @@ SIGMA68 = 0.9944578832097532
 def scored(generator, chaos, seed):
     """What becomes of one record: its state, errors over the stated ones by name, its rig, and seconds."""
     own = generator in ("virtual", "drift")
-    rig, made, k, sides = wide_rig(seed, "virtual" if own else generator, chaos)
-    if own:
-        drift = DRIFT * np.random.default_rng(seed).uniform() if generator == "drift" else 0.0
-        record = virtual(rig, seed, drift)
-    else:
-        passed = rig.known_lowpass
-        record = vi.SensorRecord(
-            rig.rate, load=made[1], acceleration=made[2],
-            bandwidth=None if passed is None else {"load": passed, "acceleration": passed},
-        )  # fmt: skip
+    drift = DRIFT * np.random.default_rng(seed).uniform() if generator == "drift" else 0.0
+    rig, record, k, sides = recorded(seed, "virtual" if own else generator, chaos, drift)
     known = {"M": M, "K": K} | ({} if chaos else {"m": M * rig.mu})
     begin = time.process_time()
     try:

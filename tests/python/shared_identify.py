@@ -15,6 +15,20 @@ KNOWN = {"M": 2.7, "K": 42e3, "m": 0.11}
 IDEAL = {"contact": 0.0, "offset": 0.0, "known_bandwidth": True}
 
 
+def recorded(seed, generator, chaos, drift=0.0):
+    """A rig of `wide_rig` with its record, k and the walls of a period; "virtual" is the package's own rig, whose
+    coefficients of restitution may drift."""
+    from reference_rig import wide_rig
+
+    rig, made, k, sides = wide_rig(seed, generator, chaos)
+    if generator == "virtual":
+        return rig, virtual(rig, seed, drift), k, sides
+    passed = rig.known_lowpass
+    bandwidth = None if passed is None else {"load": passed, "acceleration": passed}
+    record = vi.SensorRecord(rig.rate, load=made[1], acceleration=made[2], bandwidth=bandwidth)
+    return rig, record, k, sides
+
+
 def virtual(rig, seed, drift=0.0):
     """A record of the package's own rig with the parameters of one of `reference_rig`, in the middle of the record
     if they drift."""

@@ -6,8 +6,8 @@ import pytest
 import vibroimpact as vi
 
 pytest.importorskip("scipy")
-from reference_rig import K, M, wide_rig
-from shared_identify import BENCH, virtual
+from reference_rig import K, M
+from shared_identify import BENCH, recorded
 from vibroimpact.identification import fit, flights, windows
 from vibroimpact.identification.attempts import Attempt, Attempts
 from vibroimpact.identification.steps import of_record
@@ -92,15 +92,7 @@ def test_slow_records_take_few_evaluations(which, monkeypatch):
     bins, single flights are fitted once for each set of common parameters, and fits that no longer move are given
     up."""
     generator, chaos, seed = which
-    rig, made, *_ = wide_rig(seed, generator, chaos)
-    if generator == "virtual":
-        record = virtual(rig, seed)
-    else:
-        passed = rig.known_lowpass
-        record = vi.SensorRecord(
-            rig.rate, load=made[1], acceleration=made[2],
-            bandwidth=None if passed is None else {"load": passed, "acceleration": passed},
-        )  # fmt: skip
+    rig, record, *_ = recorded(seed, generator, chaos)
     counts = {}
     counted(monkeypatch, counts, flights, "folded", "folds")
     counted(monkeypatch, counts, flights.Predicted, "by_impacts", "derivatives")
