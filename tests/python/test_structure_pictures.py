@@ -274,7 +274,8 @@ def test_animation(tmp_path):
     image = pytest.importorskip("PIL.Image")
     run = run_of(2)
     path = run.animate(tmp_path / "run.gif", window=(0, 5), seconds=0.5)
-    assert image.open(path).n_frames == 10
+    with image.open(path) as picture:
+        assert picture.n_frames == 10
     with pytest.raises(vi.ParameterError, match="seconds"):
         run.animate(tmp_path / "run.gif", seconds=0)
     with pytest.raises(
