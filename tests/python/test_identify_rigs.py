@@ -411,6 +411,31 @@ def test_a_known_delay_of_a_channel_is_taken_out(late, channel):
     assert found.errors["xi"] < 2e-4
 
 
+@pytest.mark.parametrize("frequency", [19.5, 20.2])
+def test_channels_may_be_read_in_turn(frequency):
+    """Half a sampling interval between channels whose bandwidth is stated is fitted; if they are declared
+    simultaneous, xi and d are far off."""
+    rig = vi.VirtualRig(**BENCH | {"frequency": frequency}, rate=1e4, known_bandwidth=True, snr=45)
+    fine = rig.record(6.0, rng=3)
+    channels = {"load": fine.load[1::2], "acceleration": fine.acceleration[:-1:2]}
+    off = {}
+    for delay in (None, 0.0):
+        given = vi.SensorRecord(5e3, **channels, bandwidth=fine.bandwidth, delay=delay)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", vi.PoorFitWarning)
+            found = vi.identify(given, known=KNOWN, calibration=0)
+        true = {"xi": rig.xi, "R1": 0.75, "R2": 0.65, "d": rig.d}
+        off[delay] = {
+            name: abs(found.values[name] - value) / found.errors[name]
+            for name, value in true.items()
+        }
+        if delay is None:
+            assert found.good
+            assert found.pattern.cycles == 1
+    assert max(off[None].values()) < 4
+    assert min(off[0.0]["xi"], off[0.0]["d"]) > 8
+
+
 @pytest.mark.slow
 def test_eighty_chaotic_records(share):
     """Nine of ten records determine all parameters, wrong ones are doubted, and intervals cover as stated."""

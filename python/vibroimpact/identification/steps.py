@@ -64,6 +64,9 @@ RISE = 0.2
 #: Delay (s) that an unknown filter may have, and the relative range of delays of filters with one -3 dB frequency:
 #: order 2 has half the delay of order 4, order 8 twice the delay.
 UNKNOWN_DELAY, DELAY_OF_OTHERS = 2e-3, 0.5
+#: Standard deviation, in sampling intervals, of the offset between channels that a converter reads in turn: from
+#: minus half an interval to half of it with two channels, evenly distributed.
+IN_TURN = 0.29
 #: Variance of the parts of a record, relative to that of noise, above which the load frequency may be inaccurate.
 SLIPPED = 1.2
 #: Largest share of the misfit of poor flights that others may have.
@@ -265,6 +268,8 @@ def of_record(
         late = UNKNOWN_DELAY
         if bandwidth is not None or quantity in record.delay:
             late = DELAY_OF_OTHERS * abs(record.lowpass_lag(quantity) - record.lowpass_lag("load"))
+            if not record.delay:
+                late = math.hypot(late, IN_TURN / rate)
         data.phase_error = math.hypot(data.phase_error, late * Omega)
         assert step.F0 is not None
         step.F0_scatter = step.F0_error

@@ -83,8 +83,8 @@ class VirtualRig:
         Reading of the motion sensor at rest, in its unit; by default 9.80665 m/s^2 (gravity) for an accelerometer,
         and 0 otherwise.
     known_bandwidth : bool
-        Whether records state the bandwidth of their sensors. By default they do not, like most measured records,
-        so that `identify` does not know the delay between the channels either.
+        Whether records state the bandwidth of their sensors, and that these have no other delay. By default they
+        do not, like most measured records, so that `identify` does not know the delay between the channels either.
     friction : float or str
         Dry friction of the free mass in its slot, as a fraction of F0, or a force such as "0.3 N".
 
@@ -349,7 +349,10 @@ class VirtualRig:
             offset = GRAVITY if quantity == "acceleration" else 0.0
         channels[quantity] = channels[quantity] + offset
         bandwidth = dict.fromkeys(channels, self.bandwidth) if self.known_bandwidth else None
-        return SensorRecord(self.rate, bandwidth=bandwidth, name="virtual rig", **channels)
+        delay = 0.0 if self.known_bandwidth else None
+        return SensorRecord(
+            self.rate, bandwidth=bandwidth, delay=delay, name="virtual rig", **channels
+        )
 
     def _sensed(
         self,
