@@ -182,6 +182,23 @@ def test_an_interrupt_ends_the_reading_of_a_pipe(number, binary, tmp_path):
     assert (process.returncode, faults) == (-number, "")
 
 
+def test_an_interrupt_of_the_command_ends_the_reading_of_a_pipe(tmp_path):
+    os.mkfifo(tmp_path / "case.nml")
+    with (
+        started(find_command(), tmp_path, command=("run",)) as process,
+        open(tmp_path / "case.nml", "wb") as pipe,
+    ):
+        pipe.write(b"&system")
+        pipe.flush()
+        time.sleep(0.3)  # until the pipe is read
+        process.send_signal(signal.SIGINT)
+        _, faults = process.communicate(timeout=20)
+    assert (process.returncode, faults) == (
+        1,
+        "vibroimpact run: interrupted; nothing was finished\n",
+    )
+
+
 def test_a_signal_that_the_caller_ignores_stays_ignored(binary, tmp_path):
     """A signal that the caller ignores, as with nohup or in the background of a script, stays ignored."""
     write(tmp_path / "case.nml", SYSTEM + SHORT + LONG.replace("2000000,", "30000,"))

@@ -187,6 +187,24 @@ def test_a_lucky_candidate_counts_with_its_level_from_other_initial_states():
     assert archive.worst[0] >= archive.level[0]
 
 
+def test_no_candidate_wins_that_another_one_was_only_better_than_by_luck():
+    """A lucky candidate gets its own level; the next best one is then verified as well."""
+    osc, options = JOBS["band above resonance"]
+    keys = vi.design(osc, **{**QUICK, **options, "searches": 1, "evaluations": 8}).keys
+    problem, order = asked_by(osc, keys)
+    pool = Pool(problem, grid(problem, order.specimens, order.nodes, order.states))
+    pool.learn(pool.add(np.array([[44.0], [43.9]])), np.ones(pool.risk.shape, bool))
+    worse = int(np.argmax(pool.bounds))
+    # the worse one seems to be slightly better, and was found to be lucky before
+    pool.bounds[worse] = 0.999 * pool.bounds.min()
+    pool.lucky.add(worse)
+    other_level(pool, worse, np.inf)
+    pool.bounds[worse] = 0.999 * pool.bounds.min()
+    best = verified(pool, 0.0)
+    assert best == np.argmin(pool.bounds)
+    assert {best, worse} <= pool.twins.keys()
+
+
 def test_other_initial_states_leave_the_units_that_a_quantile_allows():
     """One of four units has a small mass and is always bad: it counts only if the quantile does not allow it."""
     osc, options = JOBS["band above resonance"]

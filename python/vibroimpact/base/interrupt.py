@@ -87,6 +87,9 @@ def stoppable(
         try:
             return _finished(call, watch), True
         except KeyboardInterrupt:
+            if counters[2] < 0:  # the core reads, maybe from a pipe whose end never comes
+                writes = False
+                raise
             counters[2] = GIVE_UP if counters[2] else 1
             return _finished(call, None), False
     except BaseException:

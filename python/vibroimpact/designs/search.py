@@ -359,8 +359,11 @@ def verified(pool: Pool, share: float) -> int:
     """
     while True:
         here = _least(pool, share)
-        limit = float(pool.bounds[here] + AGREEMENT * abs(pool.bounds[here]))
-        if not pool.problem.quick or other_level(pool, here, limit) <= limit:
+        known = float(pool.bounds[here])
+        limit = known + AGREEMENT * abs(known)
+        if not pool.problem.quick:
+            return here
+        if other_level(pool, here, limit) <= limit and pool.bounds[here] == known:
             return here
 
 

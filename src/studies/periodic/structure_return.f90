@@ -688,7 +688,7 @@ contains
             cycle
          end if
          if (status /= stat%ok) return
-         ! also where the state repeats: it is not determined where the step is not
+         ! also if the state repeats: a motion without a unique Newton step is not determined
          call newton_step(run, begun, state, s, p, free, step, period, change, status)
          if (status /= stat%ok) return
          if (found%motion%residual <= 4*epsilon(1.0_wp)) exit

@@ -48,16 +48,16 @@ module vi_identify_study
       &the motion sensor, or of each channel in order; by default none'), &
       key_type('delay', low=-1.0_wp, high=1.0_wp, most=64, never=with_times, may_miss=.true., &
       unit='s', takes='one number for the motion, or one for each channel', &
-      meaning='delay of the motion, or of each channel in order, in addition to that of the &
-      &low-pass; by default 0 to within half a sampling interval'), &
+      meaning='delay of the motion channel, or of each channel in order, in addition to that of &
+      &the low-pass; by default within half a sampling interval if the bandwidth is given'), &
       key_type('range', low=0.0_wp, high=huge_value, most=64, never=with_times, &
       may_miss=.true., takes='one number for the motion, or one for each channel, 0 if it is not &
       &known', meaning='full scale of the motion sensor, or of each channel in order, in its &
       &unit'), &
       key_type('noise', low=0.0_wp, high=huge_value, most=64, never=with_times, &
       may_miss=.true., takes='one number for the motion, or one for each channel, 0 if it is not &
-      &known', meaning='root mean square of the noise of the motion, or of each channel in &
-      &order, in its unit'), &
+      &known', meaning='root mean square of the noise of the motion channel, or of each &
+      &channel in order, in its unit'), &
       key_type('calibration', low=0.0_wp, high=0.5_wp, never=with_times, may_miss=.true., &
       meaning='relative standard error of the calibration of each sensor; by default 0.01'), &
       key_type('primary_mass', most=2, low=tiny_value, high=huge_value, may_miss=.true., &

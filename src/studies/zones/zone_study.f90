@@ -66,14 +66,14 @@ module vi_zone_study
    !> The plane of two parameters of a structure.
    type(key_type), parameter, public :: plane_keys(*) = [ &
       key_type('x', a_word, takes=parameter_takes, meaning='parameter of the abscissa'), &
-      key_type('x_low', takes='a number, at most the value at the start', option='x', &
+      key_type('x_low', takes='a number, at most the given value of the parameter', option='x', &
       meaning='lower bound of x'), &
-      key_type('x_high', takes='a number above x_low, at least the value at the start', &
+      key_type('x_high', takes='a number above x_low, at least the given value of the parameter', &
       option='x', meaning='upper bound of x'), &
       key_type('y', a_word, takes=parameter_takes, meaning='parameter of the ordinate'), &
-      key_type('y_low', takes='a number, at most the value at the start', option='y', &
+      key_type('y_low', takes='a number, at most the given value of the parameter', option='y', &
       meaning='lower bound of y'), &
-      key_type('y_high', takes='a number above y_low, at least the value at the start', &
+      key_type('y_high', takes='a number above y_low, at least the given value of the parameter', &
       option='y', meaning='upper bound of y')]
 
    type(column_type), parameter, public :: structure_place_columns(*) = [ &
