@@ -144,6 +144,7 @@ def test_every_procedure_is_called(recorded):
     assert {name for name, calls in recorded.items() if not calls} <= FILES
 
 
+@pytest.mark.slow
 def test_all_procedures_at_once(recorded):
     """Each thread starts with a different procedure, and several threads call each procedure at a time."""
     names = sorted(PROCEDURES - HANDLES - FILES)

@@ -569,6 +569,7 @@ def test_the_front_has_no_candidate_that_another_one_beats_or_equals():
     assert archive.front.tolist() == [True, True, False, False, True, False]
 
 
+@pytest.mark.slow
 def test_searches_agree_where_they_converge():
     """Searches that disagree are reported as such."""
     kwargs = {"r": (1.0, 1.02), "free": {"clearance": (20, 45)}, **QUICK, "evaluations": 64}

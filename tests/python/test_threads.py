@@ -42,6 +42,7 @@ def files(tmp_path):
     return [*FILES, wrong, tmp_path / "missing.nml"]
 
 
+@pytest.mark.slow
 def test_reading(files):
     """Each thread starts with a different file; several threads read every file at the same time."""
     alone = [answer(path) for path in files]
@@ -63,6 +64,7 @@ def test_reading_one_file(files):
     assert all(got == alone for each in found for got in each)
 
 
+@pytest.mark.slow
 def test_running(tmp_path):
     """Threads that write into separate folders get the messages and files of one thread."""
     short = [
