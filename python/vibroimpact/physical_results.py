@@ -581,10 +581,10 @@ def column_in(column: Column, units: Units) -> Column:
 
 
 def listed_units(result: Result) -> dict[str, str]:
-    """The units of the columns of the rows of a result that have one."""
-    return {
-        column.name: column.unit for _, column in result.columns() if column.listed and column.unit
-    }
+    """The units of the columns of the CSV of a result that have one."""
+    from .formats.rows import listed_columns
+
+    return {name: column.unit for name, column, _ in listed_columns(result) if column.unit}
 
 
 def dataset(data: Any, units: Units) -> Any:

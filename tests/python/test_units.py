@@ -1,6 +1,7 @@
 """Physical units: conversion of every result, round trips through files, and axes."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -434,8 +435,10 @@ def test_csv(every, tmp_path):
         frame, plain = result.physical(MM).to_pandas(), result.to_pandas()
         assert rows[0].split(",") == [*frame.columns]
         assert len(rows) == 1 + len(frame) == 1 + len(plain)
+        units = frame.attrs["units"]
+        assert {*units} <= {*frame.columns}, name
         for column, other in zip(frame.columns, plain.columns, strict=True):
-            unit = frame.attrs["units"].get(column, "")
+            unit = units.get(column, "")
             factor = {
                 "mm": 1000 * UNITS.length,
                 "mm/s": 1000 * UNITS.velocity,
@@ -455,6 +458,11 @@ def numbers_in(path):
     return lines[0], names, np.array(rows)
 
 
+def units_in(line):
+    """The columns with units that the first line of a CSV names, with # for the place within a row."""
+    return {re.sub(r"_\d+", "_#", part) for part in line.partition("; ")[2].split(", ")}
+
+
 def test_csv_of_the_core(every, tmp_path):
     """`save` writes the columns of a rig in Hz and mm, or in other units."""
     path = tmp_path / "result.csv"
@@ -462,7 +470,8 @@ def test_csv_of_the_core(every, tmp_path):
         result.save(path)
         head, names, cells = numbers_in(path)
         result.physical(MM).save(path)
-        _, others, wanted = numbers_in(path)
+        line, others, wanted = numbers_in(path)
+        assert units_in(line) == units_in(head), name
         kept = [names.index(other) for other in others]
         shape = np.shape(wanted)
         assert len(kept) == len(names), name

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -18,8 +19,14 @@ VERDICTS = np.array([None, False, True], dtype=object)
 
 def rows(result: Result) -> dict[str, NDArray[Any]]:
     """The listed columns by their names in the CSV, with one value for each row."""
+    found = {name: values for name, _, values in listed_columns(result)}
+    keep = listed(result, found)
+    return {name: values[keep] for name, values in found.items()}
+
+
+def listed_columns(result: Result) -> Iterator[tuple[str, Column, NDArray[Any]]]:
+    """The name of each column of the CSV, the column of a table that it is from, and its values."""
     owned = places_of(result, result.row)
-    found: dict[str, NDArray[Any]] = {}
     for table, column in result.columns():
         if not column.listed:
             continue
@@ -35,9 +42,8 @@ def rows(result: Result) -> dict[str, NDArray[Any]]:
             names = own_names + names[len(own_names) :]
         own = next(iter(table.dims)) if column.label == "=" else column.label or column.name
         for label, part in zip(names, values.T, strict=True):
-            found |= cells(column, part, own.replace("#", label))
-    keep = listed(result, found)
-    return {name: values[keep] for name, values in found.items()}
+            for key, item in cells(column, part, own.replace("#", label)).items():
+                yield key, column, item
 
 
 def cells(column: Column, values: NDArray[Any], label: str) -> dict[str, NDArray[Any]]:
