@@ -13,6 +13,7 @@ RIG = vi.Oscillator.from_dimensional(
 POINT = RIG.at("20.5 Hz", "2 mm", friction="0.3 N", stops=(("40 kN/m", "3 N s/m"), None))
 RUBS = RIG.at("20.5 Hz", "2 mm", friction="0.3 N")
 FREQUENCY = 2 * np.pi * 20.5
+HERTZ = {"Hz": 2 * np.pi, "kHz": 2e3 * np.pi, "rpm": np.pi / 30}
 
 
 @pytest.fixture(scope="module")
@@ -341,6 +342,22 @@ def test_the_structure_of_a_rig_takes_units():
     users, force = by_hand()
     with pytest.raises(vi.ParameterTypeError, match="duration = '1 s': must be a number"):
         vi.simulate(users, force, duration="1 s")
+
+
+@pytest.mark.parametrize(
+    "text", ["20 Hz", "19.5 Hz", "20.2 Hz", "17.3 Hz", "0.0173 kHz", "1170 rpm"]
+)
+def test_a_load_in_hertz_ends_a_range(text):
+    """A frequency is the same number as that of a load and as the end of a range, which it may therefore end."""
+    load, pair = vi.Load(text, sine=[6, 0]), RIG.structure(d="8 mm")
+    few = {"max_impacts": 1, "survey": 1, "settling": 5}
+    opening = ("opening", "3.9 mm", "4.1 mm")
+    for x in (("frequency", "17 Hz", text), ("frequency", text, "21 Hz")):
+        atlas = vi.atlas(pair, load, x, opening, **few)
+        assert load.frequency in atlas.x
+    assert load.frequency == pytest.approx(
+        float(text.split()[0]) * HERTZ[text.split()[1]], rel=1e-15
+    )
 
 
 def test_structures_of_users_have_no_units():

@@ -917,7 +917,9 @@ def own_number(value: Any, name: str, names: str = SI, label: str = "") -> Any:
         raise ParameterError(f"{label} = {value!s}: must be a frequency in Hz, rpm or rad/s")
     scale = KNOWN[2][names.split()[2]] / (1.0 if name == "omega" else 2 * math.pi)
     found = (float(size) if isinstance(size, Decimal) else size) * scale
-    return float(f"{found:.15g}") if np.ndim(found) == 0 else found  # 2 kHz are 2000 Hz
+    if name == "omega" or np.ndim(found):  # in rad/s as `number_of` converts it
+        return found
+    return float(f"{found:.15g}")  # 2 kHz are 2000 Hz
 
 
 def unit_of_state(name: Any) -> str:
