@@ -344,6 +344,33 @@ def test_the_structure_of_a_rig_takes_units():
         vi.simulate(users, force, duration="1 s")
 
 
+def test_arguments_of_a_structure_by_name():
+    """Times of a structure have units by position and by name; `discard` is a time unless cycles are given."""
+    load, pair = vi.Load("20 Hz", sine=[6, 0]), RIG.structure(d="8 mm")
+    run = vi.simulate(pair, load, duration=0.5, discard=1.0)
+    assert len(run.events) > 5
+    for named in (
+        vi.simulate(structure=pair, load=load, duration="0.5 s", discard="1 s"),
+        vi.simulate(pair, load=load, duration="500 ms", discard="1000 ms"),
+    ):
+        assert named.events.tolist() == run.events.tolist()
+    point = RIG.at("20.5 Hz", "4 mm", friction="0.1 N")
+    numbers = [scale / RIG.units().time for scale in (0.5, 1.0)]
+    plain = vi.simulate(point, duration=numbers[0], discard=numbers[1])
+    for run in (
+        vi.simulate(point, duration="0.5 s", discard="1 s"),
+        vi.simulate(osc=point, duration="0.5 s", discard="1 s"),
+    ):
+        assert (run.start, run.end) == pytest.approx((plain.start, plain.end), rel=1e-14)
+    for call in (
+        lambda: vi.simulate(pair, load, cycles=3, discard="1 s"),
+        lambda: vi.simulate(RIG, "20.5 Hz", "4 mm", 3, discard="1 s"),
+        lambda: vi.lyapunov(pair, load, discard="1 s"),
+    ):
+        with pytest.raises(vi.ParameterTypeError, match=r"discard = '1 s': must be a .*number"):
+            call()
+
+
 @pytest.mark.parametrize(
     "text", ["20 Hz", "19.5 Hz", "20.2 Hz", "17.3 Hz", "0.0173 kHz", "1170 rpm"]
 )
@@ -358,6 +385,41 @@ def test_a_load_in_hertz_ends_a_range(text):
     assert load.frequency == pytest.approx(
         float(text.split()[0]) * HERTZ[text.split()[1]], rel=1e-15
     )
+
+
+def test_axes_of_a_structure_are_named_as_given():
+    """Messages about a window give its values, and that of the start, in the units of the call."""
+    load, pair = vi.Load("20 Hz", sine=[6, 0]), RIG.structure(d="4 mm")
+    opening = ("opening", "1.9 mm", "2.1 mm")
+    motion = vi.exact(pair, load, vi.simulate(pair, load, cycles=20, discard=400))
+    for study, start in (
+        (lambda x: vi.atlas(pair, load, x, opening), "structure"),
+        (lambda x: vi.zone(motion, x, opening), "motion"),
+        (lambda x: vi.zone(motion=motion, x=x, y=opening), "motion"),
+    ):
+        with pytest.raises(
+            vi.ParameterError, match=rf"^x\[1\] = 21 Hz: .*; the {start} has frequency = 20 Hz;"
+        ):
+            study(("frequency", "21 Hz", "22 Hz"))
+        with pytest.raises(vi.ParameterError, match=r"^x = 19 mm: must be a frequency$"):
+            study(("frequency", "19 mm", "22 Hz"))
+        for wrong in (("frequency",), (), ("frequency", "19 Hz"), "19 Hz"):
+            with pytest.raises(vi.ParameterError, match=r"^x.* = .*: must be \(parameter, "):
+                study(wrong)
+
+
+@pytest.mark.parametrize(
+    "plane",
+    [
+        {"q_0": ("-1 mm", "1 mm"), "q_dot_1": ("-1 mm/s", "1 mm/s")}, ("q_0", ("-1 mm", "1 mm")),
+        ("1 mm", 5), (("q_0", "-1 mm", "1 mm", 3), ()), (("q_0", "-1 mm", "1 mm", 3), 5),
+    ],
+)  # fmt: skip
+def test_planes_that_are_refused(plane):
+    """What is no plane is refused with what was given and what is allowed, also if it has units."""
+    load, pair = vi.Load("20 Hz", sine=[6, 0]), RIG.structure(d="8 mm")
+    with pytest.raises(vi.ParameterError, match=r"^plane = .*-?1 mm.*: must be two of \(name, "):
+        vi.basins(pair, load, plane=plane)
 
 
 def test_structures_of_users_have_no_units():

@@ -22,7 +22,7 @@ from ..systems.oscillator import Oscillator, Pattern, of_numbers, plain_pattern
 from ..systems.units import GAP, OF_STRUCTURE
 from ..systems.verbs import every_system, physical_arguments
 from .branch import Followed, run_from
-from .zone import keys_of_plane, span_in_scales
+from .zone import keys_of_plane
 
 if TYPE_CHECKING:
     from ..systems.units import Units
@@ -282,7 +282,6 @@ def chart_structure(
     both = points if isinstance(points, tuple) and len(points) == 2 else (points, points)
     keys, names = keys_of_plane(motion.structure, motion._given_load, (x, y), (x_at, y_at))
     for name, axis, n in zip("xy", (x, y), both, strict=True):
-        axis = span_in_scales(motion.structure, axis, name)
         values = axis[1] if len(axis) == 2 else ()
         if np.ndim(values) == 1 and np.size(values) > 2:  # two numbers are a range
             array = checks.real_array(values, f"{name}[1]", "numbers that rise or fall throughout")

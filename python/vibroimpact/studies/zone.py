@@ -25,7 +25,7 @@ from ..results.parameters import Path, Span, keys_of_parameter
 from ..results.tables import runs
 from ..systems.oscillator import Oscillator, Pattern, pattern_of
 from ..systems.structure import Load, Structure
-from ..systems.units import OF_STRUCTURE, argument, number_of, of_parameter
+from ..systems.units import argument, of_parameter
 from ..systems.verbs import every_system, physical_arguments
 from .branch import Followed, branch_structure, run_from
 from .geometry import signed_area, winding
@@ -812,17 +812,6 @@ def zone_structure(
     return found
 
 
-def span_in_scales(structure: Structure, axis: Any, name: str) -> Any:
-    """The parameter and the values of an axis, with values that have units converted to those of the structure of
-    an oscillator."""
-    units = structure._units
-    if units is None or not isinstance(axis, tuple) or not isinstance(axis[0], str):
-        return axis
-    unit = OF_STRUCTURE.get(axis[0].split("_")[0], "")
-    values = number_of(axis[1:], name, unit, lambda: units)
-    return (axis[0], *values)
-
-
 def keys_of_plane(
     structure: Structure, load: Load, axes: tuple[Any, Any], at: tuple[float | None, float | None]
 ) -> tuple[dict[str, Any], dict[str, str]]:
@@ -833,7 +822,6 @@ def keys_of_plane(
         wanted = "(parameter, (lo, hi)) or (parameter, lo, hi)"
         if not isinstance(axis, tuple) or len(axis) not in (2, 3):
             raise ParameterError(f"{name} = {axis!r}: must be {wanted}")
-        axis = span_in_scales(structure, axis, name)
         pair = len(axis) == 2
         ends = ends_of(axis[1], f"{name}[1]", wanted) if pair else axis[1:]
         keys |= keys_of_parameter(structure, load, axis[0], ends, start, name, f"{name}_")

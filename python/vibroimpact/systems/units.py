@@ -124,9 +124,11 @@ OF_STRUCTURE = {
 }  # fmt: skip
 #: The units of the initial state of a free vibration.
 START = {"amplitude": "F0/K", "y": "F0/K", "x_dot": "omega F0/K", "z_dot": "omega F0/K"}
-#: Arguments that contain values of a state by name, and the times of a simulation of a structure.
+#: Arguments that contain values of a state by name.
 OF_STATES = ("state", "fixed")
-TIMES = {"duration": "1/omega", "start": "1/omega"}
+#: The axes of a plane of parameters of a structure, and the times of a simulation of a structure.
+AXES = ("x", "y")
+TIMES = {"duration": "1/omega", "start": "1/omega", "discard": "1/omega"}
 #: The units of the quantities that limits and targets refer to.
 OF_FIGURES = {
     "displacement": "F0/K", "rms": "F0/K", "acceleration": "omega^2 F0/K", "force": "F0",
@@ -757,8 +759,8 @@ def plain_number(value: Any, name: str, powers: Powers, names: str) -> Any:
 
 def given_and_used(given: Any, used: Any) -> Iterator[tuple[str, float]]:
     """The values with units of an argument as texts, and the dimensionless numbers that replaced them."""
-    if isinstance(given, Mapping) and isinstance(used, Mapping):
-        for key, value in given.items():
+    if isinstance(given, Mapping):
+        for key, value in given.items() if isinstance(used, Mapping) else ():
             yield from given_and_used(value, used.get(key))
     elif isinstance(given, (list, tuple, np.ndarray)) and isinstance(
         used, (list, tuple, np.ndarray)
@@ -945,8 +947,18 @@ def dimensionless(osc: Scaled, name: str, value: Any, parameter: str = "") -> An
             else part
             for key, part in value.items()
         }
+    if name in AXES:
+        # (parameter, low, high) or (parameter, values)
+        if not isinstance(value, tuple) or not isinstance(value[0], str):
+            return value  # not an axis, or one along a function of a parameter
+        unit = OF_STRUCTURE.get(value[0].split("_")[0], "")
+        return (value[0], *number_of(value[1:], name, unit, osc.units))
     if name == "plane":
-        # (name, low, high, n) or (name, values)
+        # (name, low, high, n) or (name, values); the study refuses anything else
+        if not isinstance(value, (list, tuple)) or not all(
+            isinstance(axis, (list, tuple)) and len(axis) > 1 for axis in value
+        ):
+            return value
         return tuple(
             (
                 axis[0],

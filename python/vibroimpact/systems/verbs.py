@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
@@ -14,6 +14,7 @@ from .distribution import FACTORS
 from .oscillator import Oscillator, Point
 from .structure import Load, Structure
 from .units import (
+    AXES,
     BY_NAME,
     OF_PARAMETER,
     OF_STATES,
@@ -310,6 +311,16 @@ def check_deviations(given: Mapping[str, Any], before: Mapping[str, Any]) -> Non
             )
 
 
+def is_of_structure(value: Any) -> bool:
+    """Whether a value is a structure, or a motion of one."""
+    return isinstance(value, Structure) or bool(getattr(value, "of_structure", False))
+
+
+def listed_names(names: Iterable[str]) -> str:
+    """Names of arguments as in a docstring."""
+    return ", ".join(f"`{name}`" for name in names)
+
+
 def physical_arguments(function: Callable[Given, Found]) -> Callable[Given, Found]:
     """A decorator: frequencies, lengths and loads may have units if the oscillator knows its units."""
     signature = inspect.signature(function).parameters
@@ -322,21 +333,29 @@ def physical_arguments(function: Callable[Given, Found]) -> Callable[Given, Foun
         forms = usage_of_point(function.__name__, of_point, no_point)
         function.__doc__ = with_forms(function.__doc__, forms)
     known = {*PARAMETERS, *(START if "amplitude" in names else ())}
-    taken = {*known, *OF_STATES, *OF_PARAMETER, *BY_NAME, "plane"}
-    places = [(i, name) for i, name in enumerate(names) if name in taken]
-    if takes_points:  # by keyword only
+    if takes_points:
         of_structure = inspect.signature(function.of_structure).parameters  # type: ignore[attr-defined]
-        late = [name for name in (*TIMES, "state") if name in of_structure and name not in names]
-        places += [(len(signature) + len(of_structure), name) for name in late]
+    in_cycles = set() if "duration" in of_structure else {"discard"}
+    taken = {*known, *OF_STATES, *OF_PARAMETER, *BY_NAME, "plane", "discard"} - in_cycles
+    taken_of_structure = {*taken, *AXES, *TIMES} - in_cycles
+    places = [(i, name) for i, name in enumerate(names) if name in taken]
+    # by keyword only
+    late = [name for name in (*TIMES, "state") if name in of_structure and name not in names]
+    places += [(len(signature) + len(of_structure), name) for name in late]
     defaults = {
         name: item.default for name, item in signature.items() if name in ("parameter", "target")
     }
-    with_units = ", ".join(f"`{name}`" for name in names if name in taken and name not in SHARES)
+    with_units = listed_names(name for name in names if name in taken - {*SHARES, *TIMES})
+    # its load has a frequency with a unit
+    more = listed_names(name for name in of_structure if name in taken_of_structure - {*PARAMETERS})
     if with_units:
         parts = inspect.cleandoc(function.__doc__ or "").split("\n\n")
         # after the summary and the further forms of call
         place = 2 if len(parts) > 1 and has_forms(parts[1]) else 1
-        note = f"With units, such as {EXAMPLES}, of an oscillator with known M, K and F0: {with_units}."
+        note = (
+            f"With units, such as {EXAMPLES}, of an oscillator with known M, K and F0: {with_units}"
+        )
+        note += f"; of its structure (`Oscillator.structure`): {more}." if more else "."
         function.__doc__ = "\n\n".join([*parts[:place], note, *parts[place:]]) + "\n"
 
     @functools.wraps(function)
@@ -349,9 +368,11 @@ def physical_arguments(function: Callable[Given, Found]) -> Callable[Given, Foun
             order = [names[0], *left_of_point(names[1:], getattr(function, "along", ()))]
             where = [(i, name) for i, name in enumerate(order) if name in taken]
             where += places[len([name for name in names if name in taken]) :]
-        elif args and isinstance(args[0], Structure) and takes_points:
+        elif takes_points and is_of_structure(
+            args[0] if args else kwargs.get(next(iter(of_structure)))
+        ):
             order = list(of_structure)
-            where = [(i, name) for i, name in enumerate(order) if name in {*taken, *TIMES}]
+            where = [(i, name) for i, name in enumerate(order) if name in taken_of_structure]
         for i, name in where:  # most calls have numbers
             value = args[i] if i < len(args) else kwargs.get(name)
             if type(value) not in PLAIN and has_unit(value):
@@ -360,6 +381,8 @@ def physical_arguments(function: Callable[Given, Found]) -> Callable[Given, Foun
             return function(*args, **kwargs)
         given: dict[str, Any] = dict(zip(order, args, strict=False)) | kwargs
         physical = [name for _, name in where if has_unit(given.get(name))]
+        if "discard" in physical and given.get("cycles") is not None:
+            physical.remove("discard")  # in load cycles
         first: Any = given.get(order[0])
         osc = first if isinstance(first, Oscillator) else getattr(first, "osc", None)
         of_itself = isinstance(first, Structure)
@@ -367,7 +390,7 @@ def physical_arguments(function: Callable[Given, Found]) -> Callable[Given, Foun
         units = getattr(structure, "_units", None)
         if units is not None and not isinstance(osc, Oscillator):
             osc = OfStructure(units)
-            physical = [name for name in physical if of_itself or name in OF_PARAMETER]
+            physical = [name for name in physical if of_itself or name in (*OF_PARAMETER, *AXES)]
         if not isinstance(osc, (Oscillator, OfStructure)):
             return function(*args, **kwargs)
         before = {name: given[name] for name in physical}
