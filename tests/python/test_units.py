@@ -783,6 +783,13 @@ def test_quantities_of_pint():
     assert (ratios.r, ratios.clearance, ratios.amplitude) == pytest.approx((*AT, 0.5), rel=1e-12)
     with pytest.raises(ParameterError, match=r"^r = .*: must be a frequency$"):
         TEXTS.at(19.5 * ureg.Hz / (K / M) ** 0.5, 28)  # of cycles and radians
+    load = vi.Load(19.5 * ureg.Hz / natural, sine=[1, 0])
+    assert load.frequency == pytest.approx(AT[0], rel=1e-12)
+    run = vi.simulate(TEXTS.structure(28), load, cycles=1)  # no radians per second
+    assert run.end == pytest.approx(2 * math.pi / AT[0], rel=1e-12)
+    assert (
+        vi.Load(19.5 * ureg.Hz, sine=[1, 0]).frequency == vi.Load("19.5 Hz", sine=[1, 0]).frequency
+    )
     several = vi.equispaced_batch(TEXTS, 19.5 * ureg.Hz, [3.0, 4.0] * ureg.mm)
     assert several[0].clearance.ravel() == pytest.approx([21.0, 28.0])
     with pytest.raises(ParameterError, match=r"^r = .*: must be in Hz, rpm or rad/s$"):

@@ -14,7 +14,7 @@ from ..base import checks
 from ..base.errors import ParameterError, ParameterTypeError, SingularError
 from ..base.status import DEFECTIVE, raise_status, sentence
 from .restitution import KINDS, ByValue, Law, Restitution, checked, numbers_of, to_columns
-from .units import Units, has_unit, own_number
+from .units import Units, number_of
 
 __all__ = ["Friction", "Gap", "Load", "Stop", "Structure"]
 
@@ -899,9 +899,7 @@ class Load(ByValue):
         cosine: ArrayLike | None = None, constant: ArrayLike | None = None,
     ) -> None:  # fmt: skip
         if frequency is not None:
-            if has_unit(frequency):
-                object.__setattr__(self, "_in_seconds", True)
-            frequency = own_number(frequency, "omega", label="frequency")
+            frequency = number_of(frequency, "frequency", "omega", self._units_of_seconds)
             frequency = checks.to_float(frequency, "frequency", "a number > 0")
             if not 0 < frequency < np.inf:
                 raise ParameterError(f"frequency = {frequency!r}: must be a finite number > 0")
@@ -957,6 +955,11 @@ class Load(ByValue):
         for name, value in parts.items():
             object.__setattr__(found, name, value)
         return found
+
+    def _units_of_seconds(self) -> Units:
+        """The units of a frequency that has one, which is then known to be in radians per second."""
+        object.__setattr__(self, "_in_seconds", True)
+        return Units(1.0, 1.0, 1.0)
 
     @property
     def coordinates(self) -> int:
@@ -1064,8 +1067,8 @@ def check_load(
         raise ParameterError(f"load = {load!r}: must have a frequency, which gives the period")
     units = structure._units
     if getattr(load, "_in_seconds", False) and units is not None and units.to("SI").omega != 1:
+        own = load.frequency / units.to("SI").omega
         raise ParameterError(
-            f"load = {load!r}: must have a frequency without a unit, in that of the structure; with a unit it is "
-            "in radians per second, and this structure is dimensionless (its frequencies are ratios r) or has "
-            "another unit of time"
+            f"load = {load!r}: must have a frequency that is a plain number, in the structure's own unit (a ratio "
+            f"r if it is dimensionless): {own:.10g}, not {load.frequency:.10g} rad/s"
         )

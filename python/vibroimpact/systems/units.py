@@ -951,8 +951,8 @@ def dimensionless(osc: Scaled, name: str, value: Any, parameter: str = "") -> An
         # (parameter, low, high) or (parameter, values)
         if not isinstance(value, tuple) or not isinstance(value[0], str):
             return value  # not an axis, or one along a function of a parameter
-        unit = OF_STRUCTURE.get(value[0].split("_")[0], "")
-        return (value[0], *number_of(value[1:], name, unit, osc.units))
+        of_axis = OF_STRUCTURE.get(value[0].split("_")[0], "")
+        return (value[0], *number_of(value[1:], name, of_axis, osc.units))
     if name == "plane":
         # (name, low, high, n) or (name, values); the study refuses anything else
         if not isinstance(value, (list, tuple)) or not all(
