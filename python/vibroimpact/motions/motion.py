@@ -1048,7 +1048,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         length, speed = (1.0, 1.0) if units is None else (units.length, units.velocity)
         names = (
             "" if units is None
-            else f"   X, Z, A in {units.name('F0/K')}, X', Z' in {units.name('omega F0/K')}"
+            else f"   X, Z, A, x in {units.name('F0/K')}, X', Z' in {units.name('omega F0/K')}"
         )  # fmt: skip
         lines = [
             f"{n} impacts/{cycles}, sides {self.pattern.sides}{names}",
