@@ -478,7 +478,7 @@ class Physical(Generic[From]):
         Returns
         -------
         pandas.DataFrame
-            Its ``attrs["units"]`` has the names of the units.
+            Its ``attrs["units"]`` has the names of the units by column.
         """
         from .formats.rows import to_pandas
 
