@@ -15,6 +15,7 @@ from .. import _core
 from ..base import checks
 from ..base.actions import ACTIONS
 from ..base.errors import ParameterError, ParameterTypeError, SingularError
+from ..base.interrupt import with_stack
 from ..base.progress import reported
 from ..base.sizes import memory_for
 from ..base.status import EVENT_LIMIT, GAP_CLOSED, MORE_EVENTS, NARROW_GAP, raise_status, sentence
@@ -957,9 +958,10 @@ def simulate_structure(
     while True:
         table = np.empty((2 * n + 3, room), order="F")
         labels = np.empty((2, room), dtype=np.int32, order="F")
-        count, kept, final, end, resting, status = _core.simulate_structure(
-            *arguments, start, first, start + before, start + before + span, table, labels
-        )
+        count, kept, final, end, resting, status = with_stack(
+            _core.simulate_structure, *arguments, start, first, start + before, start + before + span,
+            table, labels,
+        )  # fmt: skip
         if status not in (MORE_EVENTS, EVENT_LIMIT) or room == max_events:
             break
         room = min(8 * room, max_events)

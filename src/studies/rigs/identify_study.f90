@@ -48,8 +48,8 @@ module vi_identify_study
       &the motion sensor, or of each channel in order; by default none'), &
       key_type('delay', low=-1.0_wp, high=1.0_wp, most=64, never=with_times, may_miss=.true., &
       unit='s', takes='one number for the motion, or one for each channel', &
-      meaning='delay of the motion channel, or of each channel in order, in addition to that of &
-      &the low-pass; by default within half a sampling interval if the bandwidth is given'), &
+      meaning='delay of the motion channel, or of each channel in order, beyond that of its &
+      &low-pass; fitted by default'), &
       key_type('range', low=0.0_wp, high=huge_value, most=64, never=with_times, &
       may_miss=.true., takes='one number for the motion, or one for each channel, 0 if it is not &
       &known', meaning='full scale of the motion sensor, or of each channel in order, in its &
