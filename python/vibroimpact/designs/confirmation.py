@@ -150,12 +150,14 @@ def confirmed(
     return design, bands
 
 
-def firmer(problem: Problem, order: Order, archive: Archive) -> tuple[Archive, Order]:
+def firmer(
+    problem: Problem, order: Order, archive: Archive, progress: door.Progress | None
+) -> tuple[Archive, Order]:
     """The candidates, evaluated again with more units, frequencies and states if the search used too few.
 
     The search used too few if the chosen candidate meets the limit in the search but not in enough samples.
     """
-    for _ in range(ROUNDS):
+    for turn in range(ROUNDS):
         best = archive.best
         limit = math.inf if order.limit is None else order.sign * order.limit
         if archive.level[best] > limit or (order.limit is None and not problem.limited):
@@ -165,7 +167,7 @@ def firmer(problem: Problem, order: Order, archive: Archive) -> tuple[Archive, O
             break
         # the new sets contain the previous units and frequencies
         order = replace(order, specimens=2 * order.specimens, nodes=2 * order.nodes - 1)
-        archive = search(problem, order, None, archive)
+        archive = search(problem, order, part_of(progress, turn, 1, ROUNDS), archive)
         if archive.stopped:
             break
     return archive, order

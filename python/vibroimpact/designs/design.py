@@ -488,11 +488,11 @@ def answered(
 def designed(problem: Problem, order: Order, case: str, progress: door.Progress | None) -> Design:
     """Searches, and confirms the result."""
     searching = part_of(progress, 0, 1, 2 if order.samples else 1)
-    archive = search(problem, order, searching)
+    archive = search(problem, order, part_of(searching, 0, 1, 2))
     stopped = archive.stopped
     if not stopped:
         try:
-            archive, order = firmer(problem, order, archive)
+            archive, order = firmer(problem, order, archive, part_of(searching, 1, 1, 2))
             stopped = archive.stopped
         except KeyboardInterrupt:
             stopped = True

@@ -222,26 +222,26 @@ def search(
     order : Order
         Units, frequencies and initial states for which candidates are evaluated, see `grid`.
     earlier : Archive, optional
-        Searches with other units: each search then starts from the best candidates of an earlier one.
+        Searches with other units: as many searches start from the best candidates of each of these, and further
+        ones anew.
     """
     fine = grid(problem, order.specimens, order.nodes, order.states)
-    archive, risk, most, other = Archive(), None, order.searches, None
+    archive, risk, other = Archive(), None, None
     if earlier is not None and earlier.grid is not None and earlier.targets is not None:
         risk = foreseen(earlier.grid, earlier.targets, fine)
-        most = len(earlier.searches)
-    for number in range(most):
+    for number in range(order.searches):
         pool = Pool(problem, fine, risk)
         pool.other = elsewhere(problem, fine, other.risk if other else None)
         # the random numbers depend only on the seed of the order and the number of the search
         rng = np.random.default_rng((order.seed, number))
-        report = part_of(progress, number, 1, most)
+        report = part_of(progress, number, 1, order.searches)
         try:
-            if earlier is not None:
+            if earlier is not None and number < len(earlier.searches):
                 pool.add(earlier.promising(number, np.subtract(*problem.ends[::-1])))
             else:
                 many = max(order.evaluations, 8 * len(problem.free))
                 pool.add(problem.at(_even_start(len(problem.free), many << number // 3, rng)))
-                explored(pool, rng, report)
+            explored(pool, rng, report)
             refined(pool, rng, archive.at(archive.best) if archive.level else None, report)
             archive.add(pool)
         except KeyboardInterrupt:
