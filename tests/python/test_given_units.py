@@ -268,14 +268,14 @@ def test_micro_in_names_of_units(tmp_path, micro):
 
 def test_known_values_are_in_the_units_of_the_system(tmp_path):
     """Known values of &identify are numbers in `units` too; one value in two places is refused, naming both."""
-    study = "identify impact_times = 0, 0.5, frequency = 19.5, travel = {}, free_mass = {}"
+    study = "identify impact_times = 0, 0.5, frequency = 19.5, clearance = {}, free_mass = {}"
     plain = "units = 'mm N s', mass = 0.0027, stiffness = 42, mu = 0.04"
     case = case_in(tmp_path, plain, study.format("4", "1.1e-4"))
-    assert [case.keys["travel"], case.keys["free_mass"]] == pytest.approx([0.004, 0.11], rel=1e-12)
+    assert [case.keys["clearance"], case.keys["free_mass"]] == pytest.approx([0.004, 0.11], rel=1e-12)
     with pytest.raises(
-        ParameterError, match=r"primary_mass = 2.6: must be left out if mass is given"
+        ParameterError, match=r"&identify mass = 2.6: must be left out if mass is given in &system"
     ):
-        case_in(tmp_path, plain, study.format("4", "1.1e-4, primary_mass = 2.6"))
+        case_in(tmp_path, plain, study.format("4", "1.1e-4, mass = 2.6"))
 
 
 def test_unit_names_leaves_no_number_without_a_unit(tmp_path):

@@ -249,7 +249,7 @@ def test_namelists_take_friction(tmp_path, monkeypatch):
     def run(friction):
         (tmp_path / "slot.nml").write_text(
             "&system xi = 0.01, mu = 0.05, restitution = 0.7 /\n&identify records = 'slot.csv', "
-            f"bandwidth = 0, {both[0]}, {both[1]}, primary_mass = 2.7, spring = 42e3, free_mass = 0.11, "
+            f"bandwidth = 0, {both[0]}, {both[1]}, mass = 2.7, stiffness = 42e3, free_mass = 0.11, "
             f"friction = '{friction}' /\n"
         )
         (case,) = vi.read_namelist("slot.nml")

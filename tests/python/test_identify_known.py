@@ -159,7 +159,7 @@ def test_namelist_and_command(record, tmp_path):
     path.write_text("\n".join(lines))
     namelist = tmp_path / "identify.nml"
     system = "&system xi = 0.01, mu = 0.05, restitution = 0.7 /\n"
-    keys = "primary_mass = 2.7, free_mass = 0.11, natural_frequency = 19.85, 0.05"
+    keys = "mass = 2.7, free_mass = 0.11, natural_frequency = 19.85, 0.05"
     namelist.write_text(f"{system}&identify records = '{path}', {keys} /\n")
     ((found,),) = (case.run() for case in vi.read_namelist(namelist))
     known = {"M": 2.7, "m": 0.11, "omega": (2 * np.pi * 19.85, 2 * np.pi * 0.05)}

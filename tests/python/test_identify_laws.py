@@ -109,7 +109,7 @@ def test_keys_of_a_law(keys, values, tmp_path):
     )
     (tmp_path / "bench.nml").write_text(
         "&system xi = 0.01, mu = 0.05, restitution = 0.7 /\n&identify records = 'bench.csv', "
-        f"bandwidth = 0, 2000, 2000, primary_mass = 2.7, spring = 42000, free_mass = 0.11, {keys} /\n"
+        f"bandwidth = 0, 2000, 2000, mass = 2.7, stiffness = 42000, free_mass = 0.11, {keys} /\n"
     )
     (case,) = vi.read_namelist(tmp_path / "bench.nml")
     found = case.compute()

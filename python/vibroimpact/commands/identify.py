@@ -19,7 +19,7 @@ are written to DIR/NAME.csv, or in another format; --plot also draws every step.
 NAME is "identify" for records and for the case of the options."""
 EXAMPLE = (
     "vibroimpact identify --impact-times 0 .01258873 .03434483 --impact-sides LLR --frequency 19.5 "
-    "--primary-mass 2.7 --spring 42000 --free-mass .11 --load-amplitude 6 --xi .01143 --restitution .75 .65 "
+    "--mass 2.7 --stiffness 42000 --free-mass .11 --load-amplitude 6 --xi .01143 --restitution .75 .65 "
     "--fixed xi R1 R2 -o results"
 )
 #: The initial guesses of a fit, if the options do not give them.

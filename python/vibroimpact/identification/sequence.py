@@ -27,7 +27,7 @@ from .tables import tables_of
 CALIBRATION = 0.01
 #: The keys of &identify for known values.
 OF_KEYS = {
-    "primary_mass": "M", "spring": "K", "dashpot": "C", "free_mass": "m", "travel": "d", "load_amplitude": "F0",
+    "mass": "M", "stiffness": "K", "damping": "C", "free_mass": "m", "clearance": "d", "load_amplitude": "F0",
 }  # fmt: skip
 #: The shares of the standard error of a known value over which the change of the parameters is computed, in order.
 SHARES = (1.0, 0.3, 0.1)

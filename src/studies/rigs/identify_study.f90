@@ -15,7 +15,7 @@ module vi_identify_study
    character(*), parameter :: channel_words = 'load acceleration velocity displacement none'
    character(*), parameter :: with_times = 'impact_times'
    !> Known values of a rig that may be keys of &system instead.
-   character(14), parameter :: of_rig(3) = [character(14) :: 'primary_mass', 'spring', &
+   character(14), parameter :: of_rig(3) = [character(14) :: 'mass', 'stiffness', &
       'load_amplitude'], of_system(3) = [character(14) :: 'mass', 'stiffness', 'force']
    real(wp), parameter :: tiny_value = 1.0e-12_wp, huge_value = 1.0e12_wp
 
@@ -60,17 +60,17 @@ module vi_identify_study
       &channel in order, in its unit'), &
       key_type('calibration', low=0.0_wp, high=0.5_wp, never=with_times, may_miss=.true., &
       meaning='relative standard error of the calibration of each sensor; by default 0.01'), &
-      key_type('primary_mass', most=2, low=tiny_value, high=huge_value, may_miss=.true., &
+      key_type('mass', most=2, low=tiny_value, high=huge_value, may_miss=.true., &
       unit='kg', &
       meaning='M, if it is known, and its standard error'), &
-      key_type('spring', most=2, low=tiny_value, high=huge_value, may_miss=.true., unit='N/m', &
-      meaning='K, if it is known, and its standard error'), &
-      key_type('dashpot', most=2, low=0.0_wp, high=huge_value, may_miss=.true., unit='N s/m', &
+      key_type('stiffness', most=2, low=tiny_value, high=huge_value, may_miss=.true., &
+      unit='N/m', meaning='K, if it is known, and its standard error'), &
+      key_type('damping', most=2, low=0.0_wp, high=huge_value, may_miss=.true., unit='N s/m', &
       meaning='C, if it is known, and its standard error'), &
       key_type('free_mass', most=2, low=tiny_value, high=huge_value, may_miss=.true., unit='kg', &
       meaning='m, if it is known, and its standard error'), &
-      key_type('travel', most=2, low=tiny_value, high=huge_value, may_miss=.true., unit='m', &
-      meaning='d, the whole travel of m between the walls, if it is known, and its standard &
+      key_type('clearance', most=2, low=tiny_value, high=huge_value, may_miss=.true., &
+      unit='m', meaning='d, the whole travel of m between the walls, if it is known, and its standard &
       &error'), &
       key_type('natural_frequency', most=2, low=tiny_value, high=huge_value, may_miss=.true., &
       unit='Hz', &
