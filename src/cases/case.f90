@@ -64,8 +64,8 @@ module vi_case
       key_type('units', a_word, may_miss=.true., only='mass', never='unit_names', &
       takes='units of length, force and time, as ''mm N s'', of '//lengths//', '//forces// &
       ' and '//times//', ''SI'', or ''dimensionless''', &
-      meaning='units of dimensional numbers: clearance = 4 is then 4 mm, or 4 F0/K; &
-      &a frequency without a unit is the ratio r'), &
+      meaning='units of plain numbers: clearance = 4 is 4 mm with ''mm N s'', 4 F0/K &
+      &with ''dimensionless''; a plain frequency is the ratio r'), &
       key_type('unit_names', a_word, may_miss=.true., only='mass', option='-', &
       takes='units of length, force and time, as ''mm N s'', of '//lengths//', '//forces// &
       ' and '//times, &

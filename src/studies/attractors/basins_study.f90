@@ -43,7 +43,7 @@ module vi_basins_study
    character(*), parameter :: ordered = 'two or more increasing or decreasing numbers from -1e100 &
       &to 1e100', along_axis(2) = [character(70) :: &
       'values along the first axis, if they are not evenly spaced', &
-      'values along the second axis, if those along either are not even']
+      'values along the second axis, if either axis is not evenly spaced']
    type(key_type), parameter :: first_keys(*) = [ &
       key_type('states', a_whole, may_miss=.true., low=1.0_wp, high=real(most_numbers, wp), &
       meaning='number of random states, instead of a plane'), &
@@ -177,7 +177,7 @@ module vi_basins_study
       start_keys, &
       key_type('settling', a_whole, default='1000', low=0.0_wp, high=1.0e6_wp, &
       meaning='load cycles simulated before the search for a motion, unless it repeats to rounding &
-      &earlier; without a periodic load natural periods, at first')]
+      &earlier; without a periodic load natural periods, more if needed')]
 
    !> Labels of states without an attractor.
    integer, parameter :: undecided = 0, closed = -3

@@ -92,8 +92,8 @@ module vi_find_study
       key_type('states', a_whole, default='24', low=0.0_wp, high=1.0e5_wp, &
       meaning='initial states that are simulated; the first one is rest at q = 0'), &
       key_type('settling', a_whole, default='300', low=0.0_wp, high=1.0e6_wp, &
-      meaning='load cycles simulated before a motion is looked for; without a periodic load &
-      &periods of the lowest mode, at first'), &
+      meaning='load cycles simulated before the search for a motion; without a periodic load &
+      &natural periods, more if needed'), &
       key_type('seed', a_whole, default='0', low=0.0_wp, high=real(huge(1), wp), &
       meaning='seed of the states and the times')]
 

@@ -22,8 +22,8 @@ module vi_design_study
    character(*), parameter :: of_walls = 'two numbers from 0 to 1, the lower one first', &
       spread = 'two numbers (all values in between are equally likely) or more (quantiles at even &
       &steps, in order); with the name in `normal`, mean and standard deviation', &
-      of_free = 'uncertain values; for a free parameter deviations from its chosen value, 0 among &
-      &them, or factors above 0, 1 among them'
+      of_free = 'uncertain values; for a free parameter deviations from its chosen value, &
+      &including 0, or positive factors on it, including 1'
    real(wp), parameter :: tiny_value = 1.0e-300_wp, least_stiffness = 1.0e-12_wp, most_element = &
       1.0e12_wp
 
@@ -41,7 +41,7 @@ module vi_design_study
       key_type('limit', low=tiny_value, may_miss=.true., takes='a number > 0', unit=of_target, &
       meaning='required value of the target'), &
       key_type('quantile', default='0.99', low=0.5_wp, high=1.0_wp, &
-      meaning='share of the units that must reach it; the search uses the same share'), &
+      meaning='share of the units that must meet the limit; the search uses the same share'), &
       key_type('over', a_word, default='''worst''', words='worst basins', &
       meaning='''worst'': the worst attractor of a unit counts; ''basins'': each counts by its &
       &share of the initial states'), &
@@ -73,11 +73,11 @@ module vi_design_study
       key_type('free_wall_stiffness', least=2, most=2, low=least_stiffness, high=most_element, &
       may_miss=.true., unit='K', never='amplitude', &
       takes='two numbers from 1e-12 to 1e12, the lower one first', &
-      meaning='range from which the stiffness of both walls is chosen, which then give'), &
+      meaning='range from which the stiffness of both walls is chosen, as elastic stops'), &
       key_type('free_wall_damping', least=2, most=2, low=0.0_wp, high=most_element, &
       may_miss=.true., unit='K/omega', never='amplitude', &
       takes='two numbers from 0 to 1e12, the lower one first', &
-      meaning='range from which the damping of both walls is chosen, if they give'), &
+      meaning='range from which the damping of both walls is chosen, if they are elastic'), &
       key_type('tolerance_clearance', least=2, most=1001, may_miss=.true., unit='F0/K', &
       takes=spread, meaning=of_free), &
       key_type('tolerance_mu', least=2, most=1001, may_miss=.true., unit='M', takes=spread, &
@@ -139,7 +139,7 @@ module vi_design_study
       key_type('specimens', a_whole, default='16', low=1.0_wp, high=1.0e5_wp, &
       meaning='units by which the best candidates are judged'), &
       key_type('nodes', a_whole, default='9', low=2.0_wp, high=1.0e4_wp, &
-      meaning='frequencies, or displacements, at which they are judged'), &
+      meaning='frequencies, or displacements, at which these units are judged'), &
       key_type('settling', a_whole, default='400', low=8.0_wp, high=1.0e6_wp, &
       never='amplitude', &
       meaning='load cycles after which a simulation without a period counts as settled'), &

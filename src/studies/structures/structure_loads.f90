@@ -33,8 +33,8 @@ module vi_structure_loads
       takes='one number for each coordinate', meaning='constant forces, such as gravity'), &
       key_type('record', most=most_samples, may_miss=.true., or='record_file', &
       never='frequency', takes='one number for each column, sample by sample, with at least two &
-      &samples', meaning='samples of forces, or with base of its motion; linear between them, from &
-      &time 0, and 0 after the last one'), &
+      &samples', meaning='samples of forces, or of the motion of the base with base; they start at &
+      &time 0, are interpolated linearly, and are followed by 0'), &
       key_type('record_file', a_word, may_miss=.true., or='record', never='frequency', &
       takes='a CSV file, a Matrix Market file (real, general) or a NumPy file (.npy, float64), &
       &with a row for each sample, at least two, and at most 1e7 numbers', &
@@ -50,8 +50,8 @@ module vi_structure_loads
       meaning='forces on the coordinates for a value of 1 in each column'), &
       key_type('base', a_word, may_miss=.true., words='acceleration motion', &
       takes='''acceleration'' (one column) or ''motion'' (two columns)', &
-      meaning='columns or harmonics are the acceleration of the base, with relative coordinates, &
-      &or its displacement (columns: and velocity), with absolute ones'), &
+      meaning='the load is the acceleration of the base (for relative coordinates) or its &
+      &displacement, in a record with its velocity (for absolute coordinates)'), &
       key_type('base_cosine', most=most_harmonics, may_miss=.true., low=-1.0e40_wp, &
       high=1.0e40_wp, only='base', never='record record_file', &
       takes='one number from -1e40 to 1e40 for each harmonic', &

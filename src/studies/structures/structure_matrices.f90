@@ -74,8 +74,8 @@ module vi_structure_matrices
       key_type('scales', least=3, most=3, low=0.0_wp, above=.true., may_miss=.true., &
       never='frequencies', &
       takes='mass M, stiffness K and force F0, in the units of unit_names', &
-      meaning='if its numbers are dimensionless (lengths over F0/K, times over sqrt(M/K)): tables &
-      &and pictures are then in physical units'), &
+      meaning='scales of dimensionless numbers (lengths over F0/K, times over sqrt(M/K)), for &
+      &tables and pictures in physical units'), &
       key_type('unit_names', a_word, may_miss=.true., only='scales', &
       takes='units of length, force and time, as ''mm N s'', of '//lengths//', '//forces// &
       ' and '//times, meaning='units of scales; m N s if left out')]
