@@ -2,8 +2,8 @@
 Given impact times: Table 1
 ===========================
 
-In the theory of 1983 the phases of the impacts are given, and the other unknowns follow from a linear
-system. This example is the third column of the paper's Table 1, two unequally spaced impacts a cycle.
+In the theory of the 1983 paper the phases of the impacts are given, and the other unknowns follow from a
+linear system. This example is the third column of the paper's Table 1, two unequally spaced impacts a cycle.
 """
 
 import math
@@ -18,7 +18,8 @@ print("multipliers      ", abs(motion.multipliers).round(4))
 
 # %%
 # The clearance is a result of the equations: with these phases it is 38.22, not 37 as in the heading of
-# the table. The product of the multipliers must be exp(−4πξk/r)·∏R²; the difference is
+# the table. The product of the multipliers must be exp(−4πξk/r)·∏R². The difference is of
+# the order of rounding errors:
 
 product = math.prod(abs(motion.multipliers))
 print(product - math.exp(-4 * math.pi * 0.005 / 0.94) * 0.75**4)

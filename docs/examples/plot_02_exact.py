@@ -18,8 +18,8 @@ print(repr(exact))
 print(f"second phase: {exact.alpha[1] / math.pi:.6f} pi instead of 1.37 pi")
 
 # %%
-# With the exact phases, the linear equations of 1983 give the same motion. This links two independent
-# parts of the program:
+# With the exact phases, the linear equations of the 1983 paper give the same motion, so two independent
+# parts of the program agree:
 
 again = vi.periodic(osc, 0.94, exact.alpha, pattern)
 print(f"clearance {again.clearance:.12f}, first position {again.X[0] - exact.X[0]:.1e} apart")

@@ -2,8 +2,8 @@
 All periodic motions at a point
 ===============================
 
-``find`` searches for motions of every pattern from many guesses, from releases and from simulations. It
-returns both stable and unstable motions.
+``find`` searches for motions of every pattern, starting from many guesses, from releases off the walls and
+from simulations. It returns both stable and unstable motions.
 """
 
 import matplotlib.pyplot as plt

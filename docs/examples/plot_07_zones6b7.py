@@ -2,7 +2,7 @@
 Zones of Figures 6b and 7
 =========================
 
-Unequally spaced pairs of impacts, and three and four impacts a cycle, in one picture.
+This picture shows the zones of unequally spaced pairs of impacts, and of three and four impacts a cycle.
 """
 
 import vibroimpact as vi

@@ -2,8 +2,8 @@
 A small atlas
 =============
 
-All zones of a window. You need not give the patterns: the program enumerates them, and a survey by
-simulation reports zones that are missing. Each point of the survey is counted by its outcome, and points
+An atlas contains all zones of a window. You need not give the patterns: the program enumerates them, and a
+survey by simulation reports zones that are missing. Each point of the survey is counted by its outcome, and points
 that no zone explains are marked in the picture. Where D > 2A the free mass can also stay at rest without
 impacts; this region is hatched.
 """

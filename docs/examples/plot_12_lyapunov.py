@@ -2,10 +2,10 @@
 Lyapunov exponents
 ==================
 
-All four exponents along a line of the plane. The largest exponent is negative for a periodic motion, 0
-for a quasi-periodic motion and positive for a chaotic motion. The periodic motion here has two pairs of
-equal exponents, because its multipliers are complex. Where the free mass comes to rest, two exponents are
-−∞; these are drawn as open marks at the lower edge.
+This example computes all four exponents along a line of the plane. The largest exponent is negative for a
+periodic motion, 0 for a quasi-periodic motion and positive for a chaotic motion. The periodic motion here has
+two pairs of equal exponents, because its multipliers are complex. Where the free mass comes to rest, two
+exponents are −∞; these are drawn as open marks at the lower edge.
 """
 
 import numpy as np

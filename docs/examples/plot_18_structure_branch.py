@@ -17,7 +17,7 @@ motion = vi.exact(structure, load, vi.simulate(structure, load, cycles=400))
 print(motion)
 
 # %%
-# The motion is its own mirror image half a period later: its symmetry breaks at a pitchfork. Neimark–Sacker points
+# The motion is its own mirror image half a period later; this symmetry breaks at a pitchfork. Neimark–Sacker points
 # separate stable from unstable parts.
 
 branch = vi.branch(motion, "frequency", bounds=(0.5, 0.8))
@@ -25,7 +25,8 @@ print(*branch.special_points, sep="\n")
 branch.plot(y="q_max_1")
 
 # %%
-# At a load factor of 1 the zone has the same points. It consists of several parts of one sheet of motions.
+# At a load factor of 1 the boundary of the zone passes through these points. The zone consists of several parts of
+# one sheet of motions.
 
 zone = vi.zone(motion, x=("frequency", (0.5, 0.8)), y=("load", (0.5, 2.0)))
 print(zone)

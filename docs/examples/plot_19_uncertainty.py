@@ -2,9 +2,10 @@
 A zone of an uncertain rig
 ==========================
 
-The damping ratio, the gap and the coefficient of restitution are known within the tolerances of the rig of 1983.
-The colour is the probability that the equispaced motion is stable. Solid lines: the band in which 95 % of the
-displaced boundaries lie. Dashed lines: the band from first derivatives; crosses mark where it does not hold.
+The damping ratio, the gap and the coefficient of restitution are known within the tolerances of the 1983 rig.
+The colour is the probability that the equispaced motion is stable. Solid lines bound the band in which 95 % of
+the displaced boundaries lie, and dashed lines the band from first derivatives; crosses mark where the latter is
+not valid.
 """
 
 import numpy as np

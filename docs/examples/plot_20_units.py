@@ -2,8 +2,8 @@ r"""
 A rig in physical units
 =======================
 
-A mass of 2.7 kg on a spring of 42 kN/m carries a particle of 0.11 kg, and is driven by 6 N. Every result of the
-rig knows its units, and its pictures have them. The clearance d is the whole travel from wall to wall.
+A mass of 2.7 kg on a spring of 42 kN/m carries a particle of 0.11 kg, and is driven by 6 N. Every result keeps
+the units of the rig, and its pictures show them. The clearance d is the whole travel from wall to wall.
 """
 
 import numpy as np

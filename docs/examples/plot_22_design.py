@@ -24,6 +24,6 @@ print(found.verdict)
 # %%
 # The candidates over the clearance; the level with tolerances over the nominal one, with the Pareto front; the
 # share of the samples within the limit along the band, with confidence intervals; the change of max\|X\|/A of
-# the worst unit when a parameter grows by 1 %; and the best level of each independent search so far.
+# the worst unit if a parameter grows by 1 %; and the best level found so far by each independent search.
 
 found.plot()

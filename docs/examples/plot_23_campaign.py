@@ -4,8 +4,8 @@ A campaign over four parameters
 
 max\|X\|/A of an impact damper near resonance, for 2 damping ratios, 5 mass ratios, 5 coefficients of
 restitution and 14 clearances: 700 responses. Several attractors can coexist; the worst one at the worst of
-three frequency ratios counts. The map shows the least value that a choice of the clearance d (the whole travel
-of the free mass) can give.
+three frequency ratios counts. The map shows the smallest value that can be reached by the choice of the clearance
+d (the whole travel of the free mass).
 """
 
 import pathlib

@@ -2,10 +2,10 @@ r"""
 A zone, proven
 ==============
 
-Where symmetric motions with one impact on each wall are stable and admissible, proven in ball arithmetic: each
-point of the blue parts has such a motion, no point of the light ones has, and of the black ones neither is proven.
-Boxes fill the plane of r and the load phase of the impact, so that no motion is left out. A program that does not
-use this package checks the certificate.
+The picture shows where symmetric motions with one impact on each wall are proven, in ball arithmetic, to be
+stable and admissible. Each point of the blue parts has such a motion, no point of the light parts has one, and for
+the black parts neither is proven. Boxes fill the plane of r and the load phase of the impact, so that no motion is
+left out. A program that does not use this package checks the certificate.
 """
 
 import vibroimpact as vi

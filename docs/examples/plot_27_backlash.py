@@ -2,9 +2,9 @@
 A gear pair with backlash
 =========================
 
-Two gears with a mesh stiffness and backlash are one coordinate, the dynamic transmission error. Teeth touch on
-either side of the backlash; a mean torque presses them together, and an error of the teeth excites them. The mesh
-stiffness, the effective mass and half the backlash are 1.
+Two gears with a mesh stiffness and backlash are described by one coordinate, the dynamic transmission error.
+Teeth touch on either side of the backlash; a mean torque presses them together, and an error of the teeth
+excites them. The mesh stiffness, the effective mass and half the backlash are 1.
 """
 
 import vibroimpact as vi
@@ -14,9 +14,9 @@ gears = vi.Structure(mass=[1], damping=[0], stiffness=[0], gaps=teeth)
 load = vi.Load(0.8, constant=[0.1], cosine=[0.03])
 
 # %%
-# With the teeth in contact at the start, the response jumps at the frequency at which they begin to separate as
-# the frequency rises, and jumps back where they remain in contact again. As it falls, the separation persists down
-# to a lower frequency:
+# The teeth are in contact at the start. As the frequency rises, the response jumps where they begin to separate, and
+# jumps back where they remain in contact again. As the frequency falls, the separation persists down to a lower
+# frequency:
 
 response = vi.response(gears, load, (0.4, 1.4), points=101, state=([1.1], [0.0]))
 response.plot()
@@ -31,7 +31,7 @@ motion = vi.exact(gears, load, run)
 print(motion)
 
 # %%
-# The branch through it leads to the frequencies at which it ends:
+# The branch through this motion leads to the frequencies at which it ends:
 
 branch = vi.branch(motion, "frequency", bounds=(0.4, 1.4))
 print(*branch.special_points, sep="\n")

@@ -15,7 +15,7 @@ harvester = vi.Structure(mass=[1], damping=[0.03], stiffness=[1], gaps=stops)
 load = vi.Load(1.2, sine=[0.1])  # an acceleration of the base, of constant amplitude
 
 # %%
-# Without stops, the displacement at the resonance would be 3.3. With stops it exceeds 1 only a little, over a band
+# Without stops, the displacement at resonance would be 3.3. With stops it exceeds 1 only a little, over a band
 # that depends on the direction in which the frequency changes:
 
 response = vi.response(harvester, load, (0.7, 1.8), points=111)

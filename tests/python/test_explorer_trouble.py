@@ -104,7 +104,7 @@ def test_zones_that_take_too_long_are_given_up(browser):
     tab = browser.new_page()
     page = Page(tab, url)
     tab.goto(f"{url}?{LONG}RL,R*L*")
-    output = "R*L*: not there, given up after 5 s"
+    output = "R*L*: not computed, given up after 5 s"
     tab.wait_for_function(f"document.getElementById('status').textContent.startsWith('{output}')")
     assert page.text("families").split() == ["RL", "symmetric", "RL", "unsymmetric"]
     tab.evaluate("document.querySelector('details').open = true")

@@ -10,7 +10,7 @@ from ..formats.load import load
 DESCRIPTION = """Serve a page on this machine and open it. The page shows the zones of stable motions over
 frequency ratio and clearance, which follow the sliders, and the motions under the pointer,
 with simulations, bifurcation diagrams, links and namelists, a map of max|X|/A, and a box of
-tolerances. With FILE it opens a saved result: a motion, an identified motion, or a
+tolerances. With FILE it opens a saved result: a motion, an identification, or a
 design with its tolerances. Ctrl-C stops it. It needs the extra `explorer`:
 pip install 'vibroimpact[explorer]'."""
 EXAMPLE = "vibroimpact explore --port 5006 --no-browser"

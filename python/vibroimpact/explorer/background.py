@@ -240,7 +240,7 @@ def within(current: Current, seconds: float) -> Callable[..., None]:
 
 def given_up(families: Collection[Family], lines: int) -> str:
     """A text on the zones that were abandoned, with the reason."""
-    what = {COARSE: "not there", FINE: "only coarse"}[lines]
+    what = {COARSE: "not computed", FINE: "only coarse"}[lines]
     names = ", ".join(sorted(family.name for family in families))
     return f"{names}: {what}, given up after {LIMITS[lines]:g} s" if names else ""
 

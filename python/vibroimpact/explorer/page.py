@@ -37,7 +37,7 @@ SLIDERS = (
 #: Fields of a simulation: name, symbol.
 RUN_FIELDS = (
     ("x", "X", "F₀/K"), ("x_dot", "Ẋ", "ωF₀/K"), ("z", "Z", "F₀/K"), ("z_dot", "Ż", "ωF₀/K"),
-    ("t", "t", "1/ω"), ("cycles", "shown", "cycles"), ("discard", "before", "cycles"),
+    ("t", "t", "1/ω"), ("cycles", "shown", "cycles"), ("discard", "discarded", "cycles"),
 )  # fmt: skip
 
 

@@ -26,7 +26,7 @@ __all__ = [
 def rows(shown: list[Shown], chosen: int) -> list[dict[str, Any]]:
     """The table of motions."""
     table = []
-    words = {True: "stable", False: "unstable", None: "on the edge"}
+    words = {True: "stable", False: "unstable", None: "undecided"}
     for i, item in enumerate(shown):
         motion = item.motion
         table.append(
