@@ -33,7 +33,7 @@ def spaced(low: float, high: float, n: int, spacing: str = "linear") -> _Array:
     Returns
     -------
     ndarray (n,)
-        The numbers, rising.
+        The numbers, in ascending order.
 
     Raises
     ------

@@ -64,8 +64,8 @@ def run_namelists(
     ParameterError, ParameterTypeError
         If an argument is not allowed.
     StudyInterrupted
-        On Ctrl-C; its `result` is the log. What was finished of the case that ran is written; a second Ctrl-C
-        gives it up.
+        On Ctrl-C; its `result` is the log. The finished part of the interrupted case is written; a second
+        Ctrl-C abandons it.
 
     Examples
     --------

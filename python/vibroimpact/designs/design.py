@@ -181,7 +181,7 @@ class Design(Noun, study="design", example=EXAMPLE):
 
     @property
     def failed(self) -> int:
-        """Number of samples whose simulation was abandoned; they count as bad."""
+        """Number of samples whose simulation was abandoned; they count as violating the limits."""
         failed: int = self._one("failed")
         return failed
 
@@ -600,7 +600,7 @@ def design(
     limit : float, optional
         Value of the target that must be reached.
     quantile : float
-        Share of the units that must reach it, 0.5 to 1. With 1, the worst unit counts in the search.
+        Share of the units that must meet the limit, 0.5 to 1. With 1, the worst unit counts in the search.
     limits : dict, optional
         Largest allowed ``speed`` of an impact, ``displacement``, ``rms``, ``acceleration``, ``force``, or modulus
         of the ``multiplier``; a simulation without a period violates a limit of the multiplier. Smallest allowed

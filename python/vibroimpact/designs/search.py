@@ -260,8 +260,8 @@ def search(
 def explored(pool: Pool, rng: np.random.Generator, progress: door.Progress | None) -> None:
     """A global search from the candidates of a pool.
 
-    By a few runs, which become more, the best third of the candidates is kept until few are left. Then random
-    steps are made around these, judged by the runs that are worst where a step begins.
+    The candidates are compared by a few runs and the best third is kept; this is repeated with more runs until few
+    are left. Then random steps are made around these, judged by the runs that are worst where a step begins.
     """
     if not pool.risk.any():
         # a candidate that is judged by all runs shows which runs are at risk

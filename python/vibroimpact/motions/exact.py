@@ -321,7 +321,7 @@ def exact(
         In place of `osc`, `r` and `clearance`; the load is None or `Load.none()` for no load.
     guess : Motion, Trajectory or (phases, pattern)
         A motion at other parameters; a trajectory whose last cycles are approximately periodic; or impact phases,
-        for which the linear equations of 1983 give the rest of the guess. Of the periods of up to 16 load cycles
+        for which the linear equations of the 1983 paper give the rest. Of the periods of up to 16 load cycles
         found at the end of a trajectory (see `Trajectory.period`), the one that repeats most accurately is used,
         because just past a period doubling the shorter period repeats approximately, too. A structure with stops
         or friction, or without a load, needs a motion or a trajectory; without a load the trajectory is continued

@@ -131,7 +131,7 @@ class BifurcationDiagram(
     load : float or Load
     parameter : str
     values : ndarray (n,)
-        Values of the parameter, rising; for a structure those that were reached.
+        Values of the parameter, ascending; for a structure those that were reached.
     runs : list of str
         "up", "down", or, for an oscillator, "state 1", ...: the first index of the arrays below.
     cycles, impacts, rests : ndarray (runs, n) of int
@@ -179,7 +179,7 @@ class BifurcationDiagram(
 
     @property
     def values(self) -> _Array:
-        """The values of the parameter (n,), rising; for a structure those that were reached."""
+        """The values of the parameter (n,), ascending; for a structure those that were reached."""
         if self.of_structure:
             return self._cells[0]
         return self._values("values", "value")

@@ -66,7 +66,7 @@ class BoundaryBand:
         Share of the samples for which it was found. For the other samples, the condition vanishes nowhere along
         the normal or could not be followed there, or another condition bounds the zone.
     holds : ndarray (V,) of bool
-        Whether first order is sufficient: the boundary was found for all samples, and the ends of the two bands
+        Whether first order suffices: the boundary was found for all samples, and the ends of the two bands
         differ by at most a tenth of the width of the sampled band.
     """
 

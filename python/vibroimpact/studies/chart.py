@@ -218,7 +218,7 @@ class Chart(Followed, study="chart"):
         return not self._result.empty
 
     def to_xarray(self) -> Any:
-        """An xarray.Dataset with the variables on their axes (extra `charts`).
+        """An xarray.Dataset with the variables on their axes (extra `data`).
 
         Returns
         -------

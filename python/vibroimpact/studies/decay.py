@@ -134,7 +134,7 @@ class Decay(Noun, study="decay"):
 
 
 def with_length(function: Callable[Given, Decay]) -> Callable[Given, Decay]:
-    """A decorator: of a rig without a load, F0/K is its amplitude, so that lengths may have units."""
+    """A decorator: for a rig without a load, F0/K is the amplitude, so that lengths may have units."""
 
     @wraps(function)
     def scaled(*args: Given.args, **kwargs: Given.kwargs) -> Decay:

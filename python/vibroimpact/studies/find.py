@@ -383,7 +383,7 @@ def find(
 
     For an oscillator: for each pattern of sides (up to rotation) with N <= max_impacts and k <= max_cycles,
     Newton's method starts from guesses whose phases fill the period evenly and whose positions solve the linear
-    equations of 1983; later iterations are repelled by motions already found, so that none is found twice. Each
+    equations of the paper; later iterations are repelled by motions already found, so none is found twice. Each
     motion is followed along the lines of constant r and of constant clearance through the point. Through folds
     these lines can return to the point on another branch. Newton's method on the return map of releases adds
     motions with rest, stable or not. A simulated state counts as settled only if Newton's method confirms a stable

@@ -58,7 +58,7 @@ class Response(SettledMotions, study="response", formerly="StructureResponse"):
         For a structure.
     load : float or Load
     values : ndarray (n,)
-        r of an oscillator; for a structure, the circular frequencies of the load that were reached, rising.
+        r of an oscillator; for a structure, the circular frequencies of the load that were reached, ascending.
     runs : list of str
         "state 1", ... for an oscillator, "up" or "down" for a structure: the last index of the arrays below.
     attenuation : ndarray (n, runs)

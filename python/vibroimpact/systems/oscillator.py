@@ -365,8 +365,8 @@ class Oscillator:
         Raises
         ------
         ParameterError, ParameterTypeError
-            If M and K of the oscillator are not known, a value is not a positive number, or anything but exactly
-            one amplitude is given.
+            If M and K of the oscillator are not known, a value is not a positive number, or not exactly one
+            amplitude is given.
 
         Examples
         --------

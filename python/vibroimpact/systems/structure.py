@@ -937,7 +937,7 @@ class Load(ByValue):
 
     @classmethod
     def none(cls) -> Load:
-        """No load, for a structure with any number of coordinates; for `simulate`, `lyapunov`, `exact` and `find`.
+        """No load, for a structure with any number of coordinates; for `simulate`, `exact`, `find` and others.
 
         Examples
         --------
