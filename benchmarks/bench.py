@@ -33,7 +33,7 @@ def machine():
     compiler = subprocess.run(["gfortran", "--version"], capture_output=True, text=True, check=True)
     found = [f"{name} {version(name)}" for name in ("vibroimpact", *PEERS) if has(name)]
     return [
-        f"- {lines[0].split(': ', 1)[1] if lines else platform.machine()}, {os.cpu_count()} processors in sight",
+        f"- {lines[0].split(': ', 1)[1] if lines else platform.machine()}, {os.cpu_count()} processors available",
         f"- {compiler.stdout.splitlines()[0]}; Python {platform.python_version()}; {platform.system()}",
         f"- {', '.join(found)}",
     ]
@@ -61,9 +61,10 @@ def main():
     if len(sys.argv) > 1:
         page = [
             "# Benchmarks", "",
-            "Written by `./run bench`. CPU time on one core unless a line says otherwise, medians of interleaved "
-            "runs; the ratio is the factor by which this package is better. Compare columns of one run, not two "
-            "machines: targets are for a core of 3.4 GHz on which numba makes 1.30 and 1.27 million impacts/s.",
+            "Written by `./run bench`. Times are CPU times on one core unless a line says otherwise, and medians of "
+            "interleaved runs; the ratio is the factor by which this package is better. Compare columns of one run, "
+            "not two machines: targets are for a core of 3.4 GHz on which numba reaches 1.30 and 1.27 million "
+            "impacts/s at the stable and the chaotic point.",
             "",
             *machine(), "", markdown(rows), "",
         ]  # fmt: skip

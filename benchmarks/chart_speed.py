@@ -122,7 +122,7 @@ def rows():
     ours, numba_time, general = medians(lambda: pair(False), loop, one_after_the_other)
     work = "chart of the equispaced motion, 200 x 200"
     return [
-        row(work, "ms", ours, 12.0, numba_time, "numba, no look at flights", same_verdicts(radii)),
+        row(work, "ms", ours, 12.0, numba_time, "numba, flights not checked", same_verdicts(radii)),
         row(work, "ms", ours, None, general, "one motion after the other", same_answers()),
     ]
 

@@ -170,7 +170,7 @@ def rows():
     )
     for name, point in {"stable": (1.04, 25.0), "chaotic": (1.02, 11.25)}.items():
         (*costs, kernel), first = two_masses(*point)
-        peers = {"own oscillator": (kernel, first[-1])}
+        peers = {"as an Oscillator": (kernel, first[-1])}
         if taylor_peer.here():
             there, times = spent(taylor_peer.simulate(0.0114, 0.028, 0.75, *point, 1000))
             peers[taylor_peer.NAME] = 1e3 * there / len(times), times[:10]

@@ -66,7 +66,7 @@ def module(path):
             said = sentence(comment_before(lines, k))
             out += [f"`{text}`", *([f": {said}"] if said else []), ""]
     if codes := name == "vi_status" and CODE.findall("\n".join(lines)):
-        out += ["| code | `stat%` | says |", "|---|---|---|", "| 0 | `ok` | Done. |"]
+        out += ["| code | `stat%` | meaning |", "|---|---|---|", "| 0 | `ok` | Done. |"]
         out += [f"| {number} | `{word}` | {sentence(said)} |" for said, word, number in codes]
         out += [""]
     return out

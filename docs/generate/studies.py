@@ -19,11 +19,11 @@ OF_STRUCTURE = (
 )
 #: Studies without a group.
 IN_PYTHON = {
-    "give the probability that motions are stable where parameters are uncertain": ("uncertainty",),
-    "compute how far the boundaries of a zone move where parameters are uncertain": (
+    "compute the probability that motions are stable if parameters are uncertain": ("uncertainty",),
+    "compute how far the boundaries of a zone move if parameters are uncertain": (
         "boundary_bands",
     ),
-    "estimate the probability that a system keeps limits": ("limit_probability",),
+    "estimate the probability that a system stays within limits": ("limit_probability",),
     "compute the exact derivatives of a motion or a simulation": (
         "Motion.gradient",
         "Trajectory.gradient",
@@ -53,7 +53,7 @@ def code(words):
 
 def pages():
     """The table of studies, and that of the rows in inputs/README.md."""
-    lines = ["| it can | in Python | in a namelist | as a command |", "|---|---|---|---|"]
+    lines = ["| purpose | in Python | in a namelist | as a command |", "|---|---|---|---|"]
     lines += [
         f"| {does} | `{kind}` | `&motion kind = '{kind}'` | `run` |"
         for kind, (does, _) in MOTIONS.items()
