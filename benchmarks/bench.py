@@ -61,10 +61,10 @@ def main():
     if len(sys.argv) > 1:
         page = [
             "# Benchmarks", "",
-            "Written by `./run bench`. Times are CPU times on one core unless a line says otherwise, and medians of "
-            "interleaved runs; the ratio is the factor by which this package is better. Compare columns of one run, "
-            "not two machines: targets are for a core of 3.4 GHz on which numba reaches 1.30 and 1.27 million "
-            "impacts/s at the stable and the chaotic point.",
+            "Written by `./run bench`. Times are CPU times on one core unless a line says otherwise, and medians "
+            "of interleaved runs; the ratio is the factor by which this package is better. Compare columns of one "
+            "run, not two machines: targets are for a core of 3.4 GHz on which numba reaches 1.30 and 1.27 "
+            "million impacts/s.",
             "",
             *machine(), "", markdown(rows), "",
         ]  # fmt: skip

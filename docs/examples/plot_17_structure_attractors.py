@@ -2,8 +2,9 @@ r"""
 Attractors of a structure
 =========================
 
-A mass on a spring carries a free mass in a slot. This example computes its response over the load frequency, the
-settled motions along the opening of the slot, the basins of coexisting motions, and the exponents of a chaotic one.
+A mass on a spring carries a free mass in a slot. This example computes its response over the load frequency,
+the settled motions along the opening of the slot, the basins of coexisting motions, and the exponents of a
+chaotic one.
 """
 
 import vibroimpact as vi

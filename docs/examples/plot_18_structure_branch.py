@@ -17,8 +17,8 @@ motion = vi.exact(structure, load, vi.simulate(structure, load, cycles=400))
 print(motion)
 
 # %%
-# The motion is its own mirror image half a period later; this symmetry breaks at a pitchfork. Neimark–Sacker points
-# separate stable from unstable parts.
+# The motion is its own mirror image half a period later; this symmetry breaks at a pitchfork. Neimark–Sacker
+# points separate stable from unstable parts.
 
 branch = vi.branch(motion, "frequency", bounds=(0.5, 0.8))
 print(*branch.special_points, sep="\n")

@@ -14,9 +14,9 @@ gears = vi.Structure(mass=[1], damping=[0], stiffness=[0], gaps=teeth)
 load = vi.Load(0.8, constant=[0.1], cosine=[0.03])
 
 # %%
-# The teeth are in contact at the start. As the frequency rises, the response jumps where they begin to separate, and
-# jumps back where they remain in contact again. As the frequency falls, the separation persists down to a lower
-# frequency:
+# The teeth are in contact at the start. As the frequency rises, the response jumps where they begin to
+# separate, and jumps back where they remain in contact again. As the frequency falls, the separation persists
+# down to a lower frequency:
 
 response = vi.response(gears, load, (0.4, 1.4), points=101, state=([1.1], [0.0]))
 response.plot()
