@@ -42,8 +42,7 @@ module vi_common_keys
    !! by whole cycles (`vi_structure_return`), so that up to a cycle more may be simulated.
    type(key_type), parameter, public :: max_events_key = key_type('max_events', a_whole, &
       default='10000000', low=1.0_wp, high=1.0e9_wp, &
-      meaning='events (impacts, rests, releases, contacts, slips) after which a simulation is &
-      &abandoned')
+      meaning='impacts, rests, releases, contacts and slips after which a simulation is abandoned')
    !> How long a motion settles, and how long it is then examined.
    type(key_type), parameter, public :: settling_key = key_type('settling', a_whole, &
       default='300', low=0.0_wp, high=1.0e7_wp, &

@@ -23,7 +23,7 @@ module vi_design_study
       spread = 'two numbers (all values in between are equally likely) or more (quantiles at even &
       &steps, in order); with the name in `normal`, mean and standard deviation', &
       of_free = 'uncertain values; for a free parameter deviations from its chosen value, &
-      &including 0, or positive factors on it, including 1'
+      &including 0, or factors above 0, including 1'
    real(wp), parameter :: tiny_value = 1.0e-300_wp, least_stiffness = 1.0e-12_wp, most_element = &
       1.0e12_wp
 
