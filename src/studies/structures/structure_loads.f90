@@ -33,8 +33,8 @@ module vi_structure_loads
       takes='one number for each coordinate', meaning='constant forces, such as gravity'), &
       key_type('record', most=most_samples, may_miss=.true., or='record_file', &
       never='frequency', takes='one number for each column, sample by sample, with at least two &
-      &samples', meaning='samples of forces or, with base, of the motion of the base; they start at &
-      &time 0, are interpolated linearly, and are followed by 0'), &
+      &samples', meaning='samples of forces or, with base, of the motion of the base; they start &
+      &at time 0, are interpolated linearly, and are followed by 0'), &
       key_type('record_file', a_word, may_miss=.true., or='record', never='frequency', &
       takes='a CSV file, a Matrix Market file (real, general) or a NumPy file (.npy, float64), &
       &with a row for each sample, at least two, and at most 1e7 numbers', &
