@@ -128,7 +128,7 @@ def physical(result: Any, units: Units | str | None = None) -> Any:
             )
         system: Any = (
             system_of(case)[0] if namelist.has_scales(case)
-            else Oscillator._of_keys(namelist.keys_of(case))
+            else Oscillator._of_keys(namelist.system_keys(case))
         )  # fmt: skip
         return dataset(result, chosen_units(result, system, units))
     if isinstance(result, Physical):

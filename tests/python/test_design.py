@@ -561,6 +561,26 @@ def test_searches_agree_if_three_end_at_the_best_design():
     assert archive((1.0, 30.0), (1.5, 25.0), (1.0, 30.0), (2.0, 40.0), (1.0, 30.0)) is True
 
 
+def test_a_second_set_of_searches_goes_on_to_new_ones():
+    """With more units, searches start from the best candidates so far, then anew."""
+    job = {"r": (1.0, 1.02), "free": {"clearance": (20, 45)}, "evaluations": 8, "searches": 1}
+    problem, order = asked_by(OSC, vi.design(OSC, **{**QUICK, **job}).keys)
+    order = replace(order, specimens=2, nodes=3)
+    first = search(problem, order, None)
+    more = replace(order, specimens=4, nodes=5, searches=3)
+    shares = []
+    second = search(problem, more, lambda share, note: shares.append(share), first)
+    assert len(first.searches) == 1
+    assert len(second.searches) == 3
+    assert shares == sorted(shares)
+    # each candidate that was judged by all runs has the level that all runs of the larger set give it
+    fine = grid(problem, more.specimens, more.nodes, more.states)
+    best = second.best
+    assert second.level[best] >= judged(problem, fine, second.values[best][None])[1][0] * (
+        1 - 1e-12
+    )
+
+
 def test_the_front_has_no_candidate_that_another_one_beats_or_equals():
     archive = Archive(
         values=[np.array([value]) for value in (1.0, 2.0, 2.0, 3.0, 4.0, 5.0)],

@@ -271,7 +271,9 @@ def test_known_values_are_in_the_units_of_the_system(tmp_path):
     study = "identify impact_times = 0, 0.5, frequency = 19.5, clearance = {}, free_mass = {}"
     plain = "units = 'mm N s', mass = 0.0027, stiffness = 42, mu = 0.04"
     case = case_in(tmp_path, plain, study.format("4", "1.1e-4"))
-    assert [case.keys["clearance"], case.keys["free_mass"]] == pytest.approx([0.004, 0.11], rel=1e-12)
+    assert [case.keys["clearance"], case.keys["free_mass"]] == pytest.approx(
+        [0.004, 0.11], rel=1e-12
+    )
     with pytest.raises(
         ParameterError, match=r"&identify mass = 2.6: must be left out if mass is given in &system"
     ):

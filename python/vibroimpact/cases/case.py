@@ -15,7 +15,7 @@ from .. import _core
 from ..base.errors import ParameterError, ParameterTypeError
 from ..motions.motion import Motion, MotionSet
 from ..results import door
-from ..results.namelist import keys_of, parts_of
+from ..results.namelist import keys_of, parts_of, system_keys
 from ..results.noun import Noun, result_class
 from ..results.systems import from_groups
 from ..results.tables import Handle, keys_for, language, message_of
@@ -216,10 +216,13 @@ def case_of(text: str) -> Case:
 
 
 def _case(text: str) -> Case:
-    keys = keys_of(text)
-    osc = Oscillator._of_keys(keys)
-    name, kind, r, *_ = (keys.pop(key, None) for key in ("name", "kind", "r", *osc._keys()))
-    return Case(name, kind, osc, r, keys, text)
+    keys, system = keys_of(text), system_keys(text)
+    name, kind, r = (keys.pop(key, None) for key in ("name", "kind", "r"))
+    others = {
+        key for group, items in parts_of(text) if group not in ("system", "sweep") for key in items
+    }
+    keys = {key: value for key, value in keys.items() if key not in system or key in others}
+    return Case(name, kind, Oscillator._of_keys(system), r, keys, text)
 
 
 def _structure_case(text: str) -> Case:

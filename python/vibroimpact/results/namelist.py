@@ -75,6 +75,11 @@ def parts_of(text: str) -> list[tuple[str, dict[str, Any]]]:
     return [(name, keys_of(body)) for name, body in groups]
 
 
+def system_keys(text: str) -> dict[str, Any]:
+    """The keys of the &system of a case, empty if there is none; a study may have keys of the same names."""
+    return dict(parts_of(text)).get("system", {})
+
+
 def has_structure(text: str) -> bool:
     """Whether a case is that of a structure, by its first group."""
     first = re.search(r"(?m)^&(\w+)$", text)

@@ -14,7 +14,7 @@ from ..base.actions import ACTIONS
 from ..base.errors import ParameterError
 from ..systems.oscillator import Oscillator
 from ..systems.structure import Load, Structure
-from .namelist import keys_of, parts_of
+from .namelist import keys_of, parts_of, system_keys
 from .systems import check_gap_numbers, system_of
 from .tables import Found, Result, declared, keys_for
 
@@ -516,10 +516,10 @@ class Noun(Savable):
         """The oscillator."""
         if self.of_structure:
             raise AttributeError(self._lack("osc", "structure and load"))
-        keys = self.keys
+        keys = system_keys(self.case)
         if "xi" not in keys:
             raise AttributeError(self._lack("osc", "a case without &system"))
-        return Oscillator._of_keys(keys)
+        return Oscillator._of_keys(Found(keys, "case"))
 
     @property
     def structure(self) -> Structure:

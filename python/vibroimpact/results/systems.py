@@ -41,7 +41,7 @@ def osc_of(result: Result, table: str, row: int = 0) -> Oscillator:
         for name in ("M", "K", "F0", "units") if name in columns
     }  # fmt: skip
     if not known and result.case:
-        keys = namelist.keys_of(result.case)
+        keys = namelist.system_keys(result.case)
         of_system = {"M": "mass", "K": "stiffness", "F0": "force", "units": "unit_names"}
         known = {name: keys[key] for name, key in of_system.items() if key in keys}
     names = known.pop("units", None)

@@ -70,8 +70,8 @@ module vi_identify_study
       key_type('free_mass', most=2, low=tiny_value, high=huge_value, may_miss=.true., unit='kg', &
       meaning='m, if it is known, and its standard error'), &
       key_type('clearance', most=2, low=tiny_value, high=huge_value, may_miss=.true., &
-      unit='m', meaning='d, the whole travel of m between the walls, if it is known, and its standard &
-      &error'), &
+      unit='m', meaning='d, the whole travel of m between the walls, if it is known, and its &
+      &standard error'), &
       key_type('natural_frequency', most=2, low=tiny_value, high=huge_value, may_miss=.true., &
       unit='Hz', &
       meaning='omega/(2 pi), if it is known, and its standard error'), &
