@@ -3,8 +3,8 @@ Friction in the slot, tape on a wall
 ====================================
 
 The damper of Figure 8 has one wall of steel and one with tape. The theory of the paper takes both as rigid and
-the slot as free of friction. This example compares it with two further models: dry friction between the free mass and
-its slot, and tape as an elastic stop with a stiffness and a dashpot.
+the slot as free of friction. This example compares it with two further models: dry friction between the free mass
+and its slot, and tape as an elastic stop with a stiffness and a dashpot.
 """
 
 import matplotlib.pyplot as plt
