@@ -51,8 +51,9 @@ module vi_channels
    type, public :: reached_type
       !> 0 if there is none within the limit of time.
       integer :: row = 0, wall = 0
-      !> Time after the start of the flight, and approach speed.
-      real(wp) :: time = 0, speed = 0
+      !> Time after the start of the flight, and approach speed; a bound on the rounding errors of
+      !! the row.
+      real(wp) :: time = 0, speed = 0, reserve = 0
       !> False if the search exceeded its step budget.
       logical :: complete = .true.
       !> Whether the search was interrupted: it goes on from the pace that it returned.
@@ -134,7 +135,7 @@ contains
       associate (pairs => size(regime%modes%stiffness), rows => size(regime%upper), &
          harmonics => size(regime%turns, 1))
          fits = allocated(space%pairs)
-         if (fits) fits = size(space%pairs, 1) == pairs .and. size(space%values, 1) == rows
+         if (fits) fits = size(space%pairs, 1) >= pairs .and. size(space%values, 1) >= rows
          if (fits) return
          if (allocated(space%pairs)) deallocate (space%pairs, space%work, space%values, &
             space%turns, space%doubtful)
@@ -287,7 +288,7 @@ contains
             if (wall == 0) cycle
             found = time
             row = doubtful(1, j)
-            reached = reached_type(row, wall, time, speed, steps=reached%steps)
+            reached = reached_type(row, wall, time, speed, values(row, 6), steps=reached%steps)
          end do
          pace = pace_type(level)
          if (n == 0) clear = clear + 1

@@ -34,8 +34,9 @@ module vi_modes
       !! is real, and the formula that applies.
       real(wp), allocatable, dimension(:) :: omega, inverse, turn
       integer, allocatable :: kind(:)
-      !> The pairs of no special formula, the largest of `turn`, and whether enough pairs have a
-      !! special formula to be advanced side by side; whether the processor has wide registers.
+      !> The pairs with constant terms or no special formula, the largest of `turn`, and whether
+      !! enough pairs are no such ones to be advanced side by side; whether the processor has wide
+      !! registers.
       integer, allocatable :: others(:)
       real(wp) :: fastest = 0
       logical :: abreast = .false., wide = .false.
@@ -44,8 +45,11 @@ module vi_modes
       integer :: turning = 0, bent = 0
    end type modes_type
 
-   !> Formulas: a free mass; an oscillation without damping, and with damping; any other pair.
-   integer, parameter :: free_mass = 1, undamped = 2, damped = 3, other = 4
+   !> Formulas: a free mass; an oscillation below critical damping, without and with constant
+   !! terms; any other pair.
+   integer, parameter :: free_mass = 1, oscillating = 2, pushed = 3, other = 4
+   !> Share of the time scale of a pair below which its responses are summed as series.
+   real(wp), parameter :: short = 0.5_wp
    !> Number of pairs from which on they are advanced side by side.
    integer, parameter :: many = 8
 
@@ -110,7 +114,7 @@ contains
       if (.not. fast > 0 .and. .not. stiffness > 0) then
          s2 = 0.5_wp*t**2
          s3 = t**3/6
-      else if (max(sqrt(stiffness), 2*damping)*abs(t) < 0.5_wp) then
+      else if (max(sqrt(stiffness), 2*damping)*abs(t) < short) then
          call short_responses(stiffness, damping, t, s2, s3)
       else if (fast > 0 .and. (rate*abs(t) > 0.25_wp .or. stiffness*t**2 < 0.05_wp)) then
          ! 1 - u would lose digits where the stiffness is small
@@ -185,22 +189,22 @@ contains
       real(wp), intent(out) :: s2, s3
       integer, parameter :: terms = 18
       integer :: i
-      real(wp), parameter :: inverse(3:terms + 1) = [(1.0_wp/i, i=3, terms + 1)]
-      real(wp) :: c, before, last
+      real(wp), parameter :: number(3:terms + 2) = [(real(i, wp), i=3, terms + 2)], &
+         inverse(3:terms + 2) = 1/number
+      real(wp) :: c, next
 
       ! the i-th term c of s3 is t^i/i! times its i-th derivative; s2 = s3'
-      before = 0
       c = t**3/6
+      next = -2*damping*c*(t*inverse(4))
       s3 = 0
       s2 = 0
-      do i = 3, terms
-         s3 = s3 + c
-         s2 = s2 + i*c
+      do i = 3, terms, 2
+         s3 = s3 + c + next
+         s2 = s2 + number(i)*c + number(i + 1)*next
          ! each further term is below half the sum of the last two over i
-         if (abs(c) + abs(before) <= 0.25_wp*epsilon(1.0_wp)*abs(s2)) exit
-         last = c
-         c = (-2*damping*c - stiffness*before*(t*inverse(i)))*(t*inverse(i + 1))
-         before = last
+         if (abs(next) + abs(c) <= 0.25_wp*epsilon(1.0_wp)*abs(s2)) exit
+         c = (-2*damping*next - stiffness*c*(t*inverse(i + 1)))*(t*inverse(i + 2))
+         next = (-2*damping*c - stiffness*next*(t*inverse(i + 2)))*(t*inverse(i + 3))
       end do
       if (abs(t) > 0) s2 = s2/t
    end subroutine short_responses
@@ -222,12 +226,16 @@ contains
          associate (omega => modes%omega(k), damping => modes%damping(k))
             if (omega > 0) modes%inverse(k) = 1/omega
             if (omega > damping) modes%turn(k) = sqrt((omega - damping)*(omega + damping))
-            if (driven .or. abs(modes%force(k)) + abs(modes%drift(k)) > 0) cycle
-            if (omega > damping) modes%kind(k) = merge(damped, undamped, damping > 0)
+            if (driven) cycle
+            if (abs(modes%force(k)) + abs(modes%drift(k)) > 0) then
+               if (omega > damping .and. damping >= 0) modes%kind(k) = pushed
+               cycle
+            end if
+            if (omega > damping) modes%kind(k) = oscillating
             if (.not. (omega > 0 .or. damping > 0)) modes%kind(k) = free_mass
          end associate
       end do
-      modes%others = pack([(k, k=1, n)], modes%kind == other)
+      modes%others = pack([(k, k=1, n)], modes%kind >= pushed)
       modes%abreast = n - size(modes%others) >= many
       modes%fastest = maxval([modes%turn, 0.0_wp])
       modes%turning = findloc(modes%turn > 0, .true., dim=1, back=.true.)
@@ -316,35 +324,46 @@ contains
       real(wp), intent(in) :: x, v
       !> After that time.
       real(wp), intent(out) :: x_new, v_new
-      real(wp) :: angle, shrink, u, w, s2, s3
+      real(wp) :: damping, drift, force, shrink, stiffness, turn, u, w, s2, s3
 
-      associate (stiffness => modes%stiffness(k), damping => modes%damping(k), &
-         force => modes%force(k), drift => modes%drift(k), turn => modes%turn(k))
-         select case (modes%kind(k))
-         case (free_mass)
-            x_new = x + t*v
-            v_new = v
-         case (undamped, damped)
-            angle = turn*t
-            w = t
-            if (abs(angle) > 1.0e-8_wp) w = sin(angle)/turn
-            u = cos(angle)
-            if (modes%kind(k) == damped) then
-               shrink = exp(-damping*t)
-               u = shrink*(u + damping*w)
-               w = shrink*w
-            end if
-            x_new = u*x + w*v
-            v_new = (u - 2*damping*w)*v - stiffness*w*x
-         case default
-            call step_functions(stiffness, damping, t, u, w, s2, s3)
-            x_new = u*x + w*v + force*s2 + drift*(w + 2*damping*s2)
-            v_new = (u - 2*damping*w)*v - stiffness*w*x + force*w - stiffness*drift*s2
-            if (.not. abs(modes%force_rate(k)) + abs(modes%drift_rate(k)) > 0) return
-            x_new = x_new + modes%force_rate(k)*s3 + modes%drift_rate(k)*(s2 + 2*damping*s3)
-            v_new = v_new + modes%force_rate(k)*s2 - stiffness*modes%drift_rate(k)*s3
-         end select
-      end associate
+      stiffness = modes%stiffness(k)
+      damping = modes%damping(k)
+      select case (modes%kind(k))
+      case (free_mass)
+         x_new = x + t*v
+         v_new = v
+      case (oscillating, pushed)
+         turn = modes%turn(k)
+         w = t
+         if (abs(turn*t) > 1.0e-8_wp) w = sin(turn*t)/turn
+         u = cos(turn*t)
+         if (damping > 0) then
+            shrink = exp(-damping*t)
+            u = shrink*(u + damping*w)
+            w = shrink*w
+         end if
+         x_new = u*x + w*v
+         v_new = (u - 2*damping*w)*v - stiffness*w*x
+         if (modes%kind(k) == oscillating) return
+         if (max(modes%omega(k), 2*damping)*abs(t) < short) then
+            call short_responses(stiffness, damping, t, s2, s3)
+         else
+            s2 = (1 - u)/stiffness
+         end if
+         force = modes%force(k)
+         drift = modes%drift(k)
+         x_new = x_new + force*s2 + drift*(w + 2*damping*s2)
+         v_new = v_new + force*w - stiffness*drift*s2
+      case default
+         force = modes%force(k)
+         drift = modes%drift(k)
+         call step_functions(stiffness, damping, t, u, w, s2, s3)
+         x_new = u*x + w*v + force*s2 + drift*(w + 2*damping*s2)
+         v_new = (u - 2*damping*w)*v - stiffness*w*x + force*w - stiffness*drift*s2
+         if (.not. abs(modes%force_rate(k)) + abs(modes%drift_rate(k)) > 0) return
+         x_new = x_new + modes%force_rate(k)*s3 + modes%drift_rate(k)*(s2 + 2*damping*s3)
+         v_new = v_new + modes%force_rate(k)*s2 - stiffness*modes%drift_rate(k)*s3
+      end select
    end subroutine advance_pair
 
    !> Tables that advance the pairs by steps of given lengths.

@@ -326,7 +326,7 @@ contains
       !> Time since the constants had their values.
       real(wp), intent(in), optional :: time
       real(wp) :: growth
-      integer :: i, j, n, m
+      integer :: j, n, m
 
       growth = 0
       if (present(time)) growth = time
@@ -360,12 +360,8 @@ contains
          call add_listed(size(rows%row), size(x), size(y), rows%row, rows%pair, rows%position, x, &
             v, y, rate)
       else
-         do i = 1, size(rows%row)
-            y(rows%row(i)) = y(rows%row(i)) + (rows%position(i)*x(rows%pair(i)) &
-               + rows%velocity(i)*v(rows%pair(i)))
-            rate(rows%row(i)) = rate(rows%row(i)) + (rows%rate_position(i)*x(rows%pair(i)) &
-               + rows%rate_velocity(i)*v(rows%pair(i)))
-         end do
+         call add_both(size(rows%row), size(x), size(y), rows%row, rows%pair, rows%position, &
+            rows%velocity, rows%rate_position, rows%rate_velocity, x, v, y, rate)
       end if
    end subroutine free_values
 
@@ -684,6 +680,25 @@ contains
          rate(row(i)) = rate(row(i)) + position(i)*v(pair(i))
       end do
    end subroutine add_listed
+
+   !> Adds the coefficients that are in no block, where rows depend on v.
+   pure subroutine add_both(n, m, rows, row, pair, position, velocity, rate_position, &
+      rate_velocity, x, v, y, rate)
+      !> As in `add_listed`.
+      integer, intent(in) :: n, m, rows, row(n), pair(n)
+      !> The coefficients of x and of v.
+      real(wp), dimension(n), intent(in) :: position, velocity, rate_position, rate_velocity
+      !> The pairs.
+      real(wp), intent(in) :: x(m), v(m)
+      !> In and out: values and rates.
+      real(wp), intent(inout) :: y(rows), rate(rows)
+      integer :: i
+
+      do i = 1, n
+         y(row(i)) = y(row(i)) + (position(i)*x(pair(i)) + velocity(i)*v(pair(i)))
+         rate(row(i)) = rate(row(i)) + (rate_position(i)*x(pair(i)) + rate_velocity(i)*v(pair(i)))
+      end do
+   end subroutine add_both
 
    !> Adds a harmonic of the load.
    pure subroutine add_harmonic(n, ripple, frequency, turn, y, rate)

@@ -1624,45 +1624,85 @@ contains
       real(wp), contiguous, intent(in) :: q(:), rate(:)
       !> (m) The pairs.
       real(wp), contiguous, intent(out) :: x(:), v(:)
-      real(wp) :: free(size(q), 2), by_rate(size(x), 2)
-      integer :: h
+      !> Numbers for which there is room without memory of their own.
+      integer, parameter :: few = 16
+      real(wp) :: room(2*few)
+      real(wp), allocatable :: more(:)
 
-      free(:, 1) = q - regime%offset
-      free(:, 2) = rate
-      do h = 1, size(regime%steady, 2)
-         associate (turn => cmplx(cos(h*phase), sin(h*phase), wp))
-            free(:, 1) = free(:, 1) - real(regime%steady(:, h)*turn)
-            free(:, 2) = free(:, 2) - real(regime%steady_rate(:, h)*turn)
-         end associate
-      end do
-      call multiply(size(x), size(q), regime%xq, free(:, 1), x)
-      call multiply(size(x), size(q), regime%vq, free(:, 1), v)
-      call multiply(size(x), size(q), regime%xd, free(:, 2), by_rate(:, 1))
-      call multiply(size(x), size(q), regime%vd, free(:, 2), by_rate(:, 2))
-      x = x + by_rate(:, 1)
-      v = v + by_rate(:, 2)
+      if (size(q) <= few) then
+         call convert(regime, size(q), size(x), phase, q, rate, room, x, v)
+      else
+         allocate (more(2*size(q)))
+         call convert(regime, size(q), size(x), phase, q, rate, more, x, v)
+      end if
    end subroutine to_pairs
 
-   !> y = a x, each sum in the order of the columns.
-   pure subroutine multiply(n, m, a, x, y)
+   !> As `to_pairs`, with room.
+   pure subroutine convert(regime, n, m, phase, q, rate, free, x, v)
+      !> The regime, and its numbers of coordinates and of pairs.
+      type(regime_type), intent(in) :: regime
+      integer, intent(in) :: n, m
+      !> As in `to_pairs`.
+      real(wp), intent(in) :: phase, q(n), rate(n)
+      !> Room.
+      real(wp), intent(out) :: free(n, 2)
+      !> The pairs.
+      real(wp), intent(out) :: x(m), v(m)
+      complex(wp) :: turn
+      integer :: h, i
+
+      do i = 1, n
+         free(i, 1) = q(i) - regime%offset(i)
+         free(i, 2) = rate(i)
+      end do
+      do h = 1, size(regime%steady, 2)
+         turn = cmplx(cos(h*phase), sin(h*phase), wp)
+         do i = 1, n
+            free(i, 1) = free(i, 1) - real(regime%steady(i, h)*turn)
+            free(i, 2) = free(i, 2) - real(regime%steady_rate(i, h)*turn)
+         end do
+      end do
+      call multiply(m, n, regime%xq, regime%xd, free, x)
+      call multiply(m, n, regime%vq, regime%vd, free, v)
+   end subroutine convert
+
+   !> y = a x + b v, each of the two sums in the order of the columns.
+   pure subroutine multiply(n, m, a, b, x, y)
       !> Rows and columns.
       integer, intent(in) :: n, m
-      !> The matrix, and x (m).
-      real(wp), intent(in) :: a(n, m), x(m)
+      !> The matrices; x and v.
+      real(wp), intent(in) :: a(n, m), b(n, m), x(m, 2)
       !> (n)
       real(wp), intent(out) :: y(n)
-      integer :: i, k
+      !> Rows whose sums stay in registers.
+      integer, parameter :: rows = 4
+      real(wp) :: p(rows), q(rows)
+      integer :: i, k, l
 
-      y = 0
-      do k = 1, m
-         do i = 1, n
-            y(i) = y(i) + a(i, k)*x(k)
+      do i = 1, n - rows + 1, rows
+         p = 0
+         q = 0
+         do k = 1, m
+            do l = 1, rows
+               p(l) = p(l) + a(i + l - 1, k)*x(k, 1)
+               q(l) = q(l) + b(i + l - 1, k)*x(k, 2)
+            end do
          end do
+         y(i:i + rows - 1) = p + q
+      end do
+      do i = n - mod(n, rows) + 1, n
+         p(1) = 0
+         q(1) = 0
+         do k = 1, m
+            p(1) = p(1) + a(i, k)*x(k, 1)
+            q(1) = q(1) + b(i, k)*x(k, 2)
+         end do
+         y(i) = p(1) + q(1)
       end do
    end subroutine multiply
 
    !> Coordinates and velocities from the pairs.
-   pure subroutine state_of(regime, phase, x, v, q, rate)
+   pure subroutine state_of(regime, phase, x, v, q, rate, turns)
       !> The regime.
       type(regime_type), intent(in) :: regime
       !> Load phase Omega t (rad).
@@ -1671,12 +1711,17 @@ contains
       real(wp), contiguous, intent(in) :: x(:), v(:)
       !> (n) Coordinates and velocities.
       real(wp), contiguous, intent(out) :: q(:), rate(:)
+      !> (harmonics) e^(i h phase).
+      complex(wp), intent(out), optional :: turns(:)
       integer :: h
 
       call free_values(regime%coordinates, x, v, q, rate)
       do h = 1, size(regime%steady, 2)
-         call add_harmonic(size(q), regime%coordinates%ripple(:, h), h*regime%frequency, &
-            cmplx(cos(h*phase), sin(h*phase), wp), q, rate)
+         associate (turn => cmplx(cos(h*phase), sin(h*phase), wp))
+            call add_harmonic(size(q), regime%coordinates%ripple(:, h), h*regime%frequency, turn, &
+               q, rate)
+            if (present(turns)) turns(h) = turn
+         end associate
       end do
    end subroutine state_of
 

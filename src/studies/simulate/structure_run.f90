@@ -47,6 +47,16 @@ module vi_structure_run
       type(pair_type) :: pair
    end type run_type
 
+   !> What happens to the pairs where a stop is touched or left: those in the regime beyond are
+   !! linear in those before it, so that a small structure need not go through its coordinates.
+   type, public :: passage_type
+      !> The regime that is left, the row and its limit (+1 upper, -1 lower), and the regime beyond.
+      integer :: from = 0, row = 0, wall = 0, beyond = 0
+      !> Factors of x and v before it, of the real and of the imaginary parts of e^(i h phase), and
+      !! of 1, in x and v beyond it, by columns.
+      real(wp), allocatable :: factors(:, :)
+   end type passage_type
+
    !> A state: time as whole periods and the remainder, so that its error does not grow.
    type, public :: run_state_type
       integer(int64) :: cycle = 0
@@ -75,6 +85,11 @@ module vi_structure_run
       !! speed; the lengths of the cells of the previous search.
       type(leaving_type) :: leaving
       type(leaving_type), allocatable :: partings(:)
+      !> Room for one of these, kept so that memory is not allocated anew for each event.
+      type(leaving_type), allocatable :: spare(:)
+      !> Passages met so far, and (harmonics) room for e^(i h phase).
+      type(passage_type), allocatable :: passages(:)
+      complex(wp), allocatable :: turns(:)
       type(pace_type) :: pace
       !> (regimes) The lengths of cells when a regime was left; of level 0 if it was not so far.
       type(pace_type), allocatable :: paces(:)
@@ -97,6 +112,8 @@ module vi_structure_run
       logical :: together = .false.
    end type run_event_type
 
+   !> Most pairs of a structure, and most harmonics of its load, of which passages are kept.
+   integer, parameter :: few = 8
    !> Share of a stick level by which a force that holds may exceed it: rounding.
    real(wp), parameter :: tolerance = 1.0e-12_wp
    !> Largest number of impacts at one instant on coupled gaps.
@@ -778,6 +795,8 @@ contains
       state%released = 0
       state%changes = 0
       if (allocated(state%touching)) deallocate (state%touching)
+      if (.not. allocated(state%partings)) return
+      if (size(state%partings) == 1) call move_alloc(state%partings, state%spare)
       if (allocated(state%partings)) deallocate (state%partings)
    end subroutine leave_instant
 
@@ -1227,8 +1246,8 @@ contains
          if ((run%structure%has_friction .or. allocated(state%pending)) .and. .not. (changed .or. &
             goes_on)) call judge_friction(run, state, events(n + 1), changed, status)
          if (status /= stat%ok) return
-         if (.not. (changed .or. goes_on)) call accumulate(run, state, limit, events(n + 1), &
-            changed, status)
+         if (state%leaving%row > 0 .and. .not. (changed .or. goes_on)) call accumulate(run, state, &
+            limit, events(n + 1), changed, status)
          if (status /= stat%ok) return
          if (changed) then
             n = n + 1
@@ -1787,8 +1806,8 @@ contains
       !> `stat%ok`, `stat%stop_holds` where the stop would hold the structure at this limit, or as
       !! in `new_regime`.
       integer, intent(out) :: status
-      real(wp) :: phase
-      integer :: kind, order, sense, number, to
+      real(wp) :: phase, speed
+      integer :: kind, number, order, sense, to
       logical :: grazes
 
       status = stat%ok
@@ -1796,9 +1815,10 @@ contains
          number = gap_of(regime, reached%row, reached%wall)
          grazes = only_touches(run, state, reached)
          call move(run, state, reached%time)
-         call state_now(run, state, state%q, state%rate)
-         if (reached%time > 0) call leave_instant(state)
          phase = run%load%frequency*state%elapsed
+         if (.not. allocated(state%turns)) allocate (state%turns(size(regime%steady, 2)))
+         call state_of(regime, phase, state%x, state%v, state%q, state%rate, state%turns)
+         if (reached%time > 0) call leave_instant(state)
          if (grazes) then
             call leading_term(regime, state%x, state%v, phase, reached%row, 1, order, sense)
             passes = reached%wall*sense > 0
@@ -1816,8 +1836,7 @@ contains
             to = merge(number, 0, kind == touch_event)
          end if
       end associate
-      call enter(run, replaced(run%regimes(state%regime)%closed, number, to), phase, state%q, &
-         state%rate, state, status)
+      call enter_beyond(run, reached, number, to, phase, state, status)
       if (status /= stat%ok) return
       ! the limit that was passed is left on its other side
       associate (regime => run%regimes(state%regime), row => reached%row, &
@@ -1837,11 +1856,116 @@ contains
             if (order > 0) call part(run, state, structure%push(number), -1, order)
          end if
          if (size(regime%resting) > 0 .or. allocated(state%touching)) state%unsettled = .true.
-         call note(state, kind, number, speed_of_stop(run, number, state), 0.0_wp, state%q, &
-            state%rate, event)
-         if (row == structure%channel(number)) event%speed = reached%speed
+         speed = reached%speed
+         if (row /= structure%channel(number)) speed = speed_of_stop(run, number, state)
+         call note(state, kind, number, speed, 0.0_wp, state%q, state%rate, event)
       end associate
    end subroutine pass_stop
+
+   !> Puts a state at the limit of a stop into the regime beyond it.
+   pure subroutine enter_beyond(run, reached, number, to, phase, state, status)
+      !> In and out: the regime is added.
+      type(run_type), intent(inout) :: run
+      !> The limit, the stop, and how the stop is closed beyond it, as in `replaced`.
+      type(reached_type), intent(in) :: reached
+      integer, intent(in) :: number, to
+      !> The load phase (rad).
+      real(wp), intent(in) :: phase
+      !> In and out: the state, with its coordinates, its velocities and e^(i h phase).
+      type(run_state_type), intent(inout) :: state
+      !> As of `enter`.
+      integer, intent(out) :: status
+      integer :: before, i
+
+      status = stat%ok
+      if (allocated(state%passages) .and. .not. allocated(state%partings)) then
+         do i = 1, size(state%passages)
+            associate (known => state%passages(i))
+               if (known%from /= state%regime .or. known%row /= reached%row .or. &
+                  known%wall /= reached%wall) cycle
+               call change_pace(state, known%beyond)
+               state%regime = known%beyond
+               state%space%watch%kept = .false.
+               call pass_pairs(size(state%x), size(state%turns), known%factors, state%turns, &
+                  state%x, state%v)
+               return
+            end associate
+         end do
+      end if
+      before = state%regime
+      call enter(run, replaced(run%regimes(before)%closed, number, to), phase, state%q, &
+         state%rate, state, status)
+      ! with a record the constant terms change, and what leaves other limits is listed anew
+      if (status /= stat%ok .or. run%load%step > 0 .or. allocated(state%partings)) return
+      if (max(size(state%x), size(state%turns)) > few .or. &
+         size(state%x) /= size(run%regimes(before)%qx, 2)) return
+      call keep_passage(run%regimes(before), run%regimes(state%regime), passage_type(before, &
+         reached%row, reached%wall, state%regime), state%passages)
+   end subroutine enter_beyond
+
+   !> Keeps how the pairs of two regimes follow from each other.
+   pure subroutine keep_passage(before, after, passage, passages)
+      !> The regimes, with equally many pairs.
+      type(regime_type), intent(in) :: before, after
+      !> The limit between them.
+      type(passage_type), intent(in) :: passage
+      !> In and out: the passage is added.
+      type(passage_type), allocatable, intent(inout) :: passages(:)
+
+      if (.not. allocated(passages)) allocate (passages(0))
+      passages = [passages, passage]
+      associate (m => size(before%qx, 2), harmonics => size(before%steady, 2), &
+         jump => reshape(before%offset - after%offset, [size(before%offset), 1]), &
+         steady => before%steady - after%steady, steady_rate => before%steady_rate &
+         - after%steady_rate)
+         allocate (passages(size(passages))%factors(2*(m + harmonics) + 1, 2*m))
+         associate (factors => passages(size(passages))%factors)
+            factors(:, :m) = transpose(reshape([matmul(after%xq, before%qx) + matmul(after%xd, &
+               before%dx), matmul(after%xq, before%qv) + matmul(after%xd, before%dv), &
+               matmul(after%xq, steady%re) + matmul(after%xd, steady_rate%re), &
+               -matmul(after%xq, steady%im) - matmul(after%xd, steady_rate%im), &
+               matmul(after%xq, jump)], [m, size(factors, 1)]))
+            factors(:, m + 1:) = transpose(reshape([matmul(after%vq, before%qx) &
+               + matmul(after%vd, before%dx), matmul(after%vq, before%qv) + matmul(after%vd, &
+               before%dv), matmul(after%vq, steady%re) + matmul(after%vd, steady_rate%re), &
+               -matmul(after%vq, steady%im) - matmul(after%vd, steady_rate%im), &
+               matmul(after%vq, jump)], [m, size(factors, 1)]))
+         end associate
+      end associate
+   end subroutine keep_passage
+
+   !> The pairs beyond the limit of a stop.
+   pure subroutine pass_pairs(m, harmonics, factors, turns, x, v)
+      !> Numbers of pairs and of harmonics, at most `few`.
+      integer, intent(in) :: m, harmonics
+      !> As in `passage_type`, and e^(i h phase).
+      real(wp), intent(in) :: factors(2*(m + harmonics) + 1, 2*m)
+      complex(wp), intent(in) :: turns(harmonics)
+      !> In and out: the pairs.
+      real(wp), intent(inout) :: x(m), v(m)
+      real(wp) :: before(4*few + 1), of_x, of_v
+      integer :: i, k
+
+      do i = 1, m
+         before(i) = x(i)
+         before(m + i) = v(i)
+      end do
+      do i = 1, harmonics
+         before(2*m + i) = turns(i)%re
+         before(2*m + harmonics + i) = turns(i)%im
+      end do
+      before(2*(m + harmonics) + 1) = 1
+      do i = 1, m
+         of_x = 0
+         of_v = 0
+         do k = 1, 2*(m + harmonics) + 1
+            of_x = of_x + factors(k, i)*before(k)
+            of_v = of_v + factors(k, m + i)*before(k)
+         end do
+         x(i) = of_x
+         v(i) = of_v
+      end do
+   end subroutine pass_pairs
 
    !> The speed at which a stop is pressed or left.
    pure real(wp) function speed_of_stop(run, number, state) result(speed)
@@ -1883,7 +2007,9 @@ contains
       if (allocated(state%partings)) then
          state%partings = [pack(state%partings, state%partings%row /= row), leaving]
       else
-         allocate (state%partings(1), source=leaving)
+         if (allocated(state%spare)) call move_alloc(state%spare, state%partings)
+         if (.not. allocated(state%partings)) allocate (state%partings(1))
+         state%partings(1) = leaving
       end if
    end subroutine part
 
@@ -1898,7 +2024,7 @@ contains
       ! most speeds are far above what the rounding error of the distance amounts to
       associate (fastest => run%regimes(state%regime)%rows%fastest(reached%row))
          only_touches = .not. (fastest > 0 .and. reached%speed > &
-            fastest*state%space%values(reached%row, 6))
+            fastest*reached%reserve)
       end associate
       if (only_touches) only_touches = has_no_speed()
    contains
@@ -2027,7 +2153,6 @@ contains
 
       stuck = .false.
       status = stat%ok
-      if (state%leaving%row == 0) return
       phase = run%load%frequency*state%elapsed
       longest = 1.0e-6_wp
       time_error = 1.0e-16_wp
