@@ -859,13 +859,15 @@ contains
       associate (rows => regime%rows, modes => regime%modes, x => work(:, 1), v => work(:, 2))
          ! of a row without pairs, as of a gap at rest, the offset is all
          if (n > 0 .and. rows%wide) then
-            call start_series_wide(n, size(x0), t, rows%touched(begin), modes%stiffness, &
-               modes%damping, modes%drift, modes%drift_rate, modes%force, modes%force_rate, &
-               rows%of_x(begin), rows%of_v(begin), x0, v0, x, v, work(:, 5:8), total, size_now)
+            call start_series_wide(n, size(x0), rows%runs(row), t, rows%touched(begin), &
+               modes%stiffness, modes%damping, modes%drift, modes%drift_rate, modes%force, &
+               modes%force_rate, rows%of_x(begin), rows%of_v(begin), x0, v0, x, v, work(:, 5:8), &
+               total, size_now)
          else if (n > 0) then
-            call start_series(n, size(x0), t, rows%touched(begin), modes%stiffness, &
-               modes%damping, modes%drift, modes%drift_rate, modes%force, modes%force_rate, &
-               rows%of_x(begin), rows%of_v(begin), x0, v0, x, v, work(:, 5:8), total, size_now)
+            call start_series(n, size(x0), rows%runs(row), t, rows%touched(begin), &
+               modes%stiffness, modes%damping, modes%drift, modes%drift_rate, modes%force, &
+               modes%force_rate, rows%of_x(begin), rows%of_v(begin), x0, v0, x, v, work(:, 5:8), &
+               total, size_now)
          end if
          begun = 2
          if (rows%grows) then

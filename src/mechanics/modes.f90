@@ -43,6 +43,8 @@ module vi_modes
       !> Numbers of pairs up to the last one with a frequency, and up to the last one that is no
       !! free mass without a force.
       integer :: turning = 0, bent = 0
+      !> Whether any of the former is damped.
+      logical :: damps = .false.
    end type modes_type
 
    !> Formulas: a free mass; an oscillation below critical damping, without and with constant
@@ -239,6 +241,7 @@ contains
       modes%abreast = n - size(modes%others) >= many
       modes%fastest = maxval([modes%turn, 0.0_wp])
       modes%turning = findloc(modes%turn > 0, .true., dim=1, back=.true.)
+      modes%damps = any(modes%damping(:modes%turning) > 0)
       modes%bent = findloc(driven .or. modes%stiffness + modes%damping + abs(modes%force) &
          + abs(modes%drift) > 0, .true., dim=1, back=.true.)
       modes%wide = runs_wide() /= 0
@@ -263,11 +266,11 @@ contains
          return
       end if
       if (modes%wide) then
-         call advance_pairs_wide(size(x), modes%turning, t, modes%turn, modes%damping, &
-            modes%stiffness, x, v, x_new, v_new)
+         call advance_pairs_wide(size(x), modes%turning, modes%damps, t, modes%turn, &
+            modes%damping, modes%stiffness, x, v, x_new, v_new)
       else
-         call advance_pairs(size(x), modes%turning, t, modes%turn, modes%damping, modes%stiffness, &
-            x, v, x_new, v_new)
+         call advance_pairs(size(x), modes%turning, modes%damps, t, modes%turn, modes%damping, &
+            modes%stiffness, x, v, x_new, v_new)
       end if
       do i = 1, size(modes%others)
          k = modes%others(i)

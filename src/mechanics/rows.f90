@@ -29,7 +29,7 @@ module vi_rows
       !! block, 0 in the others, and the first of these groups.
       real(wp), allocatable :: grouped(:, :, :)
       integer :: first_group = 1
-      !> (pairs, rows) The coefficients of x by rows, where rows are evaluated by groups.
+      !> (pairs, rows) The coefficients of x by rows, where no row depends on v.
       real(wp), allocatable :: by_row(:, :)
    end type block_type
 
@@ -41,8 +41,9 @@ module vi_rows
       !> Row and pair of each coefficient that is in no block, and the coefficients.
       integer, allocatable, dimension(:) :: row, pair
       real(wp), allocatable, dimension(:) :: position, velocity, rate_position, rate_velocity
-      !> Groups of `group` rows that can be evaluated alone, 0 if none can; the coefficients that
-      !! are in no block by rows: listed(listed_begins(i):listed_begins(i + 1) - 1) of row i.
+      !> Groups of `group` rows that can be evaluated alone, 0 if none can; where no row depends on
+      !! v, the coefficients that are in no block by rows: listed(listed_begins(i):
+      !! listed_begins(i + 1) - 1) of row i.
       integer :: groups = 0
       !> The largest norm of positions and size of constants, and (harmonics) the largest ripples.
       real(wp) :: most_norm = 0, most_constant = 0
@@ -64,6 +65,8 @@ module vi_rows
       !> The pairs of each row: those of row i are touched(begins(i):begins(i + 1) - 1), filled up
       !! to a multiple of `side_by_side` by pairs with coefficients 0.
       integer, allocatable, dimension(:) :: touched, begins
+      !> (rows) How many of the first pairs of each row have numbers that follow each other.
+      integer, allocatable :: runs(:)
       !> (as touched) omega^2, 2 sigma, and the coefficients of x and of v.
       real(wp), allocatable, dimension(:) :: stiffness, drag, of_x, of_v
       !> (rows) No derivative grows faster than by this factor an order; the largest of them.
@@ -159,6 +162,13 @@ contains
          rows%rate_position(i) = rate_position(rows%row(i), rows%pair(i))
          rows%rate_velocity(i) = rate_velocity(rows%row(i), rows%pair(i))
       end do
+      if (rows%by_position) then
+         do j = 1, size(rows%blocks)
+            rows%blocks(j)%by_row = transpose(rows%blocks(j)%position)
+         end do
+         rows%listed_begins = [1, (1 + count(rows%row <= i), i=1, n)]
+         rows%listed = [(pack([(k, k=1, size(rows%row))], rows%row == i), i=1, n)]
+      end if
       if (rows%by_position .and. n >= many .and. .not. present(of_x)) call set_groups(rows)
       call set_touched(modes, position, velocity, occurs, rows)
       call set_fastest(frequency, rows)
@@ -227,11 +237,8 @@ contains
                k = (i - 1)/group
                b%grouped(i - k*group, :, k + 2 - b%first_group) = b%position(i - b%first_row + 1, :)
             end do
-            b%by_row = transpose(b%position)
          end associate
       end do
-      rows%listed_begins = [1, (1 + count(rows%row <= i), i=1, n)]
-      rows%listed = [(pack([(k, k=1, size(rows%row))], rows%row == i), i=1, n)]
    end subroutine set_groups
 
    !> The pairs of each row.
@@ -248,6 +255,7 @@ contains
 
       n = sum([(filled(count(occurs(j, :))), j=1, size(occurs, 1))])
       allocate (rows%begins(size(occurs, 1) + 1), rows%fastest(size(occurs, 1)))
+      allocate (rows%runs(size(occurs, 1)), source=0)
       allocate (rows%touched(n), source=1)
       allocate (rows%stiffness(n), rows%drag(n), rows%of_x(n), rows%of_v(n), source=0.0_wp)
       i = 1
@@ -260,6 +268,9 @@ contains
             rows%drag(i) = 2*modes%damping(k)
             rows%of_x(i) = position(j, k)
             rows%of_v(i) = velocity(j, k)
+            associate (run => rows%runs(j), begin => rows%begins(j))
+               if (run == i - begin .and. k == rows%touched(begin) + run) run = run + 1
+            end associate
             i = i + 1
          end do
          i = rows%begins(j) + filled(i - rows%begins(j))
@@ -384,25 +395,34 @@ contains
             at = i - b%first_row + 1
             m = b%last_pair - b%first_pair + 1
             l = b%first_pair - 1
-            ! sums of four, as in `add_products`
-            do k = 1, m - 3, 4
-               y = y + ((b%position(at, k)*x(l + k) + b%position(at, k + 1)*x(l + k + 1)) &
-                  + (b%position(at, k + 2)*x(l + k + 2) + b%position(at, k + 3)*x(l + k + 3)))
-               rate = rate + ((b%position(at, k)*v(l + k) + b%position(at, k + 1)*v(l + k + 1)) &
-                  + (b%position(at, k + 2)*v(l + k + 2) + b%position(at, k + 3)*v(l + k + 3)))
-            end do
-            do k = m - mod(m, 4) + 1, m
-               y = y + b%position(at, k)*x(l + k)
-               rate = rate + b%position(at, k)*v(l + k)
-            end do
+            call add_row(m, b%by_row(:, at), x(l + 1), v(l + 1), y, rate)
          end associate
       end do
-      do j = 1, size(rows%row)
-         if (rows%row(j) /= i) cycle
-         y = y + rows%position(j)*x(rows%pair(j))
-         rate = rate + rows%position(j)*v(rows%pair(j))
+      do j = rows%listed_begins(i), rows%listed_begins(i + 1) - 1
+         k = rows%listed(j)
+         y = y + rows%position(k)*x(rows%pair(k))
+         rate = rate + rows%position(k)*v(rows%pair(k))
       end do
    end subroutine free_value
+
+   !> Adds the products of a row, with the sums of four of `add_products`.
+   pure subroutine add_row(m, a, x, v, y, rate)
+      !> Number of pairs; the row, and the pairs.
+      integer, intent(in) :: m
+      real(wp), intent(in) :: a(m), x(m), v(m)
+      !> In and out: value and rate.
+      real(wp), intent(inout) :: y, rate
+      integer :: k
+
+      do k = 1, m - 3, 4
+         y = y + ((a(k)*x(k) + a(k + 1)*x(k + 1)) + (a(k + 2)*x(k + 2) + a(k + 3)*x(k + 3)))
+         rate = rate + ((a(k)*v(k) + a(k + 1)*v(k + 1)) + (a(k + 2)*v(k + 2) + a(k + 3)*v(k + 3)))
+      end do
+      do k = m - mod(m, 4) + 1, m
+         y = y + a(k)*x(k)
+         rate = rate + a(k)*v(k)
+      end do
+   end subroutine add_row
 
    !> As `row_values`, of a group of rows, with the same bits. The constants must not grow.
    pure subroutine group_values(rows, frequency, g, n, x, v, turn, y, rate)

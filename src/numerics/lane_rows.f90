@@ -98,9 +98,12 @@ contains
 
    !> Pairs without constant terms after a given time: free masses, and oscillations with damping
    !! below the critical one.
-   pure subroutine advance_pairs(n, turning, t, turn, damping, stiffness, x, v, x_new, v_new)
-      !> Number of pairs, and of those up to the last one that is no free mass.
+   pure subroutine advance_pairs(n, turning, damps, t, turn, damping, stiffness, x, v, x_new, &
+      v_new)
+      !> Number of pairs, and of those up to the last one that is no free mass; whether any is
+      !! damped.
       integer, intent(in) :: n, turning
+      logical, intent(in) :: damps
       !> The time, at most `largest_angle` over the largest frequency.
       real(wp), intent(in) :: t
       !> (n) sqrt(omega^2 - sigma^2), sigma and omega^2; all 0 for a free mass.
@@ -109,15 +112,13 @@ contains
       real(wp), intent(in) :: x(n), v(n)
       !> (n) After that time.
       real(wp), intent(out) :: x_new(n), v_new(n)
-      real(wp), dimension(lanes) :: angle, exponent, sine, cosine, shrink, quotient
-      real(wp) :: u, w
+      real(wp), dimension(lanes) :: angle, exponent, sine, cosine, shrink, turns, w
+      real(wp) :: u
       integer :: j, k, m
-      logical :: damps
 
       angle = 0
       exponent = 0
       shrink = 1
-      damps = any(damping(:turning) > 0)
       do k = 0, turning - 1, lanes
          m = min(lanes, turning - k)
          do j = 1, m
@@ -130,17 +131,19 @@ contains
             end do
             call shrinkage(exponent, shrink)
          end if
-         ! apart from the choice below, or each pair would be divided alone; the smallest number
-         ! changes no quotient that is used
+         ! as factors: a choice would divide each pair alone; the smallest number changes no quotient
+         ! that is used
          do j = 1, m
-            quotient(j) = sine(j)/(turn(k + j) + tiny(w))
+            turns(j) = merge(1.0_wp, 0.0_wp, angle(j) > 1.0e-8_wp)
          end do
          do j = 1, m
-            w = merge(quotient(j), t, angle(j) > 1.0e-8_wp)
-            u = shrink(j)*(cosine(j) + damping(k + j)*w)
-            w = shrink(j)*w
-            x_new(k + j) = u*x(k + j) + w*v(k + j)
-            v_new(k + j) = (u - 2*damping(k + j)*w)*v(k + j) - stiffness(k + j)*w*x(k + j)
+            w(j) = turns(j)*(sine(j)/(turn(k + j) + tiny(u))) + (1 - turns(j))*t
+         end do
+         do j = 1, m
+            u = shrink(j)*(cosine(j) + damping(k + j)*w(j))
+            w(j) = shrink(j)*w(j)
+            x_new(k + j) = u*x(k + j) + w(j)*v(k + j)
+            v_new(k + j) = (u - 2*damping(k + j)*w(j))*v(k + j) - stiffness(k + j)*w(j)*x(k + j)
          end do
       end do
       do k = turning + 1, n
@@ -164,12 +167,13 @@ contains
       end do
    end subroutine subtract
 
-   !> A sum over pairs, its derivative without constants, and the sum of the moduli of the terms of
-   !! the former, in the order of the pairs; the first derivatives of the pairs.
-   pure subroutine start_series(n, m, t, touched, stiffness, damping, drift, drift_rate, force, &
-      force_rate, of_x, of_v, x0, v0, x, v, terms, total, sizes)
-      !> Number of pairs that occur, and of all pairs.
-      integer, intent(in) :: n, m
+   !> A sum over pairs and its derivative without constants, in the order of the pairs, and the sum
+   !! of the moduli of the terms of the former; the first derivatives of the pairs.
+   pure subroutine start_series(n, m, run, t, touched, stiffness, damping, drift, drift_rate, &
+      force, force_rate, of_x, of_v, x0, v0, x, v, terms, total, sizes)
+      !> Number of pairs that occur, a multiple of `side_by_side`; of all pairs; and of the first
+      !! ones that occur with numbers that follow each other.
+      integer, intent(in) :: n, m, run
       !> The time since the constant terms had their values.
       real(wp), intent(in) :: t
       !> (n) The numbers of the pairs.
@@ -186,9 +190,21 @@ contains
       real(wp), intent(out) :: terms(n, 4)
       !> In and out: the sums are added to these.
       real(wp), intent(inout) :: total(2), sizes
-      integer :: j, k
+      real(wp) :: part(0:side_by_side - 1)
+      integer :: first, j, k
 
-      do j = 1, n
+      ! pairs that follow each other need no list: most do
+      first = touched(1) - 1
+      do j = 1, run
+         terms(j, 3) = of_x(j)*x0(first + j)
+         terms(j, 4) = of_v(j)*v0(first + j)
+         x(j) = v0(first + j) + drift(first + j) + t*drift_rate(first + j)
+         v(j) = -stiffness(first + j)*x0(first + j) - 2*damping(first + j)*v0(first + j) &
+            + force(first + j) + t*force_rate(first + j)
+         terms(j, 1) = terms(j, 3) + terms(j, 4)
+         terms(j, 2) = of_x(j)*x(j) + of_v(j)*v(j)
+      end do
+      do j = run + 1, n
          k = touched(j)
          terms(j, 3) = of_x(j)*x0(k)
          terms(j, 4) = of_v(j)*v0(k)
@@ -197,11 +213,15 @@ contains
          terms(j, 1) = terms(j, 3) + terms(j, 4)
          terms(j, 2) = of_x(j)*x(j) + of_v(j)*v(j)
       end do
-      do j = 1, n
-         total(1) = total(1) + terms(j, 1)
-         total(2) = total(2) + terms(j, 2)
-         sizes = sizes + abs(terms(j, 3)) + abs(terms(j, 4))
+      part = 0
+      do j = 1, n, side_by_side
+         do k = 0, side_by_side - 1
+            total(1) = total(1) + terms(j + k, 1)
+            total(2) = total(2) + terms(j + k, 2)
+            part(k) = part(k) + (abs(terms(j + k, 3)) + abs(terms(j + k, 4)))
+         end do
       end do
+      sizes = sizes + ((part(0) + part(1)) + (part(2) + part(3)))
    end subroutine start_series
 
    !> The pairs after a step.

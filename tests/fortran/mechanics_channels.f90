@@ -231,10 +231,10 @@ contains
          maxval(abs(v_wide - v)) < 100*epsilon(t)*scale, 'advance: there and back')
       if (runs_wide() == 0) return
       t = min(t, 1.0e3_wp)
-      call advance_pairs(n, modes%turning, t, modes%turn, modes%damping, modes%stiffness, x, v, &
-         x_now, v_now)
-      call advance_pairs_wide(n, modes%turning, t, modes%turn, modes%damping, modes%stiffness, &
-         x, v, x_wide, v_wide)
+      call advance_pairs(n, modes%turning, modes%damps, t, modes%turn, modes%damping, &
+         modes%stiffness, x, v, x_now, v_now)
+      call advance_pairs_wide(n, modes%turning, modes%damps, t, modes%turn, modes%damping, &
+         modes%stiffness, x, v, x_wide, v_wide)
       call check(all(transfer(x_wide, [0]) == transfer(x_now, [0])) .and. &
          all(transfer(v_wide, [0]) == transfer(v_now, [0])), 'advance: the same bits')
    end subroutine check_advance
