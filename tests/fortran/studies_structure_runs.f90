@@ -6,7 +6,7 @@ module studies_structure_runs
    use studies_structure_motions, only: between, cosine_load
    use vi_kinds, only: wp
    use vi_status, only: stat
-   use vi_structure, only: load_type, new_load, new_structure, structure_type
+   use vi_structure, only: load_type, new_load, new_structure, state_of, structure_type
    use vi_structure_return, only: repetition
    use vi_structure_run, only: impact_event, new_run, release_event, run_event_type, &
       run_state_type, run_type, simulate_structure, start_at, state_now, stick_event
@@ -34,6 +34,7 @@ contains
       call test_spread_of_speeds()
       call test_lattices()
       call test_released_by_an_impact()
+      call test_passages()
    end subroutine test_structure_runs
 
    !> Chains of many gaps: the same events, bit for bit, whether all rows are examined after each
@@ -498,5 +499,58 @@ contains
          call state_now(run, last, numbers(:2), numbers(3:))
       end function last_state
    end subroutine test_released_by_an_impact
+
+   !> Coordinates and velocities are continuous where stops are touched and left, also after
+   !! hundreds of such events, and whatever number of pairs the structure has.
+   subroutine test_passages()
+      integer, parameter :: sizes(4) = [1, 2, 8, 9]
+      type(random_type) :: random
+      type(run_type) :: run
+      type(run_state_type) :: state
+      type(run_event_type) :: events(400)
+      real(wp), allocatable :: directions(:, :), harmonics(:, :, :), matrices(:, :, :), &
+         numbers(:), q(:), rate(:)
+      real(wp) :: frequency
+      integer :: i, j, n, found, status
+
+      do i = 1, 3*size(sizes)
+         n = sizes(1 + mod(i, size(sizes)))
+         allocate (matrices(n, n, 3), directions(n, 3), source=0.0_wp)
+         allocate (q(n), rate(n))
+         do j = 1, n
+            matrices(j, j, 1) = draw(random, 0.5_wp, 2.0_wp)
+            matrices(j, j, 2) = draw(random, 0.02_wp, 0.2_wp)
+            matrices(j, j, 3) = 2
+            if (j > 1) matrices(j, j - 1, 3) = -1
+            if (j > 1) matrices(j - 1, j, 3) = -1
+         end do
+         numbers = [(draw(random, -1.0_wp, 1.0_wp), j=1, 4*n)]
+         harmonics = reshape(numbers, [n, 2, 2])
+         directions(1, 1) = 1
+         directions(1, 2) = -1
+         directions(n, 3) = 1
+         frequency = draw(random, 0.5_wp, 1.5_wp)
+         ! elastic stops, one of which is preloaded, and one that cannot pull
+         call new_run(new_structure(matrices, directions, reshape([0.3_wp, 3.0_wp, 40.0_wp, &
+            0.5_wp, 0.1_wp, 0.2_wp, 4.0_wp, 30.0_wp, 1.0_wp, 0.0_wp, 0.4_wp, 3.0_wp, 60.0_wp, &
+            0.0_wp, 0.0_wp], [5, 3])), new_load(frequency, harmonics, [(0.0_wp, j=1, n)]), run, &
+            status)
+         q = 0
+         rate = 0
+         if (status == stat%ok) call start_at(run, 0.0_wp, q, rate, state, status)
+         if (status == stat%ok) call simulate_structure(run, state, 10000_int64, 0.0_wp, events, &
+            found, status)
+         call check(status == stat%more_events .and. found == size(events), 'passages: events')
+         do j = 1, merge(found, 0, status == stat%more_events)
+            associate (event => events(j))
+               call state_of(run%regimes(event%regime), frequency*event%elapsed, event%x, event%v, &
+                  q, rate)
+               call check(maxval(abs([q - event%q, rate - event%rate])) <= 1.0e-13_wp &
+                  *maxval(abs([event%q, event%rate])), 'passages: q and q'' are continuous')
+            end associate
+         end do
+         deallocate (matrices, directions, harmonics, q, rate)
+      end do
+   end subroutine test_passages
 
 end module studies_structure_runs
