@@ -131,8 +131,8 @@ contains
             end do
             call shrinkage(exponent, shrink)
          end if
-         ! as factors: a choice would divide each pair alone; the smallest number changes no quotient
-         ! that is used
+         ! factors of 0 and 1: after a choice each pair would be divided alone; the smallest number
+         ! changes no quotient that is used
          do j = 1, m
             turns(j) = merge(1.0_wp, 0.0_wp, angle(j) > 1.0e-8_wp)
          end do
