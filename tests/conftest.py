@@ -4,7 +4,12 @@ import os
 import random
 
 import pytest
-import vibroimpact  # noqa: F401
+
+# Several processes share the processors: a thread that waits for others must not occupy one meanwhile.
+# OpenMP reads this when it is loaded.
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+
+import vibroimpact  # noqa: E402, F401
 
 # Importing the editable package has just built all changes: processes started by tests skip the build.
 os.environ["VIBROIMPACT_BUILT"] = "1"

@@ -45,10 +45,12 @@ def pytest_collection_modifyitems(items):
 
 @pytest.fixture(scope="session")
 def kept_cases(pytestconfig):
-    """The kept cases with their answers; with --once every fifth, with --share 0.1 every sixth."""
+    """The kept cases with their answers; with --share 0.1 every sixth, otherwise with --once every fifteenth."""
     asked = pytestconfig.getoption("--share")
-    step = round(0.6 / asked) if asked < 0.6 else 1
-    return load()[:: 5 if pytestconfig.getoption("--once") else step]
+    if asked < 0.6:
+        return load()[:: round(0.6 / asked)]
+    # from 0, the longest cases would be among every fifteenth
+    return load()[5::15] if pytestconfig.getoption("--once") else load()
 
 
 @pytest.fixture(scope="session")

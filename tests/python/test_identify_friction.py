@@ -223,10 +223,22 @@ def test_known_friction_is_part_of_the_motion():
     assert abs(again.speeds - share.motion.speeds).max() < 1e-5
 
 
-def test_friction_is_fitted_where_the_record_determines_it():
-    """Three impacts a period, with a reversal of the slip between two of them."""
+@pytest.fixture(scope="module")
+def slot(tmp_path_factory):
+    """A file with a record of three impacts a period and a reversal of the slip between two of them, what is known
+    of its channels, and the friction that it shows."""
     made = vi.VirtualRig(**BENCH, **IDEAL, snr=60, friction=0.02).record(rng=1)
-    found = vi.identify(made, known=KNOWN, friction=True)
+    path = tmp_path_factory.mktemp("slot") / "slot.csv"
+    table = np.column_stack([np.arange(len(made)) / made.rate, made.load, made.acceleration])
+    head = "time_s,load_N,acceleration_m/s^2"
+    np.savetxt(path, table, delimiter=",", header=head, comments="", fmt="%.17g")
+    record = vi.read_record(path, bandwidth=made.bandwidth)
+    return path, record, vi.identify(record, known=KNOWN, friction=True)
+
+
+def test_friction_is_fitted_where_the_record_determines_it(slot):
+    """The fitted parameters are right within their errors."""
+    *_, found = slot
     assert found.good
     true = {"xi": 0.01143, "R1": 0.75, "R2": 0.65, "d": 0.006, "friction": 0.02}
     assert max(map(abs, off(found, true).values())) < 3
@@ -236,38 +248,35 @@ def test_friction_is_fitted_where_the_record_determines_it():
     assert " N" not in shown
 
 
-def test_namelists_take_friction(tmp_path, monkeypatch):
+def test_namelists_take_friction(slot, monkeypatch):
     """Known friction as a share or a force, and a fitted one, as in Python; other words are refused."""
-    made = vi.VirtualRig(**BENCH, **IDEAL, snr=60, friction=0.02).record(rng=1)
-    times = np.arange(len(made)) / made.rate
-    table = np.column_stack([times, made.load, made.acceleration])
-    head = "time_s,load_N,acceleration_m/s^2"
-    np.savetxt(tmp_path / "slot.csv", table, delimiter=",", header=head, comments="", fmt="%.17g")
-    monkeypatch.chdir(tmp_path)
-    both = [made.bandwidth[name] for name in ("load", "acceleration")]
+    path, record, python = slot
+    lines = path.read_text().splitlines(keepends=True)
+    path.with_stem("short").write_text("".join(lines[: len(lines) // 3]))
+    monkeypatch.chdir(path.parent)
+    both = [record.bandwidth[name] for name in ("load", "acceleration")]
 
-    def run(friction):
-        (tmp_path / "slot.nml").write_text(
-            "&system xi = 0.01, mu = 0.05, restitution = 0.7 /\n&identify records = 'slot.csv', "
+    def run(name, friction):
+        path.with_name(f"{name}.nml").write_text(
+            f"&system xi = 0.01, mu = 0.05, restitution = 0.7 /\n&identify records = '{name}.csv', "
             f"bandwidth = 0, {both[0]}, {both[1]}, mass = 2.7, stiffness = 42e3, free_mass = 0.11, "
             f"friction = '{friction}' /\n"
         )
-        (case,) = vi.read_namelist("slot.nml")
+        (case,) = vi.read_namelist(f"{name}.nml")
         return case.run()[0]
 
-    fitted = run("fit")
-    record = vi.read_record("slot.csv", bandwidth=made.bandwidth)
-    python = vi.identify(record, known=KNOWN, friction=True)
+    fitted = run("slot", "fit")
     assert fitted.values == pytest.approx(python.values, rel=1e-6)
     assert fitted.errors["friction"] == pytest.approx(python.errors["friction"], rel=1e-4)
-    share, force = run("0.02"), run("0.12 N")
+    # a third of the record is enough where the friction is known
+    share, force = run("short", "0.02"), run("short", "0.12 N")
     assert share.values["friction"] == 0.02
     assert force.values["friction"] == pytest.approx(0.02, rel=0.02)
     assert "friction" not in share.errors
     with pytest.raises(
         vi.ParameterError, match="friction = 'much': must be 'fit', a fraction of F0, or a force"
     ):
-        run("much")
+        run("short", "much")
 
 
 @pytest.mark.parametrize(
