@@ -304,9 +304,9 @@ def test_interrupted_chart_is_written_as_far_as_it_came(form, tmp_path, monkeypa
             raise KeyboardInterrupt
 
     monkeypatch.setattr("vibroimpact.base.progress.Progress.show", impatient)
-    case = kinds()["chart"].replace("r_points = 21", "r_points = 800")
+    case = kinds()["chart"].replace("r_points = 21", "r_points = 400")
     path = write(
-        tmp_path / "case.nml", case.replace("clearance_points = 16", "clearance_points = 40")
+        tmp_path / "case.nml", case.replace("clearance_points = 16", "clearance_points = 20")
     )
     words = ["--format", form, "-o", str(tmp_path / "out")]
     assert main(["chart", str(path), *words]) == 1
@@ -318,7 +318,7 @@ def test_interrupted_chart_is_written_as_far_as_it_came(form, tmp_path, monkeypa
     )
     if form == "csv":
         table = (tmp_path / "out" / name).read_text()
-        assert re.search(r"\n# ! cut short: \d+ of 32000 points were reached\n", table)
+        assert re.search(r"\n# ! cut short: \d+ of 8000 points were reached\n", table)
         names, *rows = (line for line in table.splitlines() if line[0] != "#")
         assert names.endswith(",status")
         assert all(row.endswith(",0") for row in rows)  # only motions, without empty slots

@@ -1,6 +1,7 @@
 """Results that several test files use."""
 
 import signal
+from typing import ClassVar
 
 import pytest
 
@@ -13,7 +14,7 @@ import vibroimpact as vi  # noqa: E402
 from shared_answers import load  # noqa: E402
 from shared_explorer import browser, page, server  # noqa: E402, F401
 from shared_motions import COLUMN, rest_motion  # noqa: E402
-from shared_results import STUDIES_NAMED, example  # noqa: E402
+from shared_results import example  # noqa: E402
 from shared_systems import FIGURE6, TABLE  # noqa: E402
 
 START = {"t": 0, "x": 3.5, "x_dot": 0, "z": 0, "z_dot": -2}
@@ -75,15 +76,25 @@ def results():
     }
 
 
+class Attractors(dict):
+    """Results of the studies of attractors, each computed when it is first asked for."""
+
+    made: ClassVar = {
+        "lyapunov": lambda: vi.lyapunov(FIGURE6, 1.04, [25.0, 30.0], cycles=100, discard=50),
+        "one": lambda: vi.lyapunov(FIGURE6, 1.04, 25.0, cycles=100, discard=50),
+        "basins": lambda: vi.basins(TABLE, 0.94, 37.0, (("x", -30, 30, 6), ("x_dot", -30, 30, 5))),
+        "states": lambda: vi.basins(TABLE, 0.94, 37.0, states=9),
+        "bifurcation": lambda: vi.bifurcation_diagram(FIGURE6, "clearance", [20, 30, 40], r=1.04),
+        "response": lambda: vi.response(FIGURE6, [1.0, 1.02], clearance=25.0, states=3),
+    }
+
+    def __missing__(self, name):
+        """The result of this name of `STUDIES_NAMED`."""
+        self[name] = self.made[name]() if name in self.made else example(name)
+        return self[name]
+
+
 @pytest.fixture(scope="session")
 def attractors():
     """Results of the studies of attractors, which contain motions, exponents and states."""
-    made = {
-        "lyapunov": vi.lyapunov(FIGURE6, 1.04, [25.0, 30.0], cycles=100, discard=50),
-        "one": vi.lyapunov(FIGURE6, 1.04, 25.0, cycles=100, discard=50),
-        "basins": vi.basins(TABLE, 0.94, 37.0, (("x", -30, 30, 6), ("x_dot", -30, 30, 5))),
-        "states": vi.basins(TABLE, 0.94, 37.0, states=9),
-        "bifurcation": vi.bifurcation_diagram(FIGURE6, "clearance", [20, 30, 40], r=1.04),
-        "response": vi.response(FIGURE6, [1.0, 1.02], clearance=25.0, states=3),
-    }
-    return {name: made[name] if name in made else example(name) for name in STUDIES_NAMED}
+    return Attractors()

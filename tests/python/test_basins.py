@@ -195,6 +195,7 @@ def test_a_chaotic_attractor_that_was_seen_in_a_quiet_phase_is_one():
     assert (result.labels == 0).all()
 
 
+@pytest.mark.slow
 def test_chaotic_attractors_that_are_mirror_images_are_two():
     """The mirror image of a state on one, half a load period later, is on the other, for any number of states."""
     r, clearance = 0.92, 14.674134539926223

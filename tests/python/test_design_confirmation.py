@@ -46,6 +46,7 @@ def test_distributions_of_scipy_and_deviations():
         free={"clearance": (20, 40)},
         tolerance=tolerance,
         limit=0.9,
+        searches=1,
         **{**QUICK, "samples": 300},
     )
     problem, _ = asked_by(OSC, found.keys)
@@ -72,7 +73,10 @@ def test_a_tolerance_of_a_chosen_value_is_a_deviation_or_a_factor():
     np.testing.assert_allclose(found[0], [19, 19.6, 21], rtol=1e-14)
     np.testing.assert_allclose(found[1], found[0], rtol=1e-14)
     for spread in ((-1, 1), (0.95, 1.05), stats.norm(0, 0.1), stats.norm(1, 0.01)):
-        made = vi.design(OSC, **GOOD, **QUICK, tolerance={"clearance": spread}, searches=1)
+        made = vi.design(
+            OSC, **GOOD, **QUICK | {"evaluations": 8, "settling": 20},
+            tolerance={"clearance": spread}, searches=1,
+        )  # fmt: skip
         least, middle, greatest = made.spread["clearance"]
         assert least < middle < greatest
         assert middle == pytest.approx(made.values["clearance"], rel=1e-12)
@@ -80,7 +84,7 @@ def test_a_tolerance_of_a_chosen_value_is_a_deviation_or_a_factor():
 
 def test_parts_of_a_band_without_samples_have_no_share():
     """With ten samples, parts of the band are empty; the answer is for a part that has samples."""
-    found = vi.design(OSC, **GOOD, **QUICK | {"samples": 10}, limit=5.0)
+    found = vi.design(OSC, **GOOD, **QUICK | {"samples": 10}, limit=5.0, searches=1)
     empty = found.bands["samples"] == 0
     assert empty.any()
     assert np.isnan(found.bands["probability"][empty]).all()
@@ -124,6 +128,7 @@ def test_over_basins_each_attractor_counts_by_its_share():
 def test_a_later_confirmation_is_the_same():
     """Without samples the same few samples check the chosen values; a confirmation may follow later."""
     kwargs = QUICK | {"r": (1.0, 1.02), "free": {"clearance": (20, 45)}, "limit": 0.5, "rng": 3}
+    kwargs["searches"] = 1
     at_once = vi.design(OSC, **kwargs | {"samples": 100})
     later = vi.design(OSC, **kwargs | {"samples": 0}).confirm(100, rng=4)
     assert repr(later) == repr(at_once)

@@ -373,7 +373,7 @@ def test_the_output_of_a_structure_is_designed():
 
     asked = {
         "r": (1.0, 1.02), "free": {"clearance": (5, 20)}, "samples": 0, "evaluations": 8, "searches": 1,
-        "nodes": 2, "specimens": 1, "settling": 20, "keep": 4,
+        "nodes": 2, "specimens": 1, "settling": 5, "keep": 2, "states": 1,
     }  # fmt: skip
     for target in ("displacement", "acceleration"):
         tip, first = (vi.design(host, target=target, coordinate=one, **asked) for one in ("tip", 0))

@@ -87,6 +87,7 @@ SLOW = {
 UNDESCRIBED = {("pulses", False, 4002), ("spikes", False, 4002), ("virtual", True, 4004)}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("which", SLOW, ids=lambda which: f"{which[0]}-{which[2]}")
 def test_slow_records_take_few_evaluations(which, monkeypatch):
     """Derivatives are computed at accepted points only, the record is folded once for each period and number of

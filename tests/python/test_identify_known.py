@@ -99,6 +99,7 @@ def test_flights_of_a_chaotic_record():
         assert found.errors[name] > plain.errors[name]
 
 
+@pytest.mark.slow
 def test_intervals_cover_the_truth():
     """With K drawn from its error, xi is as often within its errors as stated; without the error it is not."""
     rng = np.random.default_rng(46)

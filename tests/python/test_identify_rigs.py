@@ -194,6 +194,7 @@ def test_a_chaotic_rig_makes_one_record():
     assert one == pytest.approx(other, abs=1e-8)
 
 
+@pytest.mark.slow
 def test_chaotic_records_tell_all_parameters():
     """Without a motion, from flights between impacts alone, also the free mass: at least three of four records do,
     and within four stated errors whatever is told without a doubt."""

@@ -733,6 +733,7 @@ def wide_zone():
     return zone, zone.prove(tolerance=1e-3)
 
 
+@pytest.mark.slow
 def test_zone_across_its_window():
     """Nearly all of a wide window is decided, in agreement with the boundary of the zone, in few boxes."""
     zone, proof = wide_zone()
@@ -753,6 +754,7 @@ def test_zone_across_its_window():
         checker.check_box(data, box)
 
 
+@pytest.mark.slow
 def test_zone_against_simulations():
     """Simulations, which do not know the equations of motions, reach a symmetric motion at points proven inside,
     from near it and from other states, and at no point proven outside."""
@@ -1524,9 +1526,8 @@ def wrong_branches(data):
             yield changed(f"radius {i} {k}", "boxes", 0, "radius", i, k, value=lambda _: "0x0p0")
 
 
-@pytest.mark.parametrize(
-    "number", [1, *(pytest.param(one, marks=pytest.mark.slow) for one in (0, 2))]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("number", range(3))
 def test_false_branches_of_structures_are_rejected(number):
     """Changed systems, shifted and dropped boxes, and flipped verdicts are rejected."""
     make, parameter, bounds, _ = BRANCHES[number]

@@ -317,7 +317,5 @@ def test_chaotic_attractors_that_are_mirror_images_are_two():
     """The mirror image of a state on one, half a load period later, is on the other."""
     r, clearance = 0.92, 14.674134539926223
     point = vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75).at(r, clearance)
-    own = vi.basins(point, states=40)
-    assert [item.kind for item in own.attractors] == ["chaotic"] * 2
     found = vi.basins(point.structure, point.load, states=12)
     assert [item.name for item in found.attractors] == ["chaotic (1)", "chaotic (2)"]
