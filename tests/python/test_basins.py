@@ -419,6 +419,7 @@ def test_labels_do_not_depend_on_rounding_where_transients_are_long():
         assert (result.labels >= 0).all()
 
 
+@pytest.mark.slow
 def test_a_transient_of_half_a_million_impacts_is_no_attractor():
     """Simulations of 25 states reach the only attractor after 10^4 to 3 10^5 load cycles, at random."""
     osc = vi.Oscillator(

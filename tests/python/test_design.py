@@ -428,7 +428,7 @@ def test_limits_hold_for_the_design():
     kwargs = {
         "r": (1.0, 1.02),
         "free": {"clearance": (12, 45)},
-        **{**QUICK, "evaluations": 32, "specimens": 2, "searches": 1},
+        **{**QUICK, "evaluations": 16, "specimens": 2, "searches": 1},
     }
     free = vi.design(OSC, target="displacement", **kwargs)
     assert free.excess == 0

@@ -139,6 +139,7 @@ def test_a_wrong_mass_that_misleads_the_errors_raises_a_doubt(error):
     assert any("known mu" in doubt for doubt in found.doubts) == (error > 0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("drift", [0.0, 0.06])
 def test_a_drift_of_the_restitution_raises_a_doubt(drift):
     """In a chaotic record a fall of R shows as a drift; without a drift none is reported."""

@@ -50,6 +50,7 @@ def test_a_steady_chaotic_record_raises_no_doubt():
     assert found.doubts == ()
 
 
+@pytest.mark.slow
 def test_a_growing_load_of_an_almost_periodic_motion_is_a_doubt():
     """Slow chaos that a load which grows by 1 % makes look like a motion of few cycles is refused, or the growth
     is named."""

@@ -86,6 +86,7 @@ def test_mass_alone(record):
     assert found.errors["M"] == pytest.approx(0.027)
 
 
+@pytest.mark.slow
 def test_flights_of_a_chaotic_record():
     """A record that is fitted flight by flight also includes the errors of its known values."""
     chaotic = vi.VirtualRig(

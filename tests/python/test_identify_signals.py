@@ -267,6 +267,7 @@ def test_load_phases_of_picked_impacts_are_those_of_the_motion():
     assert np.median(abs(off).min(axis=1)) < 0.002
 
 
+@pytest.mark.slow
 def test_flights_that_run_away_hide_no_wrong_unit():
     """A short record in g, in which some trial flights grow beyond the number range: the error names the unit."""
     record = vi.VirtualRig(**BENCH).record(1.0, rng=1)

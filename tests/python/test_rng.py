@@ -84,7 +84,7 @@ def test_the_design_takes_a_generator():
     """Both the search and its confirmation are reproduced; the keys keep the seed."""
     order = {
         "r": (1.0, 1.02), "free": {"clearance": (20, 45)}, "samples": 0, "evaluations": 8, "specimens": 1,
-        "nodes": 2, "states": 1, "settling": 20, "keep": 2,
+        "nodes": 2, "states": 1, "settling": 20, "keep": 2, "searches": 1,
     }  # fmt: skip
     seeds = [
         vi.design(FIGURE6, **order, rng=np.random.default_rng(5)).keys["seed"] for _ in range(2)

@@ -284,6 +284,7 @@ def test_vibration_that_decays_for_a_million_cycles_is_no_attractor():
     assert (vi.basins(heavy, load, states=2).labels == -1).all()
 
 
+@pytest.mark.slow
 def test_a_chaotic_attractor_has_a_positive_exponent():
     structure, load = pair(0.0114, 0.028, 0.75, 72.0), vi.Load(1.04, sine=[1, 0])
     found = vi.basins(structure, load, states=6)

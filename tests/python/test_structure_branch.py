@@ -750,6 +750,7 @@ def test_a_flip_by_integration(pair):
     assert found == pytest.approx(here, rel=1e-7)
 
 
+@pytest.mark.slow
 def test_motions_whose_speeds_vanish_are_consistent():
     """At a zero of all approach speeds the equations hold, relative to displacements over the time of a radian."""
     structure, load = random_structure(np.random.default_rng(12))

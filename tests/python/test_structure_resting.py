@@ -225,6 +225,7 @@ def test_zone(start):
     assert sum(same) >= 399
 
 
+@pytest.mark.slow
 def test_zone_without_restitution():
     """With R = 0 on one wall the zone of the structure equals that of the oscillator, and has the same bounds."""
     osc = vi.Oscillator(xi=0.0114, mu=0.1, restitution=(0.0, 0.4))
