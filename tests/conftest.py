@@ -9,7 +9,7 @@ import pytest
 # OpenMP reads this when it is loaded.
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
-import vibroimpact  # noqa: E402, F401
+import vibroimpact  # noqa: F401
 
 # Importing the editable package has just built all changes: processes started by tests skip the build.
 os.environ["VIBROIMPACT_BUILT"] = "1"

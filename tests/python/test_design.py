@@ -249,7 +249,12 @@ def test_the_best_motion_at_resonance_is_equispaced():
 def test_just_below_resonance_is_dangerous():
     """Section 5 of the paper: there impacts increase the motion, and no clearance keeps max|X| below A."""
     found = vi.design(
-        OSC, r=(0.965, 0.975), free={"clearance": (10, 60)}, limit=1.0, searches=1, **{**QUICK, "samples": 200}
+        OSC,
+        r=(0.965, 0.975),
+        free={"clearance": (10, 60)},
+        limit=1.0,
+        searches=1,
+        **{**QUICK, "samples": 200},
     )
     assert found.level > 1
     assert found.feasible is False
