@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from shared_design import GOOD, OSC, QUICK
+from vibroimpact.designs import confirmation
 from vibroimpact.designs.order import Order, asked_by
 from vibroimpact.designs.pool import Pool
 from vibroimpact.designs.problem import OscillatorHost, Outcome, Problem
@@ -677,3 +678,25 @@ def test_ctrl_c_keeps_the_best_design(monkeypatch):
     assert found.level == found.searches["level"][0] == min(found.candidates["level"])
     assert not found.complete
     assert f"interrupted with {len(found.candidates)} candidates judged" in repr(found)
+
+
+def test_ctrl_c_in_a_search_with_more_units_keeps_the_last_one(monkeypatch):
+    """Of the searches with more units, the last one that judged a candidate counts; the answer says what is known."""
+    sets = []
+
+    def interrupted(*args):
+        if len(sets) == 1:
+            raise KeyboardInterrupt
+        sets.append(search(*args))
+        return sets[0]
+
+    monkeypatch.setattr(confirmation, "search", interrupted)
+    monkeypatch.setattr(confirmation, "holds", lambda *_: False)
+    job = {"r": (1.0, 1.02), "free": {"clearance": (20, 45)}, "limit": 2.0, "searches": 1}
+    with pytest.raises(vi.StudyInterrupted) as caught:
+        vi.design(OSC, **{**QUICK, **job, "samples": 1000})
+    found = caught.value.result
+    assert found.level == sets[0].level[sets[0].best]
+    assert max(found.tried["runs"]) == max(sets[0].runs)
+    assert not found.complete
+    assert "samples contradict the level" in repr(found)

@@ -155,7 +155,8 @@ def firmer(
 ) -> tuple[Archive, Order]:
     """The candidates, evaluated again with more units, frequencies and states if the search used too few.
 
-    The search used too few if the chosen candidate meets the limit in the search but not in enough samples.
+    The search used too few if the chosen candidate meets the limit in the search but not in enough samples. After
+    Ctrl-C the last candidates are returned of which one was judged by all runs.
     """
     for turn in range(ROUNDS):
         best = archive.best
@@ -163,11 +164,17 @@ def firmer(
         if archive.level[best] > limit or (order.limit is None and not problem.limited):
             break
         chosen = dict(zip(problem.free, archive.values[best], strict=True))
-        if holds(problem, order, chosen):
+        try:
+            if holds(problem, order, chosen):
+                break
+            archive.contradicted = True
+            # the new sets contain the previous units and frequencies
+            more = replace(order, specimens=2 * order.specimens, nodes=2 * order.nodes - 1)
+            found = search(problem, more, part_of(progress, turn, 1, ROUNDS), archive)
+        except KeyboardInterrupt:
+            archive.stopped = True
             break
-        # the new sets contain the previous units and frequencies
-        order = replace(order, specimens=2 * order.specimens, nodes=2 * order.nodes - 1)
-        archive = search(problem, order, part_of(progress, turn, 1, ROUNDS), archive)
+        archive, order = found, more
         if archive.stopped:
             break
     return archive, order

@@ -489,13 +489,8 @@ def designed(problem: Problem, order: Order, case: str, progress: door.Progress 
     """Searches, and confirms the result."""
     searching = part_of(progress, 0, 1, 2 if order.samples else 1)
     archive = search(problem, order, part_of(searching, 0, 1, 2))
-    stopped = archive.stopped
-    if not stopped:
-        try:
-            archive, order = firmer(problem, order, archive, part_of(searching, 1, 1, 2))
-            stopped = archive.stopped
-        except KeyboardInterrupt:
-            stopped = True
+    if not archive.stopped:
+        archive, order = firmer(problem, order, archive, part_of(searching, 1, 1, 2))
     best = archive.best
     names = list(problem.free)
     low, high = np.array(list(problem.free.values())).T
@@ -525,7 +520,7 @@ def designed(problem: Problem, order: Order, case: str, progress: door.Progress 
     }  # fmt: skip
     bands = ("from", "to", "samples", "good", "probability", "low", "high", "worst")
     tables["bands"] = ("part",), {name: np.zeros(0) for name in bands}
-    if order.samples and not stopped:
+    if order.samples and not archive.stopped:
         found = answered(case, tables, (problem, order))
         try:
             return found.confirm(order.samples, order.seed + 1, part_of(progress, 1, 1, 2))
@@ -535,8 +530,10 @@ def designed(problem: Problem, order: Order, case: str, progress: door.Progress 
                     case, tables, (problem, order), "interrupted before the confirmation ended"
                 )
             ) from None
-    if stopped:
+    if archive.stopped:
         ended = f"interrupted with {int(archive.complete.sum())} candidates judged"
+        if archive.contradicted:
+            ended += ", before a search with more units: samples contradict the level"
         raise StudyInterrupted(answered(case, tables, (problem, order), ended))
     return answered(case, tables, (problem, order))
 

@@ -57,6 +57,8 @@ class Archive:
         For each search: the number of its candidates, and the best level.
     stopped : bool
         Whether Ctrl-C ended the searches.
+    contradicted : bool
+        Whether samples contradict the level of the best candidate.
     grid, targets : Grid, ndarray (nodes, units, states)
         Of the best candidate.
     """
@@ -69,6 +71,7 @@ class Archive:
     worst: list[float] = field(default_factory=list)
     searches: list[tuple[int, float]] = field(default_factory=list)
     stopped: bool = False
+    contradicted: bool = False
     grid: Grid | None = None
     targets: _Array | None = None
 
