@@ -18,6 +18,9 @@ module vi_identify_study
    character(14), parameter :: of_rig(3) = [character(14) :: 'mass', 'stiffness', &
       'load_amplitude'], of_system(3) = [character(14) :: 'mass', 'stiffness', 'force']
    real(wp), parameter :: tiny_value = 1.0e-12_wp, huge_value = 1.0e12_wp
+   !> What the keys of known values take, after 'one number from 1e-12'.
+   character(*), parameter :: or_two = ' to 1e12, or two, of which the second is its standard &
+      &error; both as texts with units, or both plain'
 
    type(key_type), parameter :: identify_keys(*) = [ &
       key_type('impact_times', least=2, most=100000, or='records', unit='s', &
@@ -62,21 +65,28 @@ module vi_identify_study
       meaning='relative standard error of the calibration of each sensor; by default 0.01'), &
       key_type('mass', most=2, low=tiny_value, high=huge_value, may_miss=.true., &
       unit='kg', &
+      takes='one number from 1e-12'//or_two, &
       meaning='M, if it is known, and its standard error'), &
       key_type('stiffness', most=2, low=tiny_value, high=huge_value, may_miss=.true., &
-      unit='N/m', meaning='K, if it is known, and its standard error'), &
+      unit='N/m', takes='one number from 1e-12'//or_two, &
+      meaning='K, if it is known, and its standard error'), &
       key_type('damping', most=2, low=0.0_wp, high=huge_value, may_miss=.true., unit='N s/m', &
+      takes='one number from 0'//or_two, &
       meaning='C, if it is known, and its standard error'), &
       key_type('free_mass', most=2, low=tiny_value, high=huge_value, may_miss=.true., unit='kg', &
+      takes='one number from 1e-12'//or_two, &
       meaning='m, if it is known, and its standard error'), &
       key_type('clearance', most=2, low=tiny_value, high=huge_value, may_miss=.true., &
-      unit='m', meaning='d, the whole travel of m between the walls, if it is known, and its &
+      unit='m', takes='one number from 1e-12'//or_two, &
+      meaning='d, the whole travel of m between the walls, if it is known, and its &
       &standard error'), &
       key_type('natural_frequency', most=2, low=tiny_value, high=huge_value, may_miss=.true., &
       unit='Hz', &
+      takes='one number from 1e-12'//or_two, &
       meaning='omega/(2 pi), if it is known, and its standard error'), &
       key_type('load_amplitude', most=2, low=tiny_value, high=huge_value, may_miss=.true., &
       unit='N', &
+      takes='one number from 1e-12'//or_two, &
       meaning='F0, if it is known, and its standard error; by default that of the load'), &
       key_type('fixed', a_word, most=4, words='xi mu R1 R2', may_miss=.true., &
       takes='some of ''xi'', ''mu'', ''R1'' and ''R2''', &
