@@ -260,7 +260,8 @@ def assembled(
             "rate = None: must be the sampling rate in Hz; the record has neither times nor a rate"
         )
     known: dict[str, Any] = {
-        key: of_channels(value, key, len(found), places) for key, value in sensors.items()
+        key: of_channels(value, key, [channel.name for channel in found], places)
+        for key, value in sensors.items()
     }
     if known["bandwidth"] is None:
         known["bandwidth"] = content.bandwidth
@@ -283,15 +284,18 @@ def assembled(
     return record
 
 
-def of_channels(value: Any, name: str, count: int, places: Mapping[str, int]) -> Any:
+def of_channels(value: Any, name: str, channels: list[str], places: Mapping[str, int]) -> Any:
     """Known properties of sensors by channel, if they were given in the order of the channels of a file."""
     if value is None or isinstance(value, Mapping) or np.ndim(value) == 0:
         return value
     each = checks.real_array(value, name, "a number, or one for each channel")
     if each.shape == (1,):
         return float(each[0])
-    if each.shape != (count,):
-        raise ParameterError(f"{name} = {value!r}: must be one number, or {count}, one per channel")
+    if each.shape != (len(channels),):
+        raise ParameterError(
+            f"{name} = {value!r}: must be one number, or {len(channels)}, one per channel: "
+            f"{', '.join(channels)}"
+        )
     return {label: float(each[i]) for label, i in places.items() if each[i] != 0}
 
 
