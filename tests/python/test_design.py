@@ -681,7 +681,7 @@ def test_ctrl_c_keeps_the_best_design(monkeypatch):
 
 
 def test_ctrl_c_in_a_search_with_more_units_keeps_the_last_one(monkeypatch):
-    """Of the searches with more units, the last one that judged a candidate counts; the answer says what is known."""
+    """Of the searches with more units, the last set that judged a candidate counts."""
     sets = []
 
     def interrupted(*args):

@@ -283,7 +283,9 @@ def test_known_values_are_in_the_units_of_the_system(tmp_path):
         case = case_in(tmp_path, plain, study.format(given, "1.1e-4"))
         assert case.keys["clearance"] == pytest.approx([4e-3, 1e-4], rel=1e-12)
     for given in ("4, 0", "4, -0.1", "4, nan", "'4 mm', 0.1", "'4 mm', '1 %'", "4, 0.1, 0.1"):
-        with pytest.raises(ParameterError, match=r"or two, of which the second is its standard error; both"):
+        with pytest.raises(
+            ParameterError, match=r"or two, of which the second is its standard error; both"
+        ):
             case_in(tmp_path, plain, study.format(given, "1.1e-4"))
 
 
