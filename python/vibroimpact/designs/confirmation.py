@@ -23,7 +23,7 @@ CONFIDENCE, BANDS = 0.95, 10
 #: Number of samples that are simulated together.
 CHUNK = 10_000
 #: Number of samples that check the choice of units in the search, and how often the number of units is increased.
-FEW, ROUNDS = 2000, 2
+FEW, ROUNDS = 10_000, 2
 #: The seed of these samples, which no confirmation uses.
 CHECK = 2**32
 #: The core's codes of verdicts.
