@@ -3,7 +3,9 @@
 Flights of both masses are exact, by matrix exponentials of SciPy. An impact is a pulse of finite duration whose
 area is the jump of the velocity of the primary mass, and a second mode rings after it. The motion sensor may have
 a low-pass, which the load sensor does not have, and an offset. Or both sensors have a known low-pass, through
-which an impact is the response to an ideal impulse.
+which an impact is the response to an ideal impulse. Or the walls are springs with dampers: then both masses move on
+while they touch, nothing is known about an impact but the law of the force, and the sensors have analogue filters
+of many kinds and a converter.
 """
 
 import functools
@@ -13,12 +15,24 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import expm
 from scipy.optimize import brentq
-from scipy.signal import butter, freqs, sosfilt, tf2ss
+from scipy.signal import (
+    bessel, butter, cheby1, cont2discrete, ellip, freqs, lfilter, sosfilt, sosfreqz, tf2ss,
+)  # fmt: skip
 
 #: Mass and spring of the rig, which are known, and steps in a load cycle for the search for impacts.
 M, K, STEPS = 0.7303, 11383.00093642085, 256
 #: Approach speed (m/s) at which the law of restitution gives the restitution of the rig.
 SPEED = 0.3
+#: Approach speed at which compliant walls have the restitution and the contact time of the rig, steps of a contact,
+#: and rate (Hz) beyond which their motion is sampled before the filters.
+TOUCH_SPEED, TOUCH_STEPS, FINE = 0.6, 32, 2e5
+#: Analogue low-passes by name, for a -3 dB frequency and a sampling rate.
+FILTERS = {
+    **{f"butterworth {n}": functools.partial(butter, n, output="sos") for n in (2, 4, 8)},
+    "bessel": functools.partial(bessel, 4, norm="mag", output="sos"),
+    "chebyshev": functools.partial(cheby1, 5, 0.5, output="sos"),
+    "elliptic": functools.partial(ellip, 6, 0.2, 60, output="sos"),
+}
 
 
 @dataclass(frozen=True)
@@ -62,6 +76,13 @@ class Rig:
     #: Time and state after each impact are rounded to 1e-9, far below the noise. Otherwise chaos amplifies the
     #: last bits of the linear algebra, and each kind of processor makes a different record.
     rounded: bool = False
+    #: The law of the force of compliant walls, "linear" or "hunt-crossley"; "" for impacts of no duration, whose
+    #: pulse is then given.
+    wall: str = ""
+    #: Analogue filter of both sensors, of `FILTERS`, with `known_lowpass` as its -3 dB frequency whether or not it is
+    #: known; and bits of the converter over 1.25 times the largest sample.
+    filter: str = ""
+    bits: int = 16
 
     @property
     def d(self):
@@ -74,8 +95,11 @@ class Rig:
         return self.r * math.sqrt(K / M) / (2 * math.pi)
 
 
-def flights(rig, first, last, phase=0.0):
-    """Impacts (times, walls, jumps of the velocity of the primary mass), and states just after them."""
+def flights(rig, first, last, phase=0.0, touches=None):
+    """Impacts (times, walls, jumps of the velocity of the primary mass), and states just after them.
+
+    Impacts on compliant walls begin at their times; the list `touches` receives what `touched` returns of them.
+    """
     w, omega = 2 * math.pi * rig.frequency, math.sqrt(K / M)
     # x, x', each harmonic of the load and its quadrature, z, z'
     sizes = [1.0, *rig.harmonics]
@@ -88,6 +112,7 @@ def flights(rig, first, last, phase=0.0):
         A[2 + 2 * n, 3 + 2 * n], A[3 + 2 * n, 2 + 2 * n] = (n + 1) * w, -(n + 1) * w
         A[2 + 2 * n, 2 + 2 * n] = A[3 + 2 * n, 3 + 2 * n] = rig.load_growth / rig.duration
     drag = rig.friction * rig.F0 / M
+    walls = [force_of(rig, R) for R in rig.restitution] if rig.wall else []
     if slides:
         # then the sign of the slip, which is constant
         A[1, -3], A[-1, -3] = drag, -drag / rig.mu
@@ -156,6 +181,19 @@ def flights(rig, first, last, phase=0.0):
         jump = rig.mu * (1 + R) * closing / (1 + rig.mu)
         if abs(closing) < 1e-3:
             return None
+        if walls:
+            if rig.rounded:
+                t, y = round(t, 9), np.round(y, 9)
+            touch = touched(rig, walls[side < 0], y, side)
+            if touch is None:
+                return None
+            if t >= first:
+                impacts.append((t, side, touch[2][-1]))
+            if touches is not None:
+                touches.append((t + touch[0], *touch[1:]))
+            t, y = t + touch[0][-1], touch[3]
+            states.append((t, y))
+            continue
         y = y.copy()
         y[1] += jump
         y[-1] -= jump / rig.mu
@@ -170,11 +208,149 @@ def flights(rig, first, last, phase=0.0):
     return A, np.array(impacts), states
 
 
+def force_of(rig, R):
+    """The force of a compliant wall over the depth and its rate: for a linear one its stiffness and damping, for
+    the law of Hunt and Crossley k p^1.5 (1 + a p') the stiffness k and a."""
+    mass = rig.mu / (1 + rig.mu) * M
+    if rig.wall == "linear":
+        # of a free contact, which ends when the force vanishes
+        def turn(zeta):
+            return math.atan2(2 * zeta * math.sqrt(1 - zeta**2), 2 * zeta**2 - 1) / math.sqrt(1 - zeta**2)
+
+        zeta = brentq(lambda z: -z * turn(z) - math.log(R), 1e-9, 0.999)
+        omega = turn(zeta) / rig.contact
+        return mass * omega**2, 2 * zeta * mass * omega
+    # R follows from the energy that is lost: dp'/dp = -F/(m p')
+    u = brentq(lambda u: math.log1p(u) - math.log1p(-u * R) - u * (1 + R), 1e-9, (1 - 1e-12) / R)
+    return mass / math.sqrt(TOUCH_SPEED) * (lasting(u) / rig.contact) ** 2.5, u / TOUCH_SPEED
+
+
+def restitution_at(rig, R, speed):
+    """Restitution of a compliant wall at an approach speed, of masses that are free but for the contact."""
+    if rig.wall == "linear":
+        return R
+    u = force_of(rig, R)[1] * speed
+    return brentq(lambda R: math.log1p(u) - math.log1p(-u * R) - u * (1 + R), 1e-9, min(1, 1 / u) - 1e-12)
+
+
+@functools.cache
+def lasting(u):
+    """Duration of the contact p'' = -p^1.5 (1 + u p'), p' = 1 at the start."""
+    R = brentq(lambda R: math.log1p(u) - math.log1p(-u * R) - u * (1 + R), 1e-9, min(1, 1 / u) - 1e-12)
+    # the depth at a rate w, by the lost energy, with w = sin of an angle on the way in and out
+    w = np.cos(np.linspace(0, math.pi, 20001))
+    w = np.where(w > 0, w, R * w)
+    # p^1.5 dp = -w dw/(1 + u w)
+    deep = lambda w: (np.log1p(u * w) - u * w) / u**2 if u > 1e-6 else -0.5 * w**2  # noqa: E731
+    p = (2.5 * np.maximum(deep(w) - deep(1.0), 1e-300)) ** 0.4
+    middle, force = 0.5 * (w[1:] + w[:-1]), 0.5 * (p[1:] + p[:-1])
+    return float(np.sum(-np.diff(w) / (force**1.5 * (1 + u * middle))))
+
+
+def touched(rig, wall, y, side):
+    """A contact with a compliant wall by the method of Runge and Kutta, until the depth is 0 again: times since its
+    beginning, velocities of the primary mass, its jump so far by the force of the wall; and the state at the end.
+    None if it lasts too long."""
+    k, c = wall
+    square, damping, w = K / M, 2 * rig.xi * math.sqrt(K / M), 2 * math.pi * rig.frequency
+    linear, mu, half = rig.wall == "linear", rig.mu, rig.d / 2
+    orders = w * (1 + np.arange(1 + len(rig.harmonics)))
+    sine, cosine = y[2:-2:2] / M, y[3:-2:2] / M
+
+    def load(since):
+        return np.cos(np.outer(since, orders)) @ sine + np.sin(np.outer(since, orders)) @ cosine
+
+    def rates(x, v, z, u, push):
+        p, rate = side * (z - x) - half, side * (u - v)
+        force = k * p + c * rate if linear else k * max(p, 0.0) ** 1.5 * (1 + c * rate)
+        force = max(force, 0.0) / M
+        return push - square * x - damping * v + side * force, -side * force / mu, force
+
+    def stepped(now, h, first, middle, last):
+        x, v, z, u, jump = now
+        a, b, f = rates(x, v, z, u, first)
+        v2, u2 = v + h / 2 * a, u + h / 2 * b
+        a2, b2, f2 = rates(x + h / 2 * v, v2, z + h / 2 * u, u2, middle)
+        v3, u3 = v + h / 2 * a2, u + h / 2 * b2
+        a3, b3, f3 = rates(x + h / 2 * v2, v3, z + h / 2 * u2, u3, middle)
+        v4, u4 = v + h * a3, u + h * b3
+        a4, b4, f4 = rates(x + h * v3, v4, z + h * u3, u4, last)
+        return (
+            x + h / 6 * (v + 2 * v2 + 2 * v3 + v4), v + h / 6 * (a + 2 * a2 + 2 * a3 + a4),
+            z + h / 6 * (u + 2 * u2 + 2 * u3 + u4), u + h / 6 * (b + 2 * b2 + 2 * b3 + b4),
+            jump + h / 6 * (f + 2 * f2 + 2 * f3 + f4),
+        )  # fmt: skip
+
+    def depth(now):
+        return side * (now[2] - now[0]) - half
+
+    h = rig.contact / TOUCH_STEPS
+    pushes = load(h / 2 * np.arange(16 * TOUCH_STEPS + 1)).tolist()
+    now, path = (*y[:2].tolist(), *y[-2:].tolist(), 0.0), [(0.0, y[1], 0.0)]
+    for i in range(8 * TOUCH_STEPS):
+        after = stepped(now, h, *pushes[2 * i : 2 * i + 3])
+        if depth(after) <= 0:
+            break
+        now = after
+        path.append(((i + 1) * h, now[1], side * now[4]))
+    else:
+        return None
+    if not i:
+        return None
+
+    def short(h):
+        return stepped(now, h, *load(path[-1][0] + h * np.array([0, 0.5, 1])).tolist())
+
+    h = brentq(lambda h: depth(short(h)), 0, h, xtol=1e-16)
+    now, since = short(h), i * rig.contact / TOUCH_STEPS + h
+    path.append((since, now[1], side * now[4]))
+    end = y.copy()
+    end[:2], end[-2:] = now[:2], now[2:4]
+    end[-2] = end[0] + side * half * (1 - 1e-12)
+    for n in range(1 + len(rig.harmonics)):
+        turn = complex(y[3 + 2 * n], y[2 + 2 * n]) * np.exp(1j * (n + 1) * w * since)
+        end[2 + 2 * n], end[3 + 2 * n] = turn.imag, turn.real
+    return (*np.array(path).T, end)
+
+
+def sensed(rig, n, first, A, states, touches):
+    """The acceleration of n samples of a rig with compliant walls, behind its filter."""
+    several = math.ceil(FINE / rig.rate)
+    fine = several * rig.rate
+    before = math.ceil(0.05 * rig.rate) * several  # in which the filter settles
+    edges = first + (np.arange(-before, (n - 1) * several + 2) - 0.5) / fine
+    begins = np.array([begin for begin, _ in states])
+    place = np.maximum(np.searchsorted(begins, edges, side="right") - 1, 0)
+    values, vectors = np.linalg.eig(A[:-2, :-2])
+    # velocities and impulses in flights, then in contacts
+    v, jump = np.empty(edges.size), np.zeros(edges.size)
+    for i in np.unique(place):
+        own = slice(*np.searchsorted(place, [i, i + 1]))
+        parts = np.linalg.solve(vectors, states[i][1][:-2].astype(complex))
+        v[own] = (np.exp(np.outer(edges[own] - begins[i], values)) @ (vectors[1] * parts)).real
+    for times, speeds, jumps, _ in touches:
+        a, b = np.searchsorted(edges, times[[0, -1]])
+        v[a:b] = np.interp(edges[a:b], times, speeds)
+        jump[a:b] += np.interp(edges[a:b], times, jumps)
+        jump[b:] += jumps[-1]
+    # means over the short intervals
+    a, pushed = np.diff(v) * fine, np.diff(jump) * fine
+    if rig.ring_share:
+        w, decay = 2 * math.pi * rig.ringing, rig.ring_decay
+        mode = [rig.ring_share * w**2], [1, 2 * decay, decay**2 + w**2]
+        top, below, _ = cont2discrete(mode, 1 / fine)
+        a += lfilter(top[0], below, pushed)
+    if rig.filter:
+        a = sosfilt(FILTERS[rig.filter](rig.known_lowpass, fs=fine), a - a[0]) + a[0]
+    return a[before::several]
+
+
 def record(rig, seed=0, settle=400):
     """Times, load and acceleration as sampled, and the impacts in the record."""
     random = np.random.default_rng(seed)
     first = (settle + random.uniform()) / rig.frequency
-    found = flights(rig, first - 0.1, first + rig.duration)
+    touches = []
+    found = flights(rig, first - 0.1, first + rig.duration, touches=touches)
     if found is None:
         return None
     A, impacts, states = found
@@ -182,7 +358,9 @@ def record(rig, seed=0, settle=400):
         return None
     t = np.arange(round(rig.duration * rig.rate)) / rig.rate
     begins = np.array([begin for begin, _ in states]) - first
-    if rig.known_lowpass is None:
+    if rig.wall:
+        a = sensed(rig, t.size, first, A, states, touches)
+    elif rig.known_lowpass is None:
         a = pulsed(rig, t, begins, A, impacts - [first, 0, 0], states)
     else:
         a = impulsive(rig, t, begins, A, impacts - [first, 0, 0], states)
@@ -191,7 +369,11 @@ def record(rig, seed=0, settle=400):
     turn, load = 2 * math.pi * rig.frequency * (t + first), 0.0
     for n, size in enumerate([1.0, *rig.harmonics], 1):
         passed = 1.0
-        if rig.known_lowpass is not None:
+        if rig.filter:
+            fine = math.ceil(FINE / rig.rate) * rig.rate
+            sections = FILTERS[rig.filter](rig.known_lowpass, fs=fine)
+            passed = sosfreqz(sections, [n * rig.frequency], fs=fine)[1][0]
+        elif rig.known_lowpass is not None:
             passed = freqs(*butter(4, 1, analog=True), [n * rig.frequency / rig.known_lowpass])[1][
                 0
             ]
@@ -208,6 +390,11 @@ def record(rig, seed=0, settle=400):
         [seed, round(1e9 * rig.xi)]
     ).standard_normal(2)
     load, a = gains[0] * load, gains[1] * a
+    if rig.wall:
+        load, a = (
+            np.round(x / step) * step
+            for x in (load, a) for step in [2.5 * abs(x).max() / 2**rig.bits]
+        )  # fmt: skip
     inside = (impacts[:, 0] >= first) & (impacts[:, 0] < first + rig.duration)
     shown = impacts[inside] - [first, 0, 0]
     return t, load, a, shown
@@ -349,7 +536,7 @@ def random_rig(seed, kind="abc"):
 def wide_rig(seed, generator, chaos):
     """A rig with random sensors, noise, contacts and load, with its record, k and the walls of a period.
 
-    The generator is "pulses" or "spikes" (or "virtual", whose record is not made here). `chaos` asks
+    The generator is "pulses", "spikes" or "contacts" (or "virtual", whose record is not made here). `chaos` asks
     for motions that do not repeat.
     """
     draw = np.random.default_rng([seed, int(chaos), *generator.encode()])
@@ -373,6 +560,11 @@ def wide_rig(seed, generator, chaos):
             numbers["known_lowpass"] = min(float(draw.choice([600, 1000, 2000, 4000])), 0.25 * rate)
         elif draw.uniform() < 0.33:
             numbers["lowpass"] = min(float(draw.choice([600, 1000, 2000])), 0.4 * rate)
+        if generator == "contacts":
+            numbers["wall"] = str(draw.choice(["linear", "linear", "hunt-crossley"]))
+            numbers["filter"] = str(draw.choice(["", *FILTERS]))
+            numbers["bits"] = int(draw.choice([12, 14, 16, 24]))
+            numbers.pop("exponent", None)
         rig = Rig(**numbers, rounded=chaos)
         found = flights(rig, 300 / rig.frequency, 300 / rig.frequency + 1.0 + chaos)
         if found is None or found[1].shape[0] < 20 or len(set(found[1][:, 1])) < 2:
