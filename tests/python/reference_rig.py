@@ -233,6 +233,23 @@ def restitution_at(rig, R, speed):
     return brentq(lambda R: math.log1p(u) - math.log1p(-u * R) - u * (1 + R), 1e-9, min(1, 1 / u) - 1e-12)
 
 
+def truth(rig, impacts, v0=None):
+    """Of a rig with compliant walls: the coefficients of restitution of isolated impacts, at a speed or at the mean
+    speed of the impacts on each wall, and the travel between the centres of the impacts, at which flights meet."""
+    R, travel = [], rig.d
+    for one, side in zip(rig.restitution, (1, -1), strict=True):
+        jumps = abs(impacts[impacts[:, 1] == side, 2]) * (1 + rig.mu) / rig.mu
+        v = jumps.mean() / (1 + one)
+        for _ in range(20):
+            v = jumps.mean() / (1 + restitution_at(rig, one, v))
+        R.append(restitution_at(rig, one, v if v0 is None else v0))
+        # without a load and a spring
+        free = Rig(xi=0.0, mu=rig.mu, restitution=(one, one), r=1e-6, F0=1.0, D=rig.d * K, contact=rig.contact, wall=rig.wall)
+        times, _, jump, _ = touched(free, force_of(rig, one), np.array([0, 0, 0, 0, rig.d / 2, v]), 1)
+        travel += v * (0.5 * (times[1:] + times[:-1]) @ np.diff(jump)) / jump[-1]
+    return *R, travel
+
+
 @functools.cache
 def lasting(u):
     """Duration of the contact p'' = -p^1.5 (1 + u p'), p' = 1 at the start."""

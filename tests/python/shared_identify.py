@@ -15,6 +15,16 @@ KNOWN = {"M": 2.7, "K": 42e3, "m": 0.11}
 IDEAL = {"contact": 0.0, "offset": 0.0, "known_bandwidth": True}
 
 
+def of_no_duration(monkeypatch):
+    """Take impacts as what they are in rigs whose pulses last although the impacts do not: errors then do not
+    contain what the contacts of a real rig might change."""
+    from vibroimpact.identification.flights import Flights
+    from vibroimpact.identification.windows import Windows
+
+    for owner in (Flights, Windows):
+        monkeypatch.setattr(owner, "contact", lambda *_: 0.0)
+
+
 def recorded(seed, generator, chaos, drift=0.0):
     """A rig of `wide_rig` with its record, k and the walls of a period; "virtual" is the package's own rig, whose
     coefficients of restitution may drift."""

@@ -7,7 +7,7 @@ import vibroimpact as vi
 
 pytest.importorskip("scipy")
 from reference_rig import K, M
-from shared_identify import BENCH, recorded
+from shared_identify import BENCH, of_no_duration, recorded
 from vibroimpact.identification import fit, flights, windows
 from vibroimpact.identification.attempts import Attempt, Attempts
 from vibroimpact.identification.steps import of_record
@@ -129,8 +129,9 @@ def test_the_best_attempt_has_the_least_misfit():
 
 
 @pytest.mark.parametrize("error", [0.0, 0.04])
-def test_a_wrong_mass_that_misleads_the_errors_raises_a_doubt(error):
+def test_a_wrong_mass_that_misleads_the_errors_raises_a_doubt(error, monkeypatch):
     """The wrong mass is 3.6 standard errors from the record, below 4, but it moves R by five of its own errors."""
+    of_no_duration(monkeypatch)
     record = vi.VirtualRig(**BENCH).record(duration=3.0, rng=3)
     found = quietly(record, {"M": 2.7, "K": 42e3, "m": 0.11 * (1 + error)})
     away = abs(found.values["R1"] - 0.75) / found.errors["R1"]

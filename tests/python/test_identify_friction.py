@@ -20,7 +20,7 @@ from vibroimpact.motions.exact import settled
 
 pytest.importorskip("scipy")
 from reference_rig import K, M, Rig, record
-from shared_identify import BENCH, IDEAL, KNOWN
+from shared_identify import BENCH, IDEAL, KNOWN, of_no_duration
 
 #: A motion R, L, L with reversals of slip between the two impacts on L.
 RUBBING = BENCH | {"friction": 0.05}
@@ -343,6 +343,7 @@ def test_no_friction_is_the_limit_of_a_known_one(monkeypatch):
     """Of a chaotic record without friction: with a known friction of 0 the parameters are those that the same
     impacts give without one. The impacts that are left out only add information: with them errors are smaller, but
     for the chance in the size of the noise, and values change by the difference of the variances."""
+    of_no_duration(monkeypatch)
     made, known = recorded(44.0, 0.0), {"M": M, "K": K}
     plain = vi.identify(made, known=known)
     used = []

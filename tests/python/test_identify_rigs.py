@@ -9,8 +9,10 @@ import pytest
 import vibroimpact as vi
 
 pytest.importorskip("scipy")
-from reference_rig import SPEED, K, M, chaotic_rig, flights, random_rig, record, wide_rig
-from shared_identify import BENCH, KNOWN
+from reference_rig import (
+    SPEED, K, M, chaotic_rig, flights, force_of, random_rig, record, restitution_at, touched, truth, wide_rig,
+)  # fmt: skip
+from shared_identify import BENCH, KNOWN, of_no_duration, recorded
 from vibroimpact.identification.aperiodic import Impacts, possible
 from vibroimpact.identification.fit import Fit
 from vibroimpact.identification.flights import news_of, unexplained
@@ -413,9 +415,10 @@ def test_a_known_delay_of_a_channel_is_taken_out(late, channel):
 
 
 @pytest.mark.parametrize("frequency", [19.5, 20.2])
-def test_channels_may_be_read_in_turn(frequency):
+def test_channels_may_be_read_in_turn(frequency, monkeypatch):
     """Half a sampling interval between channels whose bandwidth is stated is fitted; if they are declared
     simultaneous, xi and d are far off."""
+    of_no_duration(monkeypatch)
     rig = vi.VirtualRig(**BENCH | {"frequency": frequency}, rate=1e4, known_bandwidth=True, snr=45)
     fine = rig.record(6.0, rng=3)
     channels = {"load": fine.load[1::2], "acceleration": fine.acceleration[:-1:2]}
@@ -435,6 +438,86 @@ def test_channels_may_be_read_in_turn(frequency):
             assert found.pattern.cycles == 1
     assert max(off[None].values()) < 4
     assert min(off[0.0]["xi"], off[0.0]["d"]) > 8
+
+
+def contact_score(seed, chaos):
+    """The results for a rig with compliant walls, and errors over the stated ones: of a motion that does not repeat,
+    d is the distance between the walls, else the travel between the centres of the impacts."""
+    rig, given, _, _ = recorded(seed, "contacts", chaos)
+    impacts = wide_rig(seed, "contacts", chaos)[1][3]
+    known = {"M": M, "K": K} | ({} if chaos else {"m": M * rig.mu})
+    law = "power" if chaos and rig.wall != "linear" else "constant"
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", vi.PoorFitWarning)
+        found = vi.identify(given, known=known, calibration=rig.calibration, law=law)
+    *walls, travel = truth(rig, impacts, found.values.get("v0"))
+    true = {"xi": rig.xi, "mu": rig.mu, "R1": walls[0], "R2": walls[1], "d": rig.d if chaos else travel}
+    off = {
+        name: (found.values[name] - value) / found.errors[name] for name, value in true.items()
+        if name in found.errors and name not in found.undetermined
+    }  # fmt: skip
+    return rig, found, off
+
+
+def test_a_contact_has_its_restitution_and_duration():
+    """Of a free contact, by both laws of the force; d and speed of the centre then follow from R and duration."""
+    for wall in ("linear", "hunt-crossley"):
+        rig = replace(wide_rig(6, "contacts", False)[0], wall=wall, xi=0.0, contact=1e-3, F0=1e-3)
+        rig = replace(rig, D=0.01 * K / rig.F0, r=1e-3)
+        R = rig.restitution[0]
+        assert restitution_at(rig, R, 0.6) == pytest.approx(R, abs=1e-9)
+        begin = np.zeros(6 + 2 * len(rig.harmonics))
+        begin[-2:] = rig.d / 2, 0.6
+        times, _, jumps, after = touched(rig, force_of(rig, R), begin, 1)
+        assert (after[1] - after[-1]) / 0.6 == pytest.approx(R, abs=5e-4)  # the spring acts, too
+        assert jumps[-1] == pytest.approx(rig.mu / (1 + rig.mu) * (1 + R) * 0.6, rel=5e-4)
+        middle = 0.5 * (times[1:] + times[:-1]) @ np.diff(jumps) / jumps[-1]
+        assert middle == pytest.approx(R / (1 + R) * times[-1], rel=5e-3)
+
+
+def test_contacts_that_last_are_within_the_errors(monkeypatch):
+    """Contacts of 0.8 ms. Fitted as impacts of no duration, R is more than fifteen errors off without a doubt, since
+    the acceleration of the wall changes the rebound; the errors contain as much as the pulses allow."""
+    _, found, off = contact_score(6, False)
+    assert found.good
+    assert max(map(abs, off.values())) < 4
+    assert any("the walls are" in text for text in found.assumptions)
+    of_no_duration(monkeypatch)
+    _, short, other = contact_score(6, False)
+    assert short.good
+    assert min(abs(other[name]) for name in ("R1", "R2")) > 15
+
+
+def test_impacts_of_different_speeds_show_how_long_contacts_last(monkeypatch):
+    """Contacts of 1.5 ms of a motion that does not repeat: the distance between the walls and all else, where
+    impacts of no duration describe nothing."""
+    _, found, off = contact_score(5, True)
+    assert found.good
+    assert len(off) == 5
+    assert max(map(abs, off.values())) < 4
+    of_no_duration(monkeypatch)
+    assert not contact_score(5, True)[1].good
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("chaos", [False, True])
+def test_no_record_of_contacts_that_last_is_silently_wrong(share, chaos):
+    """Of 30 rigs with walls of springs and dampers, no parameter of a record without a doubt is more than four
+    errors off, and 95 % intervals contain nine of ten. R is constant where walls are linear."""
+    off, good, count = [], 0, share(30)
+    for seed in range(100, 100 + count):
+        if wide_rig(seed, "contacts", chaos)[0].wall != "linear":
+            continue
+        try:
+            _, found, errors = contact_score(seed, chaos)
+        except vi.VibroimpactError:
+            continue
+        if found.good:
+            good += 1
+            off += map(abs, errors.values())
+            assert max(map(abs, errors.values()), default=0.0) < 4, seed
+    assert good >= (0.1 if chaos else 0.5) * count - 1
+    assert not off or np.mean(np.array(off) < 1.96) > 0.9 - 1 / len(off)
 
 
 @pytest.mark.slow

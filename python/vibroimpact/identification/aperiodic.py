@@ -7,6 +7,7 @@ neighbouring impacts. The parameters must satisfy these equations within the err
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
@@ -20,15 +21,19 @@ from .coupled import banded, own_blocks, passed_on, scaled_solve, slopes
 from .fit import (
     DOUBTFUL,
     FAR_OFF,
+    OF_CONTACT,
+    TRIED,
     TYPICAL_FRICTION,
     VAGUE,
     Fit,
+    allow_contacts,
     covariance_of,
     far_off_gain,
 )
 from .friction import slips_of
 from .known import HINT
 from .laws import Law
+from .motions import CONTACT, accelerated
 from .slips import Slips
 from .state_noise import noise_information, without_noise
 from .strains import held_strains, strains_of, trends_of
@@ -58,6 +63,9 @@ LARGEST_MASS, BEYOND = 10.0, 3.0
 CROSSED, ALONG, CROSSINGS = 0.02, 64, 5
 #: Change of the sum of squares above which two minima count as different.
 OTHER = 0.01
+#: Standard errors by which contacts that last must show to be part of a fit, and largest effect of these over that
+#: which the pulses suggest.
+SHOWN, MORE = 3.0, 1.5
 #: Number of estimates of friction from momentum alone.
 FRICTIONS = 3
 #: Share by which coefficients of restitution grow during the record, 0 in every fit: on both walls, and on each.
@@ -92,7 +100,7 @@ class Impacts:
 
     def __init__(
         self, windows: Windows, flown: Flown, shared: Mapping[str, float], guess: Mapping[str, float],
-        law: Law, law_speed: float | None,
+        law: Law, law_speed: float | None, contact: float = 0.0,
     ) -> None:  # fmt: skip
         self.windows, self.flown = windows, flown
         self.signs = signs = np.sign(flown.jumps)
@@ -157,19 +165,29 @@ class Impacts:
         # the gain of the motion sensor is known to within its calibration
         self.calibration = windows.data.calibration
         values["gain"] = 1.0
-        self.names += ["gain"] * (self.calibration > 0)
+        #: Standard errors of what is known without the impacts: the gain, and the effects of contacts, which may last
+        #: as long as given, or have none.
+        self.doubtful = dict(zip(CONTACT, (contact * share for share in OF_CONTACT), strict=True))
+        self.doubtful["gain"] = self.calibration
+        values |= dict.fromkeys(CONTACT, 0.0)
+        self.names += [name for name, error in self.doubtful.items() if error > 0]
         self.values = values
         self.walls = [law.of_wall(i) for i in (0, 1)]
         # known values, with respect to which derivatives are computed after the fit, and the absence of drift
         self.held = [name for name in ("mu", *law.names, "d") if name in shared]
+        self.held += [name for name in CONTACT if name not in self.names]
         self.values |= dict.fromkeys(DRIFTS, 0.0) | {"friction": windows.friction}
         self.elapsed = flown.times[1:-1] / np.ptp(windows.t)
         self.active = lawful[1:-1].copy()
         self.g = np.array([values[name] for name in self.names])
         self.typical = [
-            max(abs(self.g[j]), 1e-3) if name in ("mu", "d") else law.typical(name, values[name])
+            max(abs(self.g[j]), 1e-3) if name in ("mu", "d")
+            else TRIED * self.doubtful[name] if name in CONTACT else law.typical(name, values[name])
             for j, name in enumerate(self.names)
         ]
+        #: The information on the parameters without the impacts, and their values by it.
+        self.weights = np.array([self.doubtful.get(name, math.inf) for name in self.names]) ** -2.0
+        self.middle = self.g.copy()
         self.scales = np.array(
             [
                 *(max(abs(flown.common[i]), 1e-3) if i != 3 else 1.0 for i in flown.free),
@@ -208,6 +226,7 @@ class Impacts:
             X = X + push * (x + v * off)
             V, after = V + push * (v + a_before * off), after + push * (v + a_after * off)
         z = X + 0.5 * signs * value["d"] * value["gain"]
+        z = z + (1 + 1 / value["mu"]) * value["depth"] * (after - V)
         flight = np.diff(z, axis=-1) / np.diff(t, axis=-1)
         one, two = flight[..., :-1], flight[..., 1:]
         if rubs:
@@ -221,6 +240,8 @@ class Impacts:
             )
             one = one + (drag * (mean - once))[..., :-1]
             two = two + (drag * mean)[..., 1:]
+        omega, xi, static, phase = (common[..., None, i] for i in range(4))
+        rate = accelerated(self.windows.data, omega, xi, static, phase, t, X, 0.5 * (V + after))[..., 1:-1]
         V, after, sign = V[..., 1:-1], after[..., 1:-1], signs[1:-1]
         speed = sign * (one - V)
         # the law depends on speeds, which the sensor scales by its gain
@@ -235,7 +256,8 @@ class Impacts:
         own = np.where(sign > 0, value["drift1"], value["drift2"])
         R = R * (1 + self.elapsed * (value["drift"] + own))
         momentum = after - V + value["mu"] * (two - one)
-        return np.stack([momentum, two - after + sign * R * speed], axis=-1)
+        restitution = two - after + sign * R * speed - (1 - R) * value["push"] * rate
+        return np.stack([momentum, restitution], axis=-1)
 
     def equations(self, here: _Array, change: _Array, g: _Array) -> tuple[Any, ...]:
         """The constraints for given states, their derivatives with respect to states, common parameters and the
@@ -347,9 +369,9 @@ class Impacts:
             information = B.T @ solved[:, :-1]
             information[:F, :F] += flown.weights
             slope = B.T @ solved[:, -1]
-            if self.calibration:
-                information[-1, -1] += self.calibration**-2
-                slope[-1] += (g[-1] - 1) / self.calibration**2
+            own = np.arange(F, F + g.size)
+            information[own, own] += self.weights
+            slope[F:] += self.weights * (g - self.middle)
             step = -scaled_solve(information, slope, self.scales)
             new, dg = step[:F], step[F:]
             part = min(
@@ -464,12 +486,58 @@ def by_laws(
 ) -> tuple[Fit, Law, _Bool]:  # fmt: skip
     """The parameters from momentum and restitution at all impacts, and the impacts for which these laws hold.
 
+    Impacts have no duration, unless the record shows that contacts last, by as much as their pulses allow.
+    """
+    given, poor = (shared, guess, law, law_speed), windows.poor.copy()
+    contact = 0.0 if rough else windows.contact(flown)
+    plain: tuple[Fit, Law, _Bool] | None = None
+    failed: SingularError | None = None
+    shown = math.inf
+    try:
+        plain = of_laws(windows, flown, *given, 0.0, rough)
+        shown = max((abs(plain[0].strains[name].size) for name in CONTACT if name in plain[0].strains), default=0)
+    except SingularError as error:
+        failed = error
+    if contact and shown > SHOWN and not (law.friction or isinstance(failed, TooFewError)):
+        ended = windows.poor
+        windows.poor = poor
+        with contextlib.suppress(SingularError):
+            other = of_laws(windows, windows.without(poor), *given, contact, rough)
+            if plausible(other[0], contact):
+                return other
+        windows.poor = ended
+        windows.without(ended)
+    if plain is None:
+        assert failed is not None
+        raise failed
+    if not rough:
+        allow_contacts(plain[0], contact)
+    return plain
+
+
+def plausible(found: Fit, contact: float) -> bool:
+    """Whether the fitted effects of contacts are those of contacts of about a given duration, and clear."""
+    clear = False
+    for name, share in zip(CONTACT, OF_CONTACT, strict=True):
+        value, error = found.lasting[name]
+        if not -BEYOND * error <= value <= MORE * share * contact + BEYOND * error:
+            return False
+        clear = clear or value > SHOWN * error
+    return clear
+
+
+def of_laws(
+    windows: Windows, flown: Flown, shared: Mapping[str, float], guess: Mapping[str, float], law: Law,
+    law_speed: float | None, contact: float, rough: bool,
+) -> tuple[Fit, Law, _Bool]:  # fmt: skip
+    """The parameters as in `by_laws`, with effects of contacts of up to a given duration that are fitted as well.
+
     If the response to friction is not part of the flights, the friction is known, or fitted if it is not among the
     `shared` values: then the value is the one that was taken out of the record, and the strain says how far from
     the fitted one it is. A `rough` fit, which only provides a start, may contradict what is known.
     """
     for _ in range(CROSSINGS):
-        impacts = Impacts(windows, flown, shared, guess, law, law_speed)
+        impacts = Impacts(windows, flown, shared, guess, law, law_speed, contact)
         minima = impacts.minima()
         best = minima[0]
         crossed = impacts.crossed(best)
@@ -513,7 +581,9 @@ def by_laws(
         *names,
     ]
     order = [
-        name for name in ("omega", "xi", *names, "F0/K 0") if name in places and name != "gain"
+        name
+        for name in ("omega", "xi", *names, "F0/K 0")
+        if name in places and name not in impacts.doubtful
     ]
     strains = strains_of(
         windows, common, dict(zip(places, np.diag(covariance).tolist(), strict=True)), variance
@@ -578,12 +648,15 @@ def by_laws(
         place = order.index("F0/K 0")
         part[place, place] += (calibration * common[2]) ** 2
     found = Fit(
-        {name: values[name] for name in law.shared}, [float(common[2])], [float(common[3])], [], order,
+        {name: values[name] for name in (*law.shared, *CONTACT)}, [float(common[2])], [float(common[3])], [], order,
         part, [name for name in order if places.index(name) in vague],
         [misfit * flown.colour], variance, strains=strains, leans=leans, drifts=drifts, early=flown.early,
         most=min(DOUBTFUL, flown.colour * bearable(count - g.size)), slips=impacts.slips,
         gain=float(g[-1]) if calibration else 1.0,
     )  # fmt: skip
+    if contact:
+        every_error = dict(zip(places, np.sqrt(np.diag(covariance)).tolist(), strict=True))
+        found.lasting = {name: (values[name], every_error[name]) for name in CONTACT}
     if not rough:
         possible(found, int(best.ok.sum()))
     return found, law, lawful

@@ -17,7 +17,7 @@ from .friction import Rubbing, of_no_friction
 from .known import HINT
 from .laws import Law
 from .least_squares import MOST_ITERATIONS, levenberg
-from .motions import PARAMETERS, Impacting, System
+from .motions import CONTACT, PARAMETERS, Impacting, System
 from .strains import WEAK, Strain, of_known
 
 _Array = NDArray[np.float64]
@@ -31,6 +31,10 @@ BAD = 0.5
 DOUBTFUL = 2.0
 #: Friction over F0 that is typical of a slot.
 TYPICAL_FRICTION = 0.01
+#: The effects `CONTACT` of contacts that last, over their duration; and the step of a fit over these.
+OF_CONTACT, TRIED = (0.25, 0.5), 3.0
+#: Standard errors above which effects of contacts are not 0.
+CLEAR = 3.0
 #: Largest deviation from independently measured values, in standard errors.
 FAR_OFF = 5.0
 
@@ -73,6 +77,13 @@ class Fit:
     slips: Any = None
     #: Why the impacts contradict momentum and restitution, where flights alone are fitted.
     against: str = ""
+    #: The covariance that contacts add if they may last as long as their pulses; this duration, and by how much the
+    #: walls are closer than d then (m).
+    of_contacts: _Array | float = 0.0
+    contact: float = 0.0
+    closer: float = 0.0
+    #: The effects of contacts that were fitted, with their errors.
+    lasting: dict[str, tuple[float, float]] = field(default_factory=dict)
 
 
 def fit(
@@ -88,6 +99,9 @@ def fit(
     """
     law = law or Law()
     count = len(records)
+    # contacts may last as long as the pulses, but their effects are not part of the fit
+    lasting = () if law.friction or rough else CONTACT
+    known = {**known, **dict.fromkeys(lasting, 0.0)}
     free = [name for name in law.shared if name not in known]
     names = [*free, *(f"F0/K {i}" for i in range(count)), *(f"phase {i}" for i in range(count))]
     # the sensor of the motion has a gain, which is known to its calibration
@@ -114,9 +128,14 @@ def fit(
     low, high = np.array([bounds.get(name, (-math.inf, math.inf)) for name in names]).T
     systems = [(Rubbing if law.friction else System)(data, law) for data in records]
     turns = [turns_of(data, data.places) for data in records]
-    walls = (*law.of_wall(0), *law.of_wall(1), *["friction"] * law.friction)
+    walls = (*law.of_wall(0), *law.of_wall(1), *["friction"] * law.friction, *lasting)
+    if "d" not in known:
+        # it is the travel at the usual speed, which the records determine
+        usual = float(np.mean(np.concatenate([abs(data.jumps) for data in records])))
+        for system in systems:
+            system.usual = usual
     # also derivatives with respect to known values, to test whether the records agree with them
-    held = [name for name in law.shared if name in known]
+    held = [name for name in (*law.shared, *lasting) if name in known]
     column = place | {name: len(names) + i for i, name in enumerate(held)}
     columns = [
         [column[name] for name in (*PARAMETERS[:-2], f"F0/K {i}", f"phase {i}", *walls)]
@@ -131,7 +150,8 @@ def fit(
 
     def shared(x: _Array) -> dict[str, float]:
         return {
-            name: float(x[place[name]]) if name in place else known[name] for name in law.shared
+            name: float(x[place[name]]) if name in place else known[name]
+            for name in (*law.shared, *lasting)
         }
 
     def points(x: _Array) -> list[_Array]:
@@ -257,7 +277,38 @@ def fit(
         with contextlib.suppress(SingularError):
             free_of["friction"] = by_friction(records, law, found, points(x), sizes, f.size)
     found.strains, found.leans = of_known(f, J, scales, names, free_of, found.spread)
+    if lasting:
+        along = np.column_stack([free_of[name] for name in CONTACT])
+        U, s, _ = np.linalg.svd(J * scales, full_matrices=False)
+        along -= U[:, s > 1e-9 * s[0]] @ (U[:, s > 1e-9 * s[0]].T @ along)
+        contact = max(data.contact for data in records)
+        allow_contacts(found, contact, along.T @ along / found.spread, -along.T @ f / found.spread)
+        found.closer = 2 * OF_CONTACT[0] * found.contact * (1 + 1 / found.values["mu"]) * systems[0].usual
     return found
+
+
+def allow_contacts(
+    found: Fit, contact: float, information: _Array | None = None, pull: _Array | None = None
+) -> None:
+    """Add what contacts of up to a given duration may change, as far as the records do not exclude it: by the
+    information of their residuals on `CONTACT`, and the gradient of the sum of squares; by default by the strains."""
+    strains = [found.strains.get(name, Strain(0.0, 0.0)) for name in CONTACT]
+    if information is None or pull is None:
+        clear = np.array([(one.size / one.change) ** 2 if one.change else 0.0 for one in strains])
+        information, pull = np.diag(clear), clear * [one.change for one in strains]
+    leans = [found.leans.pop(name) for name in CONTACT]
+    found.contact = contact
+    if not contact:
+        return
+    by = np.array([[lean.get(own, 0.0) for lean in leans] for own in found.names])
+    size = contact * np.array(OF_CONTACT)
+    # the covariance of the effects, and the mean where it is clear
+    spread = np.linalg.inv(information * np.outer(size, size) + np.eye(size.size))
+    mean = spread @ (pull * size)
+    if mean @ np.linalg.solve(spread, mean) > CLEAR**2:
+        spread += np.outer(*[np.clip(mean, -1.0, 1.0)] * 2)
+    by *= size
+    found.of_contacts = by @ spread @ by.T
 
 
 def by_friction(
@@ -268,7 +319,7 @@ def by_friction(
     every = np.zeros(count)
     begins = np.cumsum([0, *sizes])
     for i, (data, p) in enumerate(zip(records, points, strict=True)):
-        motion = of_no_friction(data, law, p, found.motions[i])
+        motion = of_no_friction(data, law, p[: 6 + 2 * len(law.of_wall(0))], found.motions[i])
         by_friction = motion.by[:, :, -1:] * found.lengths[0] / found.lengths[i]
         if data.places.size:
             omega, xi, static, phase = p[[0, 1, 4, 5]].tolist()

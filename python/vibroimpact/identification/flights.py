@@ -59,6 +59,9 @@ LEAST_DAMPED, MOST_DAMPED, LOWEST, HIGHEST = 0.002, 0.5, 4, 0.25
 #: Jumps of the velocity below this number of errors, or below this share of the largest one, do not count as
 #: impacts, unless a good misfit increases by this factor without them.
 CLEAR, WEAK, NEEDED = 5.0, 0.01, 10.0
+#: Frequencies at which pulses show the duration of contacts, over that of the load; standard deviation of a half
+#: sine over its duration.
+OF_PULSES, HALF_SINE = (10.0, 15.0, 20.0), math.sqrt(0.25 - 2 / math.pi**2)
 #: Largest number of impacts that are added to a start without impacts, and of missing impacts that are added in
 #: each load cycle to the predicted ones.
 MOST_IMPACTS, MISSING = 8, 2
@@ -93,6 +96,10 @@ class Measured:
     calibration: float = 0.0
     #: The order of the derivative of the displacement that was recorded.
     order: int = 2
+    #: Duration of the contacts by the shape of their pulses (s), and the highest angular frequency (rad/s) at which
+    #: the sensor does not change this shape.
+    contact: float = 0.0
+    passed: float = math.inf
     #: (n, q) Orthonormal directions, relative to the errors, of the components that are projected out: offset and
     #: ringing.
     beside: _Array = field(default_factory=lambda: np.empty((0, 0)))
@@ -439,6 +446,25 @@ def onsets(sudden: Iterable[tuple[_Array, _Array, int]]) -> Iterator[_Array]:
     yield np.empty(0)
 
 
+def tested(data: Measured) -> _Array:
+    """The angular frequencies at which pulses show how long contacts last."""
+    return np.array(OF_PULSES) * min(data.Omega, data.passed / OF_PULSES[-1])
+
+
+def duration(data: Measured, spectrum: _Complex, errors: _Array) -> float:
+    """The duration of contacts from the spectrum of the residuals of flights about impacts of velocity jump 1, at
+    frequency 0 and at those of `tested`, and the errors of its ratios to the first value.
+
+    A pulse with a standard deviation s in time has the spectrum 1 - (w s)^2/2 at low frequencies, whatever its
+    shape. A sensor whose gain is constant there does not change that.
+    """
+    w = np.append(0.0, tested(data))
+    spectrum = spectrum * (1j * w) ** (2 - data.order) + (data.order < 2)
+    ratio = abs(spectrum[1:]) / max(abs(spectrum[0]), 1e-300)
+    least = np.clip(ratio - errors, 0.1, 1.0)
+    return float((np.sqrt(-2 * np.log(least)) / w[1:]).max()) / HALF_SINE
+
+
 class FreeFit(NamedTuple):
     """The primary mass under impulses of arbitrary times and sizes, fitted to a folded record."""
 
@@ -689,6 +715,20 @@ class Flights:
             first = ahead[ends[0]] if ends.size else ahead[-1] if ahead.size else 0.0
             before[i] = first * (1 + MARGIN) + 2 * step
         return before, after
+
+    def contact(self, found: FreeFit) -> float:
+        """The duration of the contacts (s), from the pulses."""
+        data, fold, half = found.data, self.fold, self.whole / 2
+        w = np.append(0.0, tested(data))
+        off = (fold.angles[:, None] - data.angles + half) % self.whole - half
+        step = np.diff(fold.angles, append=fold.angles[0] + self.whole) / data.Omega
+        width = 0.5 * (step + np.roll(step, 1)) * found.pulse
+        off[abs(off) > abs(off).min(axis=1)[:, None]] = math.nan  # of the nearest impact
+        each = np.exp(-1j * off[..., None] * w / data.Omega) * (width * self.errors)[:, None, None]
+        each = np.nan_to_num(each) * (data.jumps / (data.jumps @ data.jumps))[:, None]
+        errors = np.sqrt((abs(each) ** 2).sum(axis=(0, 1)))
+        # residuals are those of the model
+        return duration(data, -(each * found.left[:, None, None]).sum(axis=(0, 1)), errors[1:])
 
     def point(self, found: FreeFit) -> tuple[list[float], _Array, _Array, float, list[Ringing]]:
         """The starting parameters of a fit that continues another one."""

@@ -38,6 +38,11 @@ STEP, SETTLED, MOST_STEPS = 1e-30, 1e-11, 25
 FARTHEST = 0.3
 
 
+#: What contacts that last change, in s: by how much the free mass goes beyond the wall, over its jump of velocity, and
+#: by how much it leaves sooner or later where the wall accelerates, over this acceleration and 1 - R.
+CONTACT = ("depth", "push")
+
+
 class Impacting(NamedTuple):
     """The impacts of a period: angles Omega t, jumps of the velocity of the primary mass, approach speeds,
     coefficients of restitution; derivatives of angles and jumps with respect to all parameters (2, N, P). With
@@ -65,6 +70,8 @@ class System:
         self.signs = data.pattern.signs.astype(float)
         self.law = law
         self.orders, self.shape = data.orders, data.shape
+        #: Jump of the velocity at which d contains how far the contacts go beyond the wall.
+        self.usual = 0.0
         N = self.signs.size
         self.later = 2 * math.pi * self.k * np.triu(np.ones((N, N)), 1)
         self.last = 2 * math.pi * self.k * np.eye(N)[-1]
@@ -74,28 +81,31 @@ class System:
     ) -> tuple[Any, Any, Any]:
         """Both equations of each impact (..., 2N), approach speeds and coefficients of restitution.
 
-        The parameters `p` (P, ...), angles and jumps (..., N) may be complex. Among several points, `rows` selects
+        The parameters `p` (P, ...), angles and jumps (..., N) may be complex; the last two may be those of `CONTACT`. Among several points, `rows` selects
         those with different angles, omega or xi, and `of` is the index in `rows` for each point.
         """
+        n = len(self.law.of_wall(0))
         omega, xi, mu, d, static, phase, *walls = (value[..., None] for value in p)
+        walls, (depth, push) = walls[: 2 * n], walls[2 * n :] or (0.0, 0.0)
         X, V = self.loaded(omega, xi, static, phase, angles)
         by_time, response = (
             part[of] for part in self.responses(omega[rows], xi[rows], angles[rows])
         )
         X = X + (response @ jumps[..., None])[..., 0]
         V = V + (by_time @ jumps[..., None])[..., 0]
-        z = X + self.signs * d / 2
+        beyond = (1 + 1 / mu) * depth * (self.signs * jumps - self.usual)
+        z = X + self.signs * (d / 2 + beyond)
         flights = np.roll(angles, -1, axis=-1) - angles + self.last
         after = self.Omega * (np.roll(z, -1, axis=-1) - z) / flights
         before = np.roll(after, 1, axis=-1)
         speeds = self.signs * (before - V + jumps / 2)
         right = self.signs > 0
         positive = np.where(speeds.real > 0, speeds, 1.0)
-        n = len(self.law.of_wall(0))
         each = (self.law.coefficient(i, w, positive) for i, w in enumerate((walls[:n], walls[n:])))
         R = np.where(right, *each)
         momentum = jumps + mu * (after - before)
-        restitution = after - V - jumps / 2 + self.signs * R * speeds
+        rate = accelerated(self.data, omega, xi, static, phase, angles / self.Omega, X, V)
+        restitution = after - V - jumps / 2 + self.signs * R * speeds - (1 - R) * push * rate
         return np.concatenate([momentum, restitution], axis=-1), speeds, R
 
     def loaded(self, omega: Any, xi: Any, static: Any, phase: Any, angles: Any) -> tuple[Any, Any]:
@@ -174,6 +184,18 @@ class System:
                 slopes = np.asarray(change[:, 1:].reshape(2, N, p.size), dtype=np.float64)
                 return Impacting(angles, jumps, speeds, R, slopes)
         raise SingularError("Newton's method found no motion with these impacts")
+
+
+def accelerated(
+    data: Measured, omega: Any, xi: Any, static: Any, phase: Any, t: Any, X: Any, V: Any
+) -> Any:
+    """The acceleration of the primary mass by its spring, dashpot and load, for given displacements and
+    velocities."""
+    load = 0.0
+    for n, shape in zip(data.orders.tolist(), data.shape.tolist(), strict=True):
+        turn = n * (data.Omega * t + phase)
+        load = load + shape.real * np.cos(turn) - shape.imag * np.sin(turn)
+    return omega**2 * (static * load - X) - 2 * xi * omega * V
 
 
 def oscillator_of(values: Mapping[str, float], **scale: Any) -> Oscillator:

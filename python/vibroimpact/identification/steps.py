@@ -76,6 +76,9 @@ LESS = 0.5
 #: share leaves a period in doubt, the second one makes individual flights come first. The noise behind an unknown
 #: filter exceeds white noise, too.
 RESTLESS, COLOURED, SOME, MUCH = 1.4, 3.0, 0.015, 0.03
+#: Share of the bandwidth of a sensor to which its gain is constant, and of the sampling rate to which pulses are
+#: sampled well.
+FLAT, ALIASED = 0.5, 0.2
 #: Relative error of a load that is known exactly: a fit would not change what determines it much less than that.
 EXACT = 1e-5
 
@@ -252,8 +255,9 @@ def of_record(
         Omega += k * tones(values, rate, Omega / k, tones_of(rate, Omega, k)).off
         step.Omega = Omega
     data = Measured(
-        Omega, max(k, 1), order=order, colour=colour, drift=drift, calibration=calibration
-    )
+        Omega, max(k, 1), order=order, colour=colour, drift=drift, calibration=calibration,
+        passed=2 * math.pi * min(FLAT * (bandwidth or math.inf), ALIASED * rate),
+    )  # fmt: skip
     if step.load is not None:
         # the load with the same delay as the motion channel, but without its low-pass
         hertz = np.arange(LOAD_TONES + 1) * Omega / (2 * math.pi)
@@ -395,7 +399,10 @@ def flown(
     step.times = times[inside] + record.start
     step.signs = np.tile(np.sign(data.jumps[order]), turns.size)[inside]
     step.data = ordered(
-        replace(data, jump_errors=free.jump_errors, beside=beside(free)), np.sign(data.jumps)
+        replace(
+            data, jump_errors=free.jump_errors, beside=beside(free), contact=flights.contact(free)
+        ),
+        np.sign(data.jumps),
     )
     step.rhythm = Rhythm("periodic", data.k, np.empty(0), np.empty(0))
 

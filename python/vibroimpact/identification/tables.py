@@ -17,7 +17,7 @@ from .friction import slid
 from .known import KNOWN, Doubted
 from .laws import Law
 from .measured import SensorRecord
-from .motions import oscillator_of, verified
+from .motions import CONTACT, oscillator_of, verified
 from .signals import centred
 from .stages import FAR, distances
 from .steps import LOAD_TONES, Step
@@ -233,7 +233,7 @@ def doubts_of(
     data, texts = step.data, []
     strained = {
         name: strain for name, strain in found.strains.items()
-        if is_strained(found, name) and name.split()[-1] in (name, str(i))
+        if name not in CONTACT and is_strained(found, name) and name.split()[-1] in (name, str(i))
     }  # fmt: skip
     for name, strain in sorted(strained.items(), key=lambda item: -abs(item[1].size)):
         apart = f"{abs(strain.size):.2g} standard errors apart"
@@ -272,6 +272,12 @@ def doubts_of(
                 "that resembles it"
             )
     texts += drifts_of(step, found)
+    lasting = max((abs(found.strains[name].size) for name in CONTACT if name in found.strains), default=0.0)
+    if lasting > STRAINED and not texts:
+        texts.append(
+            f"contacts that last would describe the record better ({lasting:.2g} standard errors from none): the "
+            f"pulses allow {found.contact * 1e3:.2g} ms, and the parameters are those of impacts of no duration"
+        )
     texts += filter(None, [unfound_ringing(found.early)])
     if found.against:
         texts.append(
@@ -367,7 +373,8 @@ def drifts_of(step: Step, found: Fit) -> list[str]:
             by = f"become {way} by {abs(change) / step.Omega * 1e3:.2g} ms"
         else:
             level = {"static": found.lengths[0]}.get(name, found.values.get(name, 1.0))
-            by = f"{'grow' if change > 0 else 'fall'} by {100 * abs(change) / level:.2g} %"
+            share = f"{100 * abs(change) / level:.2g} %" if level else f"{abs(change):.2g}"
+            by = f"{'grow' if change > 0 else 'fall'} by {share}"
         texts.append((
             abs(size),
             f"{DRIFTS[name]} to {by} during the record ({abs(size):.2g} standard errors from none), which the "
@@ -416,6 +423,11 @@ def unstated(found: Fit, Omega: float) -> list[str]:
         ]  # fmt: skip
         if changes:
             texts.append(f"not in the errors: if {what}, {', '.join(changes)}")
+    if found.closer > 2 * errors.get("d", math.inf) and "d" not in found.undetermined:
+        texts.append(
+            f"not in the errors: d is the travel between the centres of the impacts; if contacts last as long as "
+            f"their pulses, {found.contact * 1e3:.2g} ms, the walls are {amount(found.closer, 'd')} closer"
+        )
     return texts
 
 
@@ -495,14 +507,16 @@ def parameters_of(
     errors: dict[str, float] = {}
     states: dict[str, str] = {}
     values: dict[str, float] = dict(shared)
+    covariance = np.zeros((0, 0))
     if found is not None:
+        covariance = found.covariance + found.of_contacts
         values = {
             **found.values,
             **{name: found.lengths[int(name.split()[1])] for name in found.names if " " in name},
         }
         for j, name in enumerate(found.names):
             vague = name in found.undetermined
-            errors[name] = math.inf if vague else math.sqrt(found.covariance[j, j])
+            errors[name] = math.inf if vague else math.sqrt(covariance[j, j])
             states[name] = "undetermined" if vague else "fitted"
     data = steps[0].data
     F0, F0_error = steps[0].F0, steps[0].F0_error
@@ -524,7 +538,7 @@ def parameters_of(
             if name in found.names
         ]
         return math.sqrt(
-            max(0.0, sum(a * b * found.covariance[j, k] for j, a in place for k, b in place))
+            max(0.0, sum(a * b * covariance[j, k] for j, a in place for k, b in place))
         )
 
     if found is not None or scale:

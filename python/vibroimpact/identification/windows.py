@@ -24,7 +24,9 @@ from .flights import (
     MOST_DAMPED,
     MOST_MODES,
     Measured,
+    duration,
     of_load,
+    tested,
     turns_of,
 )
 from .known import HINT
@@ -581,6 +583,40 @@ class Windows:
             unlike = abs(left) > UNLIKE * np.hypot(self.noise, jump[own] * spread)
             crowded[impact[own][unlike]] = True
         return crowded
+
+    def contact(self, flown: Flown) -> float:
+        """The duration of the contacts (s), from the pulses of resolved impacts that are not close to others."""
+        data, w = self.data, np.append(0.0, tested(self.data))
+        apart = np.diff(flown.times, prepend=-math.inf, append=math.inf)
+        alone = flown.resolved & (np.minimum(apart[:-1], apart[1:]) > 2 * (self.before + self.after))
+        # each sample belongs to the latest impact, or to the next one if that is near
+        ahead = np.append(flown.times, math.inf)[self.flight] - self.t
+        impact = self.flight - (ahead > self.before)
+        near = np.flatnonzero((impact >= 0) & (impact < alone.size))
+        near = near[alone[impact[near]]]
+        impact = impact[near]
+        off = self.t[near] - flown.times[impact]
+        inside = off < self.after
+        near, impact, off = near[inside], impact[inside], off[inside]
+        # the flight of the samples between the impact and the end of the flight that was fitted before
+        flight = impact + (off > 0)
+        rest = self.values[near] - self.loaded(self.t[near])
+        L = self.waves(self.t[near] - self.begins[flight], self.common)
+        rest -= (L * self.states[flight]).sum(axis=1)
+        jumps = flown.jumps[alone]
+        if not jumps.size:
+            return 0.0
+        place = np.searchsorted(np.flatnonzero(alone), impact)
+        each = np.stack([
+            np.bincount(place, part, jumps.size) for wave in np.exp(-1j * np.outer(w, off)) * rest * self.step
+            for part in (wave.real, wave.imag)
+        ])  # fmt: skip
+        each = each[::2] + 1j * each[1::2]
+        square = float(jumps @ jumps)
+        spectrum = each @ jumps / square
+        unlike = each[1:] - np.outer(spectrum[1:] / spectrum[0], each[0])
+        errors = np.sqrt(abs(unlike) ** 2 @ jumps**2) / square / abs(spectrum[0])
+        return duration(data, spectrum, errors)
 
     def loaded(self, t: _Array) -> _Array:
         """The motion under the load alone, with the offset."""
