@@ -1,12 +1,15 @@
-"""Coverage of the intervals of `identify` on three generators of records.
+"""Coverage of the intervals of `identify` on generators of records.
 
     python benchmarks/identify_coverage.py [rigs of each kind] [first seed] [generator...]
 
 "pulses" and "spikes" are those of tests/python/reference_rig.py, which share no code with the package: impacts are
 pulses of finite duration, which an unknown low-pass may follow, or impulses through a known one. "virtual" is the
 package's `VirtualRig`, with pulses through a low-pass that every other record does not state; in "drift" its
-coefficients of restitution also fall by up to 1 % during the record, the true ones being their means. Rigs are
-drawn alike for all: rates of 2 to 50 kHz, noise of 20 to 50 dB, contacts of 0.05 to 1.5 ms, ringing of up to 30 %,
+coefficients of restitution also fall by up to 1 % during the record, the true ones being their means. In
+"contacts" walls are springs with dampers, linear or by the law of Hunt and Crossley, whose true R are those of
+isolated impacts at v0 or at the mean speed, and sensors have analogue filters of several kinds. Its d is the
+distance of the walls if motions are chaotic, else the travel between the centres of the impacts. Rigs are drawn
+alike for all: rates of 2 to 50 kHz, noise of 20 to 50 dB, contacts of 0.05 to 1.5 ms, ringing of up to 30 %,
 harmonics of the load, R(v), sensors that are exact or off by 1 %. A kind is a generator with periodic or with
 chaotic motions. M, K and, of periodic records, m are known.
 
@@ -26,10 +29,10 @@ import numpy as np
 import vibroimpact as vi
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "tests/python"))
-from reference_rig import SPEED, K, M
+from reference_rig import SPEED, K, M, truth, wide_rig
 from shared_identify import recorded
 
-GENERATORS = ("pulses", "spikes", "virtual", "drift")
+GENERATORS = ("pulses", "spikes", "virtual", "drift", "contacts")
 #: Largest share by which coefficients of restitution fall in "drift".
 DRIFT = 0.01
 #: Standard deviations of an interval that holds 68 %.
@@ -50,7 +53,9 @@ def scored(generator, chaos, seed):
                 record,
                 known=known,
                 calibration=rig.calibration,
-                law="power" if rig.exponent else "constant",
+                law="power"
+                if rig.exponent or (chaos and rig.wall == "hunt-crossley")
+                else "constant",
             )
     except vi.VibroimpactError as error:
         return "refused", {}, rig, time.process_time() - begin, str(error)
@@ -62,6 +67,11 @@ def scored(generator, chaos, seed):
         "xi": rig.xi, "mu": rig.mu, "R1": rig.restitution[0] * scale, "R2": rig.restitution[1] * scale,
         "d": rig.d, "exponent": rig.exponent,
     }  # fmt: skip
+    if rig.wall:
+        impacts = wide_rig(seed, generator, chaos)[1][3]
+        true["R1"], true["R2"], travel = truth(rig, impacts, found.values.get("v0"))
+        true["d"] = rig.d if chaos else travel
+        del true["exponent"]  # the law is no power
     off = {
         name: (found.values[name] - value) / found.errors[name] for name, value in true.items()
         if name in found.errors and name not in found.undetermined

@@ -3,9 +3,9 @@
 Flights of both masses are exact, by matrix exponentials of SciPy. An impact is a pulse of finite duration whose
 area is the jump of the velocity of the primary mass, and a second mode rings after it. The motion sensor may have
 a low-pass, which the load sensor does not have, and an offset. Or both sensors have a known low-pass, through
-which an impact is the response to an ideal impulse. Or the walls are springs with dampers: then both masses move on
-while they touch, nothing is known about an impact but the law of the force, and the sensors have analogue filters
-of many kinds and a converter.
+which an impact is the response to an ideal impulse. Or the walls are springs with dampers: then both masses move
+on while they touch, only the law of the force is given, and the sensors have analogue filters of many kinds and a
+converter.
 """
 
 import functools
@@ -16,22 +16,32 @@ import numpy as np
 from scipy.linalg import expm
 from scipy.optimize import brentq
 from scipy.signal import (
-    bessel, butter, cheby1, cont2discrete, ellip, freqs, lfilter, sosfilt, sosfreqz, tf2ss,
+    bessel,
+    butter,
+    cheby1,
+    cont2discrete,
+    ellip,
+    freqs,
+    lfilter,
+    sosfilt,
+    sosfreqz,
+    tf2ss,
 )  # fmt: skip
 
 #: Mass and spring of the rig, which are known, and steps in a load cycle for the search for impacts.
 M, K, STEPS = 0.7303, 11383.00093642085, 256
 #: Approach speed (m/s) at which the law of restitution gives the restitution of the rig.
 SPEED = 0.3
-#: Approach speed at which compliant walls have the restitution and the contact time of the rig, steps of a contact,
-#: and rate (Hz) beyond which their motion is sampled before the filters.
+#: Approach speed at which compliant walls have the restitution and the contact time of the rig, steps of a
+#: contact time, and least rate (Hz) of the motion before the filters.
 TOUCH_SPEED, TOUCH_STEPS, FINE = 0.6, 32, 2e5
-#: Analogue low-passes by name, for a -3 dB frequency and a sampling rate.
+#: Low-passes by name, for a -3 dB frequency and a sampling rate; of odd order if their gain has ripples, so that
+#: it is 1 at frequency 0.
 FILTERS = {
     **{f"butterworth {n}": functools.partial(butter, n, output="sos") for n in (2, 4, 8)},
     "bessel": functools.partial(bessel, 4, norm="mag", output="sos"),
     "chebyshev": functools.partial(cheby1, 5, 0.5, output="sos"),
-    "elliptic": functools.partial(ellip, 6, 0.2, 60, output="sos"),
+    "elliptic": functools.partial(ellip, 5, 0.2, 60, output="sos"),
 }
 
 
@@ -79,8 +89,8 @@ class Rig:
     #: The law of the force of compliant walls, "linear" or "hunt-crossley"; "" for impacts of no duration, whose
     #: pulse is then given.
     wall: str = ""
-    #: Analogue filter of both sensors, of `FILTERS`, with `known_lowpass` as its -3 dB frequency whether or not it is
-    #: known; and bits of the converter over 1.25 times the largest sample.
+    #: Filter of both sensors of a rig with compliant walls, of `FILTERS`, with `known_lowpass` as its -3 dB
+    #: frequency, stated or not; and bits of the converter over 1.25 times the largest sample.
     filter: str = ""
     bits: int = 16
 
@@ -215,7 +225,9 @@ def force_of(rig, R):
     if rig.wall == "linear":
         # of a free contact, which ends when the force vanishes
         def turn(zeta):
-            return math.atan2(2 * zeta * math.sqrt(1 - zeta**2), 2 * zeta**2 - 1) / math.sqrt(1 - zeta**2)
+            return math.atan2(2 * zeta * math.sqrt(1 - zeta**2), 2 * zeta**2 - 1) / math.sqrt(
+                1 - zeta**2
+            )
 
         zeta = brentq(lambda z: -z * turn(z) - math.log(R), 1e-9, 0.999)
         omega = turn(zeta) / rig.contact
@@ -230,12 +242,14 @@ def restitution_at(rig, R, speed):
     if rig.wall == "linear":
         return R
     u = force_of(rig, R)[1] * speed
-    return brentq(lambda R: math.log1p(u) - math.log1p(-u * R) - u * (1 + R), 1e-9, min(1, 1 / u) - 1e-12)
+    return brentq(
+        lambda R: math.log1p(u) - math.log1p(-u * R) - u * (1 + R), 1e-9, min(1, 1 / u) - 1e-12
+    )
 
 
 def truth(rig, impacts, v0=None):
-    """Of a rig with compliant walls: the coefficients of restitution of isolated impacts, at a speed or at the mean
-    speed of the impacts on each wall, and the travel between the centres of the impacts, at which flights meet."""
+    """Of a rig with compliant walls: the coefficients of restitution of isolated impacts, at a speed or at the
+    mean speed of the impacts on each wall, and the travel between the centres of impacts, where flights meet."""
     R, travel = [], rig.d
     for one, side in zip(rig.restitution, (1, -1), strict=True):
         jumps = abs(impacts[impacts[:, 1] == side, 2]) * (1 + rig.mu) / rig.mu
@@ -244,8 +258,19 @@ def truth(rig, impacts, v0=None):
             v = jumps.mean() / (1 + restitution_at(rig, one, v))
         R.append(restitution_at(rig, one, v if v0 is None else v0))
         # without a load and a spring
-        free = Rig(xi=0.0, mu=rig.mu, restitution=(one, one), r=1e-6, F0=1.0, D=rig.d * K, contact=rig.contact, wall=rig.wall)
-        times, _, jump, _ = touched(free, force_of(rig, one), np.array([0, 0, 0, 0, rig.d / 2, v]), 1)
+        free = Rig(
+            xi=0.0,
+            mu=rig.mu,
+            restitution=(one, one),
+            r=1e-6,
+            F0=1.0,
+            D=rig.d * K,
+            contact=rig.contact,
+            wall=rig.wall,
+        )
+        times, _, jump, _ = touched(
+            free, force_of(rig, one), np.array([0, 0, 0, 0, rig.d / 2, v]), 1
+        )
         travel += v * (0.5 * (times[1:] + times[:-1]) @ np.diff(jump)) / jump[-1]
     return *R, travel
 
@@ -253,7 +278,9 @@ def truth(rig, impacts, v0=None):
 @functools.cache
 def lasting(u):
     """Duration of the contact p'' = -p^1.5 (1 + u p'), p' = 1 at the start."""
-    R = brentq(lambda R: math.log1p(u) - math.log1p(-u * R) - u * (1 + R), 1e-9, min(1, 1 / u) - 1e-12)
+    R = brentq(
+        lambda R: math.log1p(u) - math.log1p(-u * R) - u * (1 + R), 1e-9, min(1, 1 / u) - 1e-12
+    )
     # the depth at a rate w, by the lost energy, with w = sin of an angle on the way in and out
     w = np.cos(np.linspace(0, math.pi, 20001))
     w = np.where(w > 0, w, R * w)
@@ -265,9 +292,9 @@ def lasting(u):
 
 
 def touched(rig, wall, y, side):
-    """A contact with a compliant wall by the method of Runge and Kutta, until the depth is 0 again: times since its
-    beginning, velocities of the primary mass, its jump so far by the force of the wall; and the state at the end.
-    None if it lasts too long."""
+    """A contact with a compliant wall by the method of Runge and Kutta, until the depth is 0 again: times since
+    its beginning, velocities of the primary mass, its jump so far by the force of the wall; and the state at the
+    end. None if it lasts too long."""
     k, c = wall
     square, damping, w = K / M, 2 * rig.xi * math.sqrt(K / M), 2 * math.pi * rig.frequency
     linear, mu, half = rig.wall == "linear", rig.mu, rig.d / 2

@@ -10,7 +10,18 @@ import vibroimpact as vi
 
 pytest.importorskip("scipy")
 from reference_rig import (
-    SPEED, K, M, chaotic_rig, flights, force_of, random_rig, record, restitution_at, touched, truth, wide_rig,
+    SPEED,
+    K,
+    M,
+    chaotic_rig,
+    flights,
+    force_of,
+    random_rig,
+    record,
+    restitution_at,
+    touched,
+    truth,
+    wide_rig,
 )  # fmt: skip
 from shared_identify import BENCH, KNOWN, of_no_duration, recorded
 from vibroimpact.identification.aperiodic import Impacts, possible
@@ -441,8 +452,8 @@ def test_channels_may_be_read_in_turn(frequency, monkeypatch):
 
 
 def contact_score(seed, chaos):
-    """The results for a rig with compliant walls, and errors over the stated ones: of a motion that does not repeat,
-    d is the distance between the walls, else the travel between the centres of the impacts."""
+    """The results for a rig with compliant walls, and errors over the stated ones: d of a motion that does not
+    repeat is the distance between the walls, else the travel between the centres of the impacts."""
     rig, given, _, _ = recorded(seed, "contacts", chaos)
     impacts = wide_rig(seed, "contacts", chaos)[1][3]
     known = {"M": M, "K": K} | ({} if chaos else {"m": M * rig.mu})
@@ -451,7 +462,13 @@ def contact_score(seed, chaos):
         warnings.simplefilter("ignore", vi.PoorFitWarning)
         found = vi.identify(given, known=known, calibration=rig.calibration, law=law)
     *walls, travel = truth(rig, impacts, found.values.get("v0"))
-    true = {"xi": rig.xi, "mu": rig.mu, "R1": walls[0], "R2": walls[1], "d": rig.d if chaos else travel}
+    true = {
+        "xi": rig.xi,
+        "mu": rig.mu,
+        "R1": walls[0],
+        "R2": walls[1],
+        "d": rig.d if chaos else travel,
+    }
     off = {
         name: (found.values[name] - value) / found.errors[name] for name, value in true.items()
         if name in found.errors and name not in found.undetermined
@@ -476,8 +493,8 @@ def test_a_contact_has_its_restitution_and_duration():
 
 
 def test_contacts_that_last_are_within_the_errors(monkeypatch):
-    """Contacts of 0.8 ms. Fitted as impacts of no duration, R is more than fifteen errors off without a doubt, since
-    the acceleration of the wall changes the rebound; the errors contain as much as the pulses allow."""
+    """Contacts of 0.8 ms. Fitted as impacts of no duration, R is more than fifteen errors off without a doubt,
+    since the acceleration of the wall changes the rebound; the errors contain as much as the pulses allow."""
     _, found, off = contact_score(6, False)
     assert found.good
     assert max(map(abs, off.values())) < 4

@@ -165,8 +165,8 @@ class Impacts:
         # the gain of the motion sensor is known to within its calibration
         self.calibration = windows.data.calibration
         values["gain"] = 1.0
-        #: Standard errors of what is known without the impacts: the gain, and the effects of contacts, which may last
-        #: as long as given, or have none.
+        #: Standard errors of what is known without the impacts: the gain, and the effects of contacts, which may
+        #: last as long as given, or have none.
         self.doubtful = dict(zip(CONTACT, (contact * share for share in OF_CONTACT), strict=True))
         self.doubtful["gain"] = self.calibration
         values |= dict.fromkeys(CONTACT, 0.0)
@@ -181,8 +181,11 @@ class Impacts:
         self.active = lawful[1:-1].copy()
         self.g = np.array([values[name] for name in self.names])
         self.typical = [
-            max(abs(self.g[j]), 1e-3) if name in ("mu", "d")
-            else TRIED * self.doubtful[name] if name in CONTACT else law.typical(name, values[name])
+            max(abs(self.g[j]), 1e-3)
+            if name in ("mu", "d")
+            else TRIED * self.doubtful[name]
+            if name in CONTACT
+            else law.typical(name, values[name])
             for j, name in enumerate(self.names)
         ]
         #: The information on the parameters without the impacts, and their values by it.
@@ -241,7 +244,9 @@ class Impacts:
             one = one + (drag * (mean - once))[..., :-1]
             two = two + (drag * mean)[..., 1:]
         omega, xi, static, phase = (common[..., None, i] for i in range(4))
-        rate = accelerated(self.windows.data, omega, xi, static, phase, t, X, 0.5 * (V + after))[..., 1:-1]
+        rate = accelerated(self.windows.data, omega, xi, static, phase, t, X, 0.5 * (V + after))[
+            ..., 1:-1
+        ]
         V, after, sign = V[..., 1:-1], after[..., 1:-1], signs[1:-1]
         speed = sign * (one - V)
         # the law depends on speeds, which the sensor scales by its gain
@@ -495,7 +500,10 @@ def by_laws(
     shown = math.inf
     try:
         plain = of_laws(windows, flown, *given, 0.0, rough)
-        shown = max((abs(plain[0].strains[name].size) for name in CONTACT if name in plain[0].strains), default=0)
+        shown = max(
+            (abs(plain[0].strains[name].size) for name in CONTACT if name in plain[0].strains),
+            default=0,
+        )
     except SingularError as error:
         failed = error
     if contact and shown > SHOWN and not (law.friction or isinstance(failed, TooFewError)):
@@ -648,8 +656,8 @@ def of_laws(
         place = order.index("F0/K 0")
         part[place, place] += (calibration * common[2]) ** 2
     found = Fit(
-        {name: values[name] for name in (*law.shared, *CONTACT)}, [float(common[2])], [float(common[3])], [], order,
-        part, [name for name in order if places.index(name) in vague],
+        {name: values[name] for name in (*law.shared, *CONTACT)}, [float(common[2])], [float(common[3])], [],
+        order, part, [name for name in order if places.index(name) in vague],
         [misfit * flown.colour], variance, strains=strains, leans=leans, drifts=drifts, early=flown.early,
         most=min(DOUBTFUL, flown.colour * bearable(count - g.size)), slips=impacts.slips,
         gain=float(g[-1]) if calibration else 1.0,

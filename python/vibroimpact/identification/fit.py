@@ -77,8 +77,8 @@ class Fit:
     slips: Any = None
     #: Why the impacts contradict momentum and restitution, where flights alone are fitted.
     against: str = ""
-    #: The covariance that contacts add if they may last as long as their pulses; this duration, and by how much the
-    #: walls are closer than d then (m).
+    #: The covariance that contacts add if they may last as long as their pulses; this duration, and by how much
+    #: the walls are closer than d then (m).
     of_contacts: _Array | float = 0.0
     contact: float = 0.0
     closer: float = 0.0
@@ -283,15 +283,20 @@ def fit(
         along -= U[:, s > 1e-9 * s[0]] @ (U[:, s > 1e-9 * s[0]].T @ along)
         contact = max(data.contact for data in records)
         allow_contacts(found, contact, along.T @ along / found.spread, -along.T @ f / found.spread)
-        found.closer = 2 * OF_CONTACT[0] * found.contact * (1 + 1 / found.values["mu"]) * systems[0].usual
+        found.closer = (
+            2 * OF_CONTACT[0] * found.contact * (1 + 1 / found.values["mu"]) * systems[0].usual
+        )
     return found
 
 
 def allow_contacts(
     found: Fit, contact: float, information: _Array | None = None, pull: _Array | None = None
 ) -> None:
-    """Add what contacts of up to a given duration may change, as far as the records do not exclude it: by the
-    information of their residuals on `CONTACT`, and the gradient of the sum of squares; by default by the strains."""
+    """Add what contacts of up to a given duration may change, as far as the records do not exclude it.
+
+    The records do so by the information of their residuals on `CONTACT` and minus half the gradient of the sum of
+    squares; by default these follow from the strains, one by one.
+    """
     strains = [found.strains.get(name, Strain(0.0, 0.0)) for name in CONTACT]
     if information is None or pull is None:
         clear = np.array([(one.size / one.change) ** 2 if one.change else 0.0 for one in strains])

@@ -96,8 +96,8 @@ class Measured:
     calibration: float = 0.0
     #: The order of the derivative of the displacement that was recorded.
     order: int = 2
-    #: Duration of the contacts by the shape of their pulses (s), and the highest angular frequency (rad/s) at which
-    #: the sensor does not change this shape.
+    #: Duration of the contacts by the shape of their pulses (s), and the highest angular frequency (rad/s) at
+    #: which the sensor does not change this shape.
     contact: float = 0.0
     passed: float = math.inf
     #: (n, q) Orthonormal directions, relative to the errors, of the components that are projected out: offset and

@@ -38,8 +38,8 @@ STEP, SETTLED, MOST_STEPS = 1e-30, 1e-11, 25
 FARTHEST = 0.3
 
 
-#: What contacts that last change, in s: by how much the free mass goes beyond the wall, over its jump of velocity, and
-#: by how much it leaves sooner or later where the wall accelerates, over this acceleration and 1 - R.
+#: What contacts that last change (s): how far the free mass goes beyond the wall, over its jump of velocity; and
+#: how much faster it leaves a wall that accelerates towards it, over this acceleration and 1 - R.
 CONTACT = ("depth", "push")
 
 
@@ -81,8 +81,9 @@ class System:
     ) -> tuple[Any, Any, Any]:
         """Both equations of each impact (..., 2N), approach speeds and coefficients of restitution.
 
-        The parameters `p` (P, ...), angles and jumps (..., N) may be complex; the last two may be those of `CONTACT`. Among several points, `rows` selects
-        those with different angles, omega or xi, and `of` is the index in `rows` for each point.
+        The parameters `p` (P, ...), angles and jumps (..., N) may be complex; the last two parameters may be
+        those of `CONTACT`. Among several points, `rows` selects those with different angles, omega or xi, and `of`
+        is the index in `rows` for each point.
         """
         n = len(self.law.of_wall(0))
         omega, xi, mu, d, static, phase, *walls = (value[..., None] for value in p)

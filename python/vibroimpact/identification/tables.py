@@ -272,7 +272,9 @@ def doubts_of(
                 "that resembles it"
             )
     texts += drifts_of(step, found)
-    lasting = max((abs(found.strains[name].size) for name in CONTACT if name in found.strains), default=0.0)
+    lasting = max(
+        (abs(found.strains[name].size) for name in CONTACT if name in found.strains), default=0.0
+    )
     if lasting > STRAINED and not texts:
         texts.append(
             f"contacts that last would describe the record better ({lasting:.2g} standard errors from none): the "

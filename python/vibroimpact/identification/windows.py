@@ -588,7 +588,9 @@ class Windows:
         """The duration of the contacts (s), from the pulses of resolved impacts that are not close to others."""
         data, w = self.data, np.append(0.0, tested(self.data))
         apart = np.diff(flown.times, prepend=-math.inf, append=math.inf)
-        alone = flown.resolved & (np.minimum(apart[:-1], apart[1:]) > 2 * (self.before + self.after))
+        alone = flown.resolved & (
+            np.minimum(apart[:-1], apart[1:]) > 2 * (self.before + self.after)
+        )
         # each sample belongs to the latest impact, or to the next one if that is near
         ahead = np.append(flown.times, math.inf)[self.flight] - self.t
         impact = self.flight - (ahead > self.before)
