@@ -97,8 +97,8 @@ class Identification(Noun, study="identify"):
     doubts : tuple of str
         Doubts about the fit, the likeliest causes first; empty if there are none.
     assumptions : tuple of str
-        Effects that the stated errors do not include: the changes of parameters with a known value or with the
-        load phase, if they exceed two errors.
+        Effects that the stated errors do not include, if they exceed two errors: the changes of parameters with a
+        known value or with the load phase, and how much closer than d the walls are if contacts last.
     good : bool
         Whether parameters were fitted and there are no doubts about them. If not, the errors are not valid, and
         `identify` warns with a `PoorFitWarning`.
@@ -480,7 +480,8 @@ def identify(
     the prediction from its past. Between impacts the primary mass is a damped oscillator under the load. Flights
     of this form, with velocity jumps at fitted instants, and modes that ring after the impacts are fitted outside
     the pulses, whose lengths are determined from the data. Therefore neither the shape of the contact pulse nor a
-    delay of the motion sensor matters. Exact motions are then fitted to the same data, weighted by the scatter of
+    delay of the motion sensor matters; what contacts as long as the pulses may change is part of the errors. Exact
+    motions are then fitted to the same data, weighted by the scatter of
     the samples. If the record is not periodic, each flight has its own state, and the parameters follow from
     momentum and restitution at the impacts between flights.
 

@@ -609,11 +609,12 @@ class Windows:
         if not jumps.size:
             return 0.0
         place = np.searchsorted(np.flatnonzero(alone), impact)
-        each = np.stack([
-            np.bincount(place, part, jumps.size) for wave in np.exp(-1j * np.outer(w, off)) * rest * self.step
-            for part in (wave.real, wave.imag)
-        ])  # fmt: skip
-        each = each[::2] + 1j * each[1::2]
+        waves = np.exp(-1j * np.outer(w, off)) * rest * self.step
+        real, imaginary = (
+            np.stack([np.bincount(place, wave, jumps.size) for wave in part])
+            for part in (waves.real, waves.imag)
+        )
+        each = np.asarray(real + 1j * imaginary, dtype=np.complex128)
         square = float(jumps @ jumps)
         spectrum = each @ jumps / square
         unlike = each[1:] - np.outer(spectrum[1:] / spectrum[0], each[0])
