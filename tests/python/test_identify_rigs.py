@@ -208,9 +208,10 @@ def test_a_chaotic_rig_makes_one_record():
 
 
 @pytest.mark.slow
-def test_chaotic_records_tell_all_parameters():
+def test_chaotic_records_tell_all_parameters(monkeypatch):
     """Without a motion, from flights between impacts alone, also the free mass: at least three of four records do,
     and within four stated errors whatever is told without a doubt."""
+    of_no_duration(monkeypatch)
     told = 0
     for kind in ("abc", "defg", "hi", "other"):
         _, found, off = chaotic_score(1, kind)
