@@ -30,6 +30,7 @@ from .fit import (
     covariance_of,
     far_off_gain,
 )
+from .flights import HALF_SINE
 from .friction import slips_of
 from .known import HINT
 from .laws import Law
@@ -66,6 +67,8 @@ OTHER = 0.01
 #: Standard errors by which contacts that last must show to be part of a fit, and largest effect of these over that
 #: which the pulses suggest.
 SHOWN, MORE = 3.0, 1.5
+#: Half the mean square of the duration of a force, as a half sine, over that of the depth of `CONTACT`.
+SPREAD = 0.5 * (HALF_SINE / OF_CONTACT[0]) ** 2
 #: Number of estimates of friction from momentum alone.
 FRICTIONS = 3
 #: Share by which coefficients of restitution grow during the record, 0 in every fit: on both walls, and on each.
@@ -260,7 +263,9 @@ class Impacts:
         )
         own = np.where(sign > 0, value["drift1"], value["drift2"])
         R = R * (1 + self.elapsed * (value["drift"] + own))
-        momentum = after - V + value["mu"] * (two - one)
+        # a force that lasts makes the primary mass oscillate less than its impulse
+        less = SPREAD * (omega * value["depth"]) ** 2
+        momentum = (after - V) * (1 + less) + value["mu"] * (two - one)
         restitution = two - after + sign * R * speed - (1 - R) * value["push"] * rate
         return np.stack([momentum, restitution], axis=-1)
 
@@ -648,6 +653,11 @@ def of_laws(
     columns = [places.index(name) for name in order]
     values |= {"omega": float(common[0]), "xi": float(common[1])}
     values |= dict(zip(names, g.tolist(), strict=True))
+    # the equations hold to the first order of the duration; the rest is about as large as the known part of it
+    less = SPREAD * (values["omega"] * values["depth"]) ** 2
+    for i, name in enumerate(places):
+        if name in ("xi", "mu", "d"):
+            covariance[i, i] += (less * values[name]) ** 2
     lawful = impacts.lawful.copy()
     lawful[1:-1] = best.ok
     part = covariance[np.ix_(columns, columns)]
