@@ -2,7 +2,7 @@
 A small atlas
 =============
 
-An atlas contains all zones of a window. You need not give the patterns: the program enumerates them, and a
+An atlas collects the zones of a window. You need not give the patterns: the program enumerates them, and a
 survey by simulation reports zones that are missing. Each point of the survey is counted by its outcome, and points
 that no zone explains are marked in the picture. Where D > 2A the free mass can also stay at rest without
 impacts; this region is hatched.

@@ -135,7 +135,8 @@ contains
       associate (pairs => size(regime%modes%stiffness), rows => size(regime%upper), &
          harmonics => size(regime%turns, 1))
          fits = allocated(space%pairs)
-         if (fits) fits = size(space%pairs, 1) >= pairs .and. size(space%values, 1) >= rows
+         if (fits) fits = size(space%pairs, 1) >= pairs .and. size(space%values, 1) >= rows .and. &
+            size(space%turns, 1) >= harmonics
          if (fits) return
          if (allocated(space%pairs)) deallocate (space%pairs, space%work, space%values, &
             space%turns, space%doubtful)

@@ -112,7 +112,7 @@ contains
       real(wp), intent(in) :: x(n), v(n)
       !> (n) After that time.
       real(wp), intent(out) :: x_new(n), v_new(n)
-      real(wp), dimension(lanes) :: angle, exponent, sine, cosine, shrink, turns, w
+      real(wp), dimension(lanes) :: angle, exponent, sine, cosine, shrink, turned, w
       real(wp) :: u
       integer :: j, k, m
 
@@ -134,10 +134,10 @@ contains
          ! factors of 0 and 1: after a choice each pair would be divided alone; the smallest number
          ! changes no quotient that is used
          do j = 1, m
-            turns(j) = merge(1.0_wp, 0.0_wp, angle(j) > 1.0e-8_wp)
+            turned(j) = merge(1.0_wp, 0.0_wp, angle(j) > 1.0e-8_wp)
          end do
          do j = 1, m
-            w(j) = turns(j)*(sine(j)/(turn(k + j) + tiny(u))) + (1 - turns(j))*t
+            w(j) = turned(j)*(sine(j)/(turn(k + j) + tiny(u))) + (1 - turned(j))*t
          end do
          do j = 1, m
             u = shrink(j)*(cosine(j) + damping(k + j)*w(j))

@@ -218,6 +218,7 @@ def case_of(text: str) -> Case:
 def _case(text: str) -> Case:
     keys, system = keys_of(text), system_keys(text)
     name, kind, r = (keys.pop(key, None) for key in ("name", "kind", "r"))
+    # keys of &system are in `osc`; a study's own key of the same name stays
     others = {
         key for group, items in parts_of(text) if group not in ("system", "sweep") for key in items
     }

@@ -161,9 +161,9 @@ def options_of(
         (group, key) for group in before for key in keys_for(group) if key["name"] in before[group]
     ]
     keys += [(study, key) for key in keys_for(study)]
-    # a study's own keys replace those of &system with the same names, and then those that need the replaced ones
+    # a study's own keys replace keys of &system of the same name; those that need a replaced one are left out
     own = {name_of(key) for key in keys_for(study)}
-    own |= {name_of(key) for key in keys_for("system") if key["only"] in own}
+    own |= {name_of(key) for key in keys_for("system") if key["only"].replace("_", "-") in own}
     found: dict[str, Option] = {}
     for group, key in keys:
         name = name_of(key)

@@ -153,10 +153,10 @@ def confirmed(
 def firmer(
     problem: Problem, order: Order, archive: Archive, progress: door.Progress | None
 ) -> tuple[Archive, Order]:
-    """The candidates, evaluated again with more units, frequencies and states if the search used too few.
+    """Repeats the searches with more units and frequencies if they had too few, at first from their best candidates.
 
-    The search used too few if the chosen candidate meets the limit in the search but not in enough samples. After
-    Ctrl-C the last candidates are returned of which one was judged by all runs.
+    They had too few if the chosen candidate meets the limit in the search but not in enough samples. After Ctrl-C
+    the last candidates are returned of which one was judged by all runs.
     """
     for turn in range(ROUNDS):
         best = archive.best

@@ -28,7 +28,7 @@ from ..systems.verbs import physical_arguments
 from .confirmation import CODE_OF, confirmed, firmer
 from .order import NAMES, Order, asked_by, numbers_of
 from .problem import OscillatorHost, Problem, parameters_of
-from .search import part_of, search
+from .search import part_of, search, told
 from .structure import asked_of
 
 if TYPE_CHECKING:
@@ -491,6 +491,7 @@ def designed(problem: Problem, order: Order, case: str, progress: door.Progress 
     archive = search(problem, order, part_of(searching, 0, 1, 2))
     if not archive.stopped:
         archive, order = firmer(problem, order, archive, part_of(searching, 1, 1, 2))
+        told(searching, 1.0, "best candidates")
     best = archive.best
     names = list(problem.free)
     low, high = np.array(list(problem.free.values())).T
@@ -624,8 +625,9 @@ def design(
         Number of first candidates of each global search, at least 8 for each free parameter; as long as the
         searches do not agree, it doubles after every third search.
     searches : int
-        Largest number of independent global searches. They end when three of them find the best design;
-        otherwise `Design.converged` is False.
+        Largest number of independent global searches, also of each further set where samples contradict the
+        result, of which there are up to two. They end when three of them find the best design; otherwise
+        `Design.converged` is False.
     specimens, nodes : int
         Numbers of units and frequencies for which the best candidates are evaluated.
     settling, keep : int

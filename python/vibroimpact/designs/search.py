@@ -264,21 +264,23 @@ def explored(pool: Pool, rng: np.random.Generator, progress: door.Progress | Non
     """A global search from the candidates of a pool.
 
     The candidates are compared by a few runs and the best third is kept; this is repeated with more runs until few
-    are left. Then random steps are made around these, judged by the runs that are worst where a step begins.
+    are left. Then random steps are made around these, judged by the runs that are worst where a step begins. The
+    first steps are as long as evenly spread candidates would be apart: from the few best ones of an earlier search
+    they reach regions that were bad with its units.
     """
     if not pool.risk.any():
         # a candidate that is judged by all runs shows which runs are at risk
         pool.race(np.arange(1), np.inf)
         pool.look_at(0, 1.0)
-    alive, many = np.arange(len(pool.values)), 3 * pool.least
-    while len(alive) > HEADS and many < 3 * pool.risk.size:
+    alive, runs = np.arange(len(pool.values)), 3 * pool.least
+    while len(alive) > HEADS and runs < 3 * pool.risk.size:
         told(progress, 0.1, "global search")
-        pool.learn(alive, pool.first(many))
+        pool.learn(alive, pool.first(runs))
         alive = alive[np.argsort(pool.bounds[alive], kind="stable")]
         alive = alive[: max(HEADS, len(alive) // 3)]
         for one in alive[2::-1]:
             pool.look_at(one)
-        many *= 3
+        runs *= 3
     width = np.subtract(*pool.problem.ends[::-1])
     best = _apart(pool.values[alive[np.argsort(pool.bounds[alive], kind="stable")]], width, HEADS)
     heads = np.array([alive[(pool.values[alive] == one).all(axis=1)][0] for one in best])

@@ -73,7 +73,8 @@ def common(noun: Any) -> dict[str, Any]:
         **keys, "xi": osc.xi, "mu": osc.mu, "R1": right, "R2": left, "complete": int(not result.cut),
         "Conventions": "CF-1.11", "title": repr(noun), "case": result.case,
         "source": f"vibroimpact {__version__}", "result": type(noun).__name__,
-        "comment": "lengths in F0/K, time in 1/omega, angles in radians",
+        "comment": "SI units, angles in radians" if noun.study == "identify"
+        else "lengths in F0/K, time in 1/omega, angles in radians",
     }  # fmt: skip
 
 

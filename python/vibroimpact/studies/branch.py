@@ -127,7 +127,7 @@ class SpecialPoint:
     def switch(self) -> list[Motion]:
         """For an oscillator: motions of the branches that begin at this point.
 
-        At a pitchfork these are the asymmetric pair, at a flip the motion of doubled period, at a grazing the
+        At a pitchfork these are the unsymmetric pair, at a flip the motion of doubled period, at a grazing the
         motion whose pattern has the extra impact (for a symmetric motion, also the motion with this impact and its
         mirror image). Each is computed at a parameter value slightly off the point, on the side where the motion
         exists.

@@ -112,8 +112,9 @@ module vi_structure_run
       logical :: together = .false.
    end type run_event_type
 
-   !> Most pairs of a structure, and most harmonics of its load, of which passages are kept.
-   integer, parameter :: few = 8
+   !> Most pairs of a structure, and most harmonics of its load, of which passages are kept; and
+   !! most of these, since each contact searches them and each copy of a state copies them.
+   integer, parameter :: few = 8, most_passages = 64
    !> Share of a stick level by which a force that holds may exceed it: rounding.
    real(wp), parameter :: tolerance = 1.0e-12_wp
    !> Largest number of impacts at one instant on coupled gaps.
@@ -1899,6 +1900,9 @@ contains
       if (status /= stat%ok .or. run%load%step > 0 .or. allocated(state%partings)) return
       if (max(size(state%x), size(state%turns)) > few .or. &
          size(state%x) /= size(run%regimes(before)%qx, 2)) return
+      if (allocated(state%passages)) then
+         if (size(state%passages) >= most_passages) return
+      end if
       call keep_passage(run%regimes(before), run%regimes(state%regime), passage_type(before, &
          reached%row, reached%wall, state%regime), state%passages)
    end subroutine enter_beyond
@@ -2023,8 +2027,7 @@ contains
 
       ! most speeds are far above what the rounding error of the distance amounts to
       associate (fastest => run%regimes(state%regime)%rows%fastest(reached%row))
-         only_touches = .not. (fastest > 0 .and. reached%speed > &
-            fastest*reached%reserve)
+         only_touches = .not. (fastest > 0 .and. reached%speed > fastest*reached%reserve)
       end associate
       if (only_touches) only_touches = has_no_speed()
    contains
