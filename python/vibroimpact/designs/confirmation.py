@@ -153,9 +153,9 @@ def confirmed(
 def firmer(
     problem: Problem, order: Order, archive: Archive, progress: door.Progress | None
 ) -> tuple[Archive, Order]:
-    """Repeats the searches with more units and frequencies if they had too few, at first from their best candidates.
+    """Repeat the searches with more units and frequencies, at first from their best candidates.
 
-    They had too few if the chosen candidate meets the limit in the search but not in enough samples. After Ctrl-C
+    They had too few of these if the chosen candidate meets the limit in the search but not in enough samples. After Ctrl-C
     the last candidates are returned of which one was judged by all runs.
     """
     for turn in range(ROUNDS):
