@@ -257,9 +257,11 @@ def test_just_below_resonance_is_dangerous():
         searches=1,
         **{**QUICK, "samples": 200},
     )
-    assert found.level > 1
     assert found.feasible is False
     assert "was not reached" in found.verdict
+    problem, _ = asked_by(OSC, found.keys)
+    level = judged(problem, grid(problem, 1, 3, 2), np.linspace(10, 60, 40)[:, None])[1]
+    assert min(found.level, level.min()) > 1
 
 
 def test_quantile_and_penalty_of_candidates():
@@ -582,12 +584,14 @@ def test_a_second_set_of_searches_goes_on_to_new_ones():
     assert len(first.searches) == 1
     assert len(second.searches) == 3
     assert shares == sorted(shares)
-    # each candidate that was judged by all runs has the level that all runs of the larger set give it
+    # each candidate that was judged by all runs has at least the level that all runs of the larger set give it;
+    # other initial states may raise it
     fine = grid(problem, more.specimens, more.nodes, more.states)
-    best = second.best
-    assert second.level[best] >= judged(problem, fine, second.values[best][None])[1][0] * (
-        1 - 1e-12
-    )
+    complete = np.flatnonzero(second.complete)
+    assert second.best in complete
+    for one in complete:
+        level = judged(problem, fine, second.values[one][None])[1][0]
+        assert second.level[one] >= level * (1 - 1e-12)
 
 
 def test_the_front_has_no_candidate_that_another_one_beats_or_equals():

@@ -29,8 +29,8 @@ def identified(rig, seed, **known):
 @pytest.mark.parametrize(
     ("change", "size", "seed", "kind", "said"),
     [
-        ("load_growth", 0.01, 5, "defg", "the load grows by"),
         ("fading", 0.01, 3, "defg", "R1 and R2 seem to fall by"),
+        ("load_growth", 0.01, 5, "defg", "the load grows by"),
         ("gain_growth", 0.03, 3, "defg", "the gain of the sensor of the motion, seems to grow by"),
     ],
 )

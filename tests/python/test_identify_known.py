@@ -86,12 +86,12 @@ def test_mass_alone(record):
     assert found.errors["M"] == pytest.approx(0.027)
 
 
-@pytest.mark.slow
-def test_flights_of_a_chaotic_record():
+@pytest.mark.parametrize("duration", [1.5, pytest.param(3.0, marks=pytest.mark.slow)])
+def test_flights_of_a_chaotic_record(duration):
     """A record that is fitted flight by flight also includes the errors of its known values."""
     chaotic = vi.VirtualRig(
         M=2.7, K=42e3, m=0.11, d=0.004, xi=0.011, restitution=0.75, F0=6.0, frequency=19.5
-    ).record(duration=3.0, rng=1)
+    ).record(duration=duration, rng=1)
     plain = vi.identify(chaotic, known={"M": 2.7, "K": 42e3})
     found = vi.identify(chaotic, known={"M": 2.7, "K": ("42 kN/m", "1 %")})
     assert found.values == plain.values

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from fractions import Fraction
 from functools import partial
+from itertools import islice
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -1526,15 +1527,17 @@ def wrong_branches(data):
             yield changed(f"radius {i} {k}", "boxes", 0, "radius", i, k, value=lambda _: "0x0p0")
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("number", range(3))
-def test_false_branches_of_structures_are_rejected(number):
-    """Changed systems, shifted and dropped boxes, and flipped verdicts are rejected."""
+@pytest.mark.parametrize("number", [
+    1, *(pytest.param(number, marks=pytest.mark.slow) for number in (0, 2))
+])  # fmt: skip
+def test_false_branches_of_structures_are_rejected(number, pytestconfig):
+    """Changed systems, shifted and dropped boxes, and flipped verdicts are rejected; every eighth with --once."""
     make, parameter, bounds, _ = BRANCHES[number]
     data = json.loads(vi.branch(make(), parameter, bounds=bounds).prove(tolerance=1e-1).to_json())
     checker.check(data)
     accepted = []
-    for what, other in wrong_branches(data):
+    step = 8 if pytestconfig.getoption("--once") else 1
+    for what, other in islice(wrong_branches(data), 0, None, step):
         try:
             checker.check(other)
         except checker.RejectedError:

@@ -415,7 +415,6 @@ def test_thinned_outline_is_the_same_curve():
     assert away.max() <= canvas.THINNED
 
 
-@pytest.mark.slow
 def test_proof_of_figure_6a(tmp_path, monkeypatch):
     """A coarse proof of a part of the zone agrees with the traced zone, and its certificate is kept."""
     pytest.importorskip("flint")
