@@ -185,11 +185,12 @@ contains
       end do
    end subroutine test_tiny_stiffness
 
-   !> Pairs side by side, compared with one by one, with the same bits in wide registers.
+   !> Pairs side by side, compared with one by one and with the functions of a pair, with the same
+   !! bits in wide registers.
    subroutine check_advance()
       type(modes_type) :: modes
       real(wp), allocatable, dimension(:) :: x, v, x_now, v_now, x_wide, v_wide
-      real(wp) :: x_one, v_one, t, scale
+      real(wp) :: x_one, v_one, t, scale, u, w, s2, s3
       integer :: k, n
 
       n = draw_integer(random, 8, 70)
@@ -198,11 +199,13 @@ contains
       do k = 1, n
          modes%stiffness(k) = draw_log(random, 1e-6_wp, 1e4_wp)
          if (draw_integer(random, 1, 4) == 1) modes%stiffness(k) = 0
-         ! free, undamped, damped and over-damped pairs, and some with a constant force
+         ! free, undamped, damped and over-damped pairs, and some with constant terms
          modes%damping(k) = draw(random, 0.0_wp, 1.1_wp)*sqrt(modes%stiffness(k))
          if (draw_integer(random, 1, 2) == 1) modes%damping(k) = 0
          modes%drift(k) = 0
-         modes%force(k) = merge(1.0_wp, 0.0_wp, draw_integer(random, 1, 8) == 1)
+         modes%force(k) = 0
+         if (draw_integer(random, 1, 6) == 1) modes%drift(k) = draw(random, -1.0_wp, 1.0_wp)
+         if (draw_integer(random, 1, 6) == 1) modes%force(k) = draw(random, -1.0_wp, 1.0_wp)
          x(k) = draw(random, -1.0_wp, 1.0_wp)
          v(k) = draw(random, -1.0_wp, 1.0_wp)
       end do
@@ -211,11 +214,20 @@ contains
       call advance(modes, t, x, v, x_now, v_now)
       do k = 1, n
          call advance_pair(modes, k, t, x(k), v(k), x_one, v_one)
-         scale = abs(x(k)) + (abs(v(k)) + abs(modes%force(k))*t)*t + 1
+         scale = abs(x(k)) + (abs(v(k)) + abs(modes%drift(k)) + abs(modes%force(k))*t)*t + 1
          ! the angle is rounded in both
          scale = scale*(1 + sqrt(modes%stiffness(k))*(1 + sqrt(modes%stiffness(k))*t))
          call check_close(x_now(k), x_one, 8*epsilon(t)*scale, 'advance: x side by side')
          call check_close(v_now(k), v_one, 8*epsilon(t)*scale, 'advance: v side by side')
+         associate (stiffness => modes%stiffness(k), damping => modes%damping(k), &
+            drift => modes%drift(k), force => modes%force(k))
+            ! t is short for some pairs, and long for others
+            call step_functions(stiffness, damping, t, u, w, s2, s3)
+            call check_close(x_one, u*x(k) + w*v(k) + force*s2 + drift*(w + 2*damping*s2), &
+               8*epsilon(t)*scale, 'advance: x by the functions of a pair')
+            call check_close(v_one, (u - 2*damping*w)*v(k) - stiffness*w*x(k) + force*w &
+               - stiffness*drift*s2, 8*epsilon(t)*scale, 'advance: v by the functions of a pair')
+         end associate
       end do
       x_wide = x
       v_wide = v

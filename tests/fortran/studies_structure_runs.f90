@@ -509,9 +509,10 @@ contains
       type(run_state_type) :: state
       type(run_event_type) :: events(400)
       real(wp), allocatable :: directions(:, :), harmonics(:, :, :), matrices(:, :, :), &
-         numbers(:), q(:), rate(:)
+         numbers(:), q(:), rate(:), stops(:, :)
       real(wp) :: frequency
       integer :: i, j, n, found, status
+      logical :: many
 
       do i = 1, 3*size(sizes)
          n = sizes(1 + mod(i, size(sizes)))
@@ -524,17 +525,24 @@ contains
             if (j > 1) matrices(j, j - 1, 3) = -1
             if (j > 1) matrices(j - 1, j, 3) = -1
          end do
-         numbers = [(draw(random, -1.0_wp, 1.0_wp), j=1, 4*n)]
-         harmonics = reshape(numbers, [n, 2, 2])
+         many = i > 2*size(sizes)
+         numbers = [(draw(random, -1.0_wp, 1.0_wp), j=1, 2*n*merge(9, 2, many))]
+         harmonics = reshape(numbers, [n, 2, size(numbers)/(2*n)])
          directions(1, 1) = 1
          directions(1, 2) = -1
          directions(n, 3) = 1
          frequency = draw(random, 0.5_wp, 1.5_wp)
          ! elastic stops, one of which is preloaded, and one that cannot pull
-         call new_run(new_structure(matrices, directions, reshape([0.3_wp, 3.0_wp, 40.0_wp, &
-            0.5_wp, 0.1_wp, 0.2_wp, 4.0_wp, 30.0_wp, 1.0_wp, 0.0_wp, 0.4_wp, 3.0_wp, 60.0_wp, &
-            0.0_wp, 0.0_wp], [5, 3])), new_load(frequency, harmonics, [(0.0_wp, j=1, n)]), run, &
-            status)
+         stops = reshape([0.3_wp, 3.0_wp, 40.0_wp, 0.5_wp, 0.1_wp, 0.0_wp, 0.0_wp, 0.2_wp, 4.0_wp, &
+            30.0_wp, 1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.4_wp, 3.0_wp, 60.0_wp, 0.0_wp, 0.0_wp, &
+            0.0_wp, 0.0_wp], [7, 3])
+         if (many) then
+            ! the first one moves, and a wall without rebound replaces the last one
+            stops(2:, 1) = [13.0_wp, 0.02_wp, 0.03_wp, 40.0_wp, 0.5_wp, 0.1_wp]
+            stops(2:3, 3) = 0
+         end if
+         call new_run(new_structure(matrices, directions, stops), new_load(frequency, harmonics, &
+            [(0.0_wp, j=1, n)]), run, status)
          q = 0
          rate = 0
          if (status == stat%ok) call start_at(run, 0.0_wp, q, rate, state, status)
