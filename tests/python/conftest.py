@@ -11,7 +11,7 @@ pytest.register_assert_rewrite(
 )
 
 import vibroimpact as vi  # noqa: E402
-from shared_answers import load  # noqa: E402
+from shared_answers import few_of_each, load  # noqa: E402
 from shared_explorer import browser, page, server  # noqa: E402, F401
 from shared_motions import COLUMN, rest_motion  # noqa: E402
 from shared_results import example  # noqa: E402
@@ -46,12 +46,11 @@ def pytest_collection_modifyitems(items):
 
 @pytest.fixture(scope="session")
 def kept_cases(pytestconfig):
-    """The kept cases with their answers; with --share 0.1 every sixth, otherwise with --once every fifteenth."""
+    """The kept cases with their answers; with --share 0.1 every sixth, otherwise with --once few of each kind."""
     asked = pytestconfig.getoption("--share")
     if asked < 0.6:
         return load()[:: round(0.6 / asked)]
-    # from 0, the longest cases would be among every fifteenth
-    return load()[5::15] if pytestconfig.getoption("--once") else load()
+    return few_of_each(load()) if pytestconfig.getoption("--once") else load()
 
 
 @pytest.fixture(scope="session")

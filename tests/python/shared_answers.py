@@ -169,3 +169,15 @@ def load():
     """The kept cases: text and answer of each."""
     with KEPT.open(encoding="utf-8") as lines:
         return [json.loads(line) for line in lines]
+
+
+def few_of_each(cases):
+    """Every fifteenth of the refused cases, and of the others with the same groups, or three where these are few."""
+    kinds = {}
+    for case in cases:
+        refused = case["answer"]["status"] == 2
+        kind = "" if refused else " ".join(sorted(set(re.findall(r"&\w+|\brecord\b", case["text"]))))
+        kinds.setdefault(kind, []).append(case)
+    steps = {kind: max(1, min(15, len(same) // 3)) for kind, same in kinds.items()}
+    # from the first one on, the longest cases would be among them
+    return [case for kind, same in kinds.items() for case in same[steps[kind] - 1 :: steps[kind]]]
