@@ -37,8 +37,8 @@ def results(binary, inputs, tmp_path_factory):
 
 
 def test_inputs_of_the_project_run(inputs, results, command):
-    """Every namelist that comes with the project (with --once, the shorter ones) runs, with the same bytes from both
-    programs for all cases."""
+    """Every namelist that comes with the project (with --once, the shorter ones) runs, with the same bytes from
+    both programs for all cases."""
     folder, done = results
     assert inputs
     assert (done.status, done.err) == (0, b"")

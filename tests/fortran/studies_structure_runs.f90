@@ -549,6 +549,7 @@ contains
          if (status == stat%ok) call simulate_structure(run, state, 10000_int64, 0.0_wp, events, &
             found, status)
          call check(status == stat%more_events .and. found == size(events), 'passages: events')
+         if (many) call check(any(events%kind == impact_event), 'passages: impacts on the wall')
          do j = 1, merge(found, 0, status == stat%more_events)
             associate (event => events(j))
                call state_of(run%regimes(event%regime), frequency*event%elapsed, event%x, event%v, &

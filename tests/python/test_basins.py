@@ -195,7 +195,9 @@ def test_a_chaotic_attractor_that_was_seen_in_a_quiet_phase_is_one():
     assert (result.labels == 0).all()
 
 
-@pytest.mark.parametrize("states", [12, *(pytest.param(n, marks=pytest.mark.slow) for n in (60, 600))])
+@pytest.mark.parametrize("states", [
+    12, *(pytest.param(states, marks=pytest.mark.slow) for states in (60, 600))
+])  # fmt: skip
 def test_chaotic_attractors_that_are_mirror_images_are_two(states):
     """The mirror image of a state on one, half a load period later, is on the other, for any number of states."""
     r, clearance = 0.92, 14.674134539926223

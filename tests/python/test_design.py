@@ -260,7 +260,7 @@ def test_just_below_resonance_is_dangerous():
     assert found.feasible is False
     assert "was not reached" in found.verdict
     problem, _ = asked_by(OSC, found.keys)
-    level = judged(problem, grid(problem, 1, 3, 2), np.linspace(10, 60, 40)[:, None])[1]
+    level = judged(problem, grid(problem, 1, 2, 2), np.linspace(10, 60, 40)[:, None])[1]
     assert min(found.level, level.min()) > 1
 
 
