@@ -603,7 +603,8 @@ class Flights:
         rms = max(float(np.std(values)), 1e-300)
         speed = max(float(abs(x[4 + N : 4 + 2 * N]).max(initial=0.0)), 1e-300)
         scales = [
-            0.0 if self.known_omega is not None else 0.1 * x[0], 0.01, max(abs(x[2]), 1e-300), 0.2,
+            0.0 if self.known_omega is not None else 0.1 * x[0],
+            0.0 if "xi" in self.priors else 0.01, max(abs(x[2]), 1e-300), 0.2,
             *[0.0 if held else 0.01] * N,
             *[speed] * N, rms,
         ]  # fmt: skip
@@ -611,7 +612,7 @@ class Flights:
             scales += [rms] * (2 * N) + [0.2 * abs(mode.pole.real), 0.02 * mode.pole.imag]
 
         priors = [
-            (place, *prior) for place, name in enumerate(("omega", "xi", "static", "phase"))
+            (place, *prior) for place, name in ((2, "static"), (3, "phase"))
             if (prior := self.priors.get(name)) is not None
         ]  # fmt: skip
 

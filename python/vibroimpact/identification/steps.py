@@ -335,7 +335,7 @@ def known_of(
     if data.phase is not None:
         priors["phase"] = data.phase, max(data.phase_error, 1e-6)
     if "xi" in known:
-        priors["xi"] = known["xi"], 1e-9
+        priors["xi"] = known["xi"], 0.0  # fixed, so that the flights show whether it is right
     force = None
     if omega is None and data.F0 is not None and "M" in scale:
         force = (
@@ -466,8 +466,6 @@ def flown_apart(
     assert record is not None
     values: _Array = getattr(record, step.quantity)
     omega, priors, _ = known_of(data, scale, known)
-    if "xi" in known:  # fixed, so that the flights show whether it is right
-        priors["xi"] = known["xi"], 0.0
     t = centred(len(record), record.rate)
     static = priors.get(
         "static", (2 * float(np.std(smooth(values, record.rate, data.order))), 0.0)
