@@ -180,7 +180,7 @@ def test_an_identified_motion_opens_on_its_chart(page, tmp_path):
     assert chosen[2] == f"{found.motion.attenuation:.6g}"
     assert f"({found.frequency:.5g} Hz)" in page.text("place")
     d = found.clearance * found.oscillator.units().length
-    assert d == pytest.approx(found.d, rel=1e-4)
+    assert d == pytest.approx(found.d, rel=1e-12)
     assert f"(d = {1e3 * d:.5g} mm)" in page.text("place")
     peak = found.motion.physical().quantities().x.peak
     assert f"max|X| = {1e3 * peak:.4g} mm " in page.text("physical")

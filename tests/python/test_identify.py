@@ -90,6 +90,24 @@ def test_two_records_tell_more_than_one():
             assert not both.errors[name] > alone.errors[name], name
 
 
+def test_lengths_agree_with_the_clearance():
+    """In physical units the clearance is d, also if the load reads high within its calibration, and for a second
+    record under another load."""
+    rig = vi.VirtualRig(**BENCH)
+    made = rig.record(rng=1)
+    record = vi.SensorRecord(
+        made.rate, load=1.01 * made.load, acceleration=made.acceleration, bandwidth=made.bandwidth
+    )
+    found = vi.identify(record, known=KNOWN)
+    assert found.good
+    assert abs(found.F0 / (found.values["K"] * found.values["F0/K"]) - 1) > 1e-4
+    assert found.physical().clearance == pytest.approx(found.d, rel=1e-12)
+    second = replace(rig, F0=5.0, frequency=20.1).record(rng=2)
+    both = vi.identify([record, second], known=KNOWN)
+    for motion in both.motions:
+        assert motion.physical().clearance == pytest.approx(both.d, rel=1e-12)
+
+
 def test_what_a_symmetric_motion_cannot_tell_is_named():
     """Two equal impacts half a period apart leave d, mu or R undetermined; one more known value determines all."""
     rig = vi.VirtualRig(**BENCH | {"d": 0.0036, "restitution": 0.7, "frequency": 20.6})

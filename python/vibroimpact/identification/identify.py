@@ -71,8 +71,9 @@ class Identification(Noun, study="identify"):
         Names of the parameters that the records do not determine. Their values only complete the fitted motion;
         other values fit equally well.
     oscillator : Oscillator or None
-        The identified system, with its units if M and K are among the values. With a law, its coefficients of
-        restitution are those at the speed v0.
+        The identified system, with its units if M and K are among the values. Its load is K times the fitted
+        F0/K of the first record, so that its lengths agree with d; `F0` is the load of the channel. With a law, its
+        coefficients of restitution are those at the speed v0.
     restitution : (Restitution, Restitution) or None
         Restitution of the right and of the left wall; a law is a `PowerLaw`, limited to 1, or a
         `TabulatedRestitution` over the approach speed in m/s.
@@ -173,7 +174,11 @@ class Identification(Noun, study="identify"):
     @property
     def oscillator(self) -> Oscillator | None:
         """The identified system."""
-        values = self.values
+        return self._oscillator_of(0)
+
+    def _oscillator_of(self, record: int) -> Oscillator | None:
+        """The identified system in the units of a record."""
+        values, static = self.values, self._one("static", record)
         if not all(math.isfinite(values.get(name, math.nan)) for name in ("xi", "mu", "d")):
             return None
         scale: dict[str, Any] = {
@@ -182,6 +187,9 @@ class Identification(Noun, study="identify"):
         }  # fmt: skip
         if not {"M", "K"} <= scale.keys():
             scale = {}
+        elif "F0" in scale and math.isfinite(static):
+            # the load that the motion implies, whose unit of length is that of d
+            scale["F0"] = scale["K"] * static
         return oscillator_of(values, **scale)
 
     @property
@@ -290,7 +298,7 @@ class Identification(Noun, study="identify"):
             return found
 
     def _motion_of(self, record: int) -> Motion | None:
-        pattern, osc = self.pattern_of(record), self.oscillator
+        pattern, osc = self.pattern_of(record), self._oscillator_of(record)
         if pattern is None or osc is None:
             return None
         phases = self._of(record, "impacts", "fitted")
