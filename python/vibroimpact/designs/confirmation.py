@@ -155,8 +155,8 @@ def firmer(
 ) -> tuple[Archive, Order]:
     """Repeat the searches with more units and frequencies, at first from their best candidates.
 
-    They had too few of these if the chosen candidate meets the limit in the search but not in enough samples. After
-    Ctrl-C the last candidates are returned of which one was judged by all runs.
+    They had too few of these if the chosen candidate meets the limit in the search but not in enough samples.
+    After Ctrl-C the last candidates are returned of which one was judged by all runs.
     """
     for turn in range(ROUNDS):
         best = archive.best

@@ -72,8 +72,8 @@ class Identification(Noun, study="identify"):
         other values fit equally well.
     oscillator : Oscillator or None
         The identified system, with its units if M and K are among the values. Its load is K times the fitted
-        F0/K of the first record, so that its lengths agree with d; `F0` is the load of the channel. With a law, its
-        coefficients of restitution are those at the speed v0.
+        F0/K of the first record, so that its lengths agree with d; `F0` is the load of the channel. With a law,
+        its coefficients of restitution are those at the speed v0.
     restitution : (Restitution, Restitution) or None
         Restitution of the right and of the left wall; a law is a `PowerLaw`, limited to 1, or a
         `TabulatedRestitution` over the approach speed in m/s.
