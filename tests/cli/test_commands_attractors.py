@@ -228,12 +228,12 @@ def test_lyapunov_without_impacts_says_so(line, tool):
     assert column(table, "exponent_1").tolist() == result.per_cycle[0].tolist()
 
 
-#: Options for about a second of work each.
+#: Options for a second of work each, or several: they are interrupted.
 LONG = {
     "lyapunov": ["--r", "1.04", "--clearance", "10", "24", "150"],
     "bifurcation": ["--r", "1.04", "--parameter", "clearance", "--values", "50", "75", "900"],
     "response": ["--r", "1", "1.02", "300", "--inverse-clearance", "0.03"],
-    "basins": ["--r", "0.94", "--clearance", "37", "--plane", "x", "-30", "30", "99", "x_dot", "-30", "30", "99"],
+    "basins": ["--r", "0.94", "--clearance", "37", "--plane", "x", "-30", "30", "199", "x_dot", "-30", "30", "199"],
 }  # fmt: skip
 
 
@@ -262,7 +262,7 @@ def test_bar_and_interrupt_on_a_terminal(name, tool):
     assert 0 < n < asked
     table = rows(tool.cwd / "results" / f"{name}.csv")
     if name == "basins":
-        assert (n, asked) == ((column(table, "label") != -2).sum(), 99**2)
+        assert (n, asked) == ((column(table, "label") != -2).sum(), 199**2)
         assert not any("disc" in line or "exponent" in line for line in lines if line[0] == "#")
     elif name == "bifurcation":
         assert asked == 1800

@@ -16,9 +16,10 @@ from . import PICTURES, add_files, add_folder, picture_writer, ready
 from .request import Request, read_cases
 
 DESCRIPTION = """Prove properties of the motions, branches and zones of namelist files in ball arithmetic:
-that each motion exists, touches no wall in between, and is stable or not. Each certificate is written
-to DIR/NAME_proof.json (NAME_1_proof, NAME_2_proof if a case has several motions or branches),
-which vibroimpact.load reads and tests/proof/check_certificate.py checks without vibroimpact.
+that each motion exists, touches no wall in between, and is stable or not. Each certificate is
+written to DIR/NAME_proof.json (NAME_1_proof, NAME_2_proof if a case has several motions or
+branches), which vibroimpact.load reads and tests/proof/check_certificate.py checks without
+vibroimpact.
 Undecided properties are printed with the reason; if nothing is decided, the exit status is 1.
 It needs the extra `proof`: pip install 'vibroimpact[proof]'."""
 EXAMPLE = "vibroimpact init exact && vibroimpact prove exact.nml -o results"

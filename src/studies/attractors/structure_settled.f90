@@ -54,7 +54,7 @@ contains
       !> Progress counters, see vi_progress; read to stop.
       integer, intent(inout), optional :: progress(3)
       real(wp), parameter :: near = 1.0e-4_wp, at_rounding = 1.0e-9_wp
-      type(run_state_type) :: before
+      type(run_state_type), allocatable :: before
       type(run_event_type), allocatable :: events(:)
       type(size_type) :: sizes
       real(wp), allocatable :: strobes(:, :)

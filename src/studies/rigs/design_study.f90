@@ -134,8 +134,7 @@ module vi_design_study
       key_type('evaluations', a_whole, default='96', low=8.0_wp, high=1.0e6_wp, &
       meaning='first candidates of each global search'), &
       key_type('searches', a_whole, default='8', low=1.0_wp, high=1000.0_wp, &
-      meaning='maximum number of independent global searches; they end when three find one &
-      &design; as many again, twice at most, if samples contradict it'), &
+      meaning='most independent global searches; they end when three find one design'), &
       key_type('specimens', a_whole, default='16', low=1.0_wp, high=1.0e5_wp, &
       meaning='units by which the best candidates are judged'), &
       key_type('nodes', a_whole, default='9', low=2.0_wp, high=1.0e4_wp, &
