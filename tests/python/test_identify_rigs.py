@@ -26,7 +26,15 @@ from reference_rig import (
 from shared_identify import BENCH, KNOWN, of_no_duration, recorded
 from vibroimpact.identification.aperiodic import Impacts, possible
 from vibroimpact.identification.fit import Fit
-from vibroimpact.identification.flights import news_of, unexplained
+from vibroimpact.identification.flights import (
+    Flights,
+    Measured,
+    duration,
+    news_of,
+    of_forces,
+    tested,
+    unexplained,
+)
 from vibroimpact.identification.laws import Law
 from vibroimpact.identification.stages import apart
 from vibroimpact.identification.steps import of_record
@@ -373,6 +381,40 @@ def test_a_virtual_contact_moves_as_much_momentum(quantity):
     # the pulse, and its consequences, are late by half a contact
     assert off[0] < 0.01
     assert off[0] < 1e-9 or off[0] / off[1] == pytest.approx(2, rel=0.2)
+
+
+@pytest.mark.parametrize("quantity", ["acceleration", "velocity", "displacement"])
+def test_the_pulses_of_each_quantity_show_the_contact_time(quantity, monkeypatch):
+    """The contact time of a record is that of its rig, whatever the sensor measures."""
+    read = []
+    contact = Flights.contact
+    monkeypatch.setattr(Flights, "contact", lambda *of: read.append(contact(*of)) or read[-1])
+    rig = vi.VirtualRig(**BENCH, contact=1e-3, ring_share=0.0, snr=60, known_bandwidth=True)
+    with warnings.catch_warnings():
+        # a weak impact of the displacement is doubted
+        warnings.simplefilter("ignore", vi.PoorFitWarning)
+        vi.identify(rig.record(3.0, 3, quantity), known=KNOWN, calibration=0)
+    assert read[-1] == pytest.approx(1e-3, rel=0.15)
+
+
+def test_the_force_of_a_contact_is_the_same_in_each_quantity():
+    """Of contacts of 1 ms: residuals of flights in velocity and displacement are one and two integrals of those in
+    acceleration without the impulse."""
+    data = Measured(2 * np.pi * 19.5, 1)
+    w, tau, jumps = np.append(0.0, tested(data)), 1e-3, np.array([[0.3], [-0.2]])
+    t = (np.arange(200_000) + 0.5) / 200_000 * tau - tau / 2
+    force = jumps * np.array([np.mean(np.cos(one * t) * np.cos(np.pi * t / tau)) for one in w])
+    force *= np.pi / 2
+    for order in (0, 1, 2):
+        data = replace(data, order=order)
+        left = force if order == 2 else np.zeros(force.shape, dtype=complex)
+        if order < 2:
+            left[:, 1:] = (force - jumps)[:, 1:] / (1j * w[1:]) ** (2 - order)
+        found = of_forces(data, left, jumps)
+        assert found == pytest.approx(force, abs=1e-10)
+        read = duration(data, found[0] / jumps[0], np.zeros(3))
+        assert read == pytest.approx(tau, rel=0.01)
+    assert np.copysign(1.0, duration(data, np.ones(4, dtype=complex), np.zeros(3))) == 1.0
 
 
 def test_a_virtual_rig_with_contacts_gravity_and_an_unknown_filter_is_identified():

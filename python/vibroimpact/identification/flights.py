@@ -451,18 +451,24 @@ def tested(data: Measured) -> _Array:
     return np.array(OF_PULSES) * min(data.Omega, data.passed / OF_PULSES[-1])
 
 
+def of_forces(data: Measured, spectra: Any, jumps: Any) -> _Complex:
+    """The spectra of the forces of contacts, whose integrals are jumps of the velocity, from those of the residuals
+    of flights about them (..., frequencies), at frequency 0 and at those of `tested`."""
+    w = np.append(0.0, tested(data))
+    forces: _Complex = spectra * (1j * w) ** (2 - data.order) + jumps * (data.order < 2)
+    return forces
+
+
 def duration(data: Measured, spectrum: _Complex, errors: _Array) -> float:
-    """The duration of contacts from the spectrum of the residuals of flights about impacts of velocity jump 1, at
-    frequency 0 and at those of `tested`, and the errors of its ratios to the first value.
+    """The duration of contacts from the spectrum of their forces by `of_forces`, and the errors of its ratios to
+    the first value.
 
     A pulse with a standard deviation s in time has the spectrum 1 - (w s)^2/2 at low frequencies, whatever its
     shape. A sensor whose gain is constant there does not change that.
     """
-    w = np.append(0.0, tested(data))
-    spectrum = spectrum * (1j * w) ** (2 - data.order) + (data.order < 2)
     ratio = abs(spectrum[1:]) / max(abs(spectrum[0]), 1e-300)
     least = np.clip(ratio - errors, 0.1, 1.0)
-    return float((np.sqrt(-2 * np.log(least)) / w[1:]).max()) / HALF_SINE
+    return float((np.sqrt(2 * np.log(1 / least)) / tested(data)).max()) / HALF_SINE
 
 
 class FreeFit(NamedTuple):
@@ -727,9 +733,10 @@ class Flights:
         off[abs(off) > abs(off).min(axis=1)[:, None]] = math.nan  # of the nearest impact
         each = np.exp(-1j * off[..., None] * w / data.Omega) * (width * self.errors)[:, None, None]
         each = np.nan_to_num(each) * (data.jumps / (data.jumps @ data.jumps))[:, None]
-        errors = np.sqrt((abs(each) ** 2).sum(axis=(0, 1)))
-        # residuals are those of the model
-        return duration(data, -(each * found.left[:, None, None]).sum(axis=(0, 1)), errors[1:])
+        noise = np.sqrt((abs(each) ** 2).sum(axis=(0, 1)))
+        spectrum = of_forces(data, (each * found.left[:, None, None]).sum(axis=(0, 1)), 1.0)
+        errors = abs(of_forces(data, noise, 0.0)) / max(abs(spectrum[0]), 1e-300)
+        return duration(data, spectrum, errors[1:])
 
     def point(self, found: FreeFit) -> tuple[list[float], _Array, _Array, float, list[Ringing]]:
         """The starting parameters of a fit that continues another one."""

@@ -25,6 +25,7 @@ from .flights import (
     MOST_MODES,
     Measured,
     duration,
+    of_forces,
     of_load,
     tested,
     turns_of,
@@ -585,12 +586,16 @@ class Windows:
         return crowded
 
     def contact(self, flown: Flown) -> float:
-        """The duration of the contacts (s), from the pulses of resolved impacts that are not close to others."""
+        """The duration of the contacts (s), from the pulses of resolved impacts that are not close to others, or
+        else at most as long as the pulses."""
         data, w = self.data, np.append(0.0, tested(self.data))
         apart = np.diff(flown.times, prepend=-math.inf, append=math.inf)
-        alone = flown.resolved & (
-            np.minimum(apart[:-1], apart[1:]) > 2 * (self.before + self.after)
-        )
+        gaps, pulse = np.minimum(apart[:-1], apart[1:]), self.before + self.after
+        alone = flown.resolved & (gaps > 2 * pulse)
+        if not alone.any():
+            alone = flown.resolved & (gaps > pulse)
+        if not alone.any():
+            return pulse  # no contact lasts longer
         # each sample belongs to the latest impact, or to the next one if that is near
         ahead = np.append(flown.times, math.inf)[self.flight] - self.t
         impact = self.flight - (ahead > self.before)
@@ -606,20 +611,18 @@ class Windows:
         L = self.waves(self.t[near] - self.begins[flight], self.common)
         rest -= (L * self.states[flight]).sum(axis=1)
         jumps = flown.jumps[alone]
-        if not jumps.size:
-            return 0.0
         place = np.searchsorted(np.flatnonzero(alone), impact)
         waves = np.exp(-1j * np.outer(w, off)) * rest * self.step
         real, imaginary = (
-            np.stack([np.bincount(place, wave, jumps.size) for wave in part])
+            np.stack([np.bincount(place, wave, jumps.size) for wave in part], axis=-1)
             for part in (waves.real, waves.imag)
         )
-        each = np.asarray(real + 1j * imaginary, dtype=np.complex128)
+        each = of_forces(data, real + 1j * imaginary, jumps[:, None])
         square = float(jumps @ jumps)
-        spectrum = each @ jumps / square
-        unlike = each[1:] - np.outer(spectrum[1:] / spectrum[0], each[0])
-        errors = np.sqrt(abs(unlike) ** 2 @ jumps**2) / square / abs(spectrum[0])
-        return duration(data, spectrum, errors)
+        spectrum = jumps @ each / square
+        size = max(abs(spectrum[0]), 1e-300)
+        unlike = each[:, 1:] - np.outer(each[:, 0], spectrum[1:] / size)
+        return duration(data, spectrum, np.sqrt(jumps**2 @ abs(unlike) ** 2) / square / size)
 
     def loaded(self, t: _Array) -> _Array:
         """The motion under the load alone, with the offset."""
