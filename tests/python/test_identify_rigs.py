@@ -2,7 +2,9 @@
 filters."""
 
 import warnings
+from copy import deepcopy
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -24,8 +26,9 @@ from reference_rig import (
     wide_rig,
 )  # fmt: skip
 from shared_identify import BENCH, KNOWN, of_no_duration, recorded
+from vibroimpact.identification import aperiodic
 from vibroimpact.identification.aperiodic import Impacts, possible
-from vibroimpact.identification.fit import Fit
+from vibroimpact.identification.fit import OF_CONTACT, Fit, allow_contacts
 from vibroimpact.identification.flights import (
     Flights,
     Measured,
@@ -36,8 +39,11 @@ from vibroimpact.identification.flights import (
     unexplained,
 )
 from vibroimpact.identification.laws import Law
+from vibroimpact.identification.motions import CONTACT
 from vibroimpact.identification.stages import apart
 from vibroimpact.identification.steps import of_record
+from vibroimpact.identification.strains import Strain
+from vibroimpact.identification.tables import doubts_of
 
 
 def score(seed, kind):
@@ -417,6 +423,69 @@ def test_the_force_of_a_contact_is_the_same_in_each_quantity():
     assert np.copysign(1.0, duration(data, np.ones(4, dtype=complex), np.zeros(3))) == 1.0
 
 
+def test_the_errors_contain_what_contacts_may_change(monkeypatch):
+    """The errors by the score of the two effects of contacts, of a fit without these, are those of a fit of all
+    parameters and both effects, although these resemble each other."""
+    kept, of_laws = [], aperiodic.of_laws
+    monkeypatch.setattr(
+        aperiodic, "of_laws", lambda *of: kept.append((of, of_laws(*of))) or deepcopy(kept[-1][1])
+    )
+    rig, (_, load, acceleration, _) = chaotic_rig(1, "abc")
+    vi.identify(rate=rig.rate, load=load, acceleration=acceleration, known={"M": M, "K": K})
+    of, (plain, *_) = [(of, found) for of, found in kept if of[-2:] == (0.0, False)][-1]
+    contact = 1e-3
+    both, *_ = of_laws(*of[:-2], contact, False)
+    shared = [name for name in ("xi", "mu", "R1", "R2", "d") if name in plain.names]
+    assert len(shared) == 5
+    allow_contacts(plain, contact, *plain.of_effects)
+    for name in shared:
+        assert plain.errors[name] == pytest.approx(both.errors[name], rel=0.12), name
+
+
+def few_effects(size):
+    """A fit of R1 to a record that shows both effects of contacts, each of a given size for contacts of 1 ms, by
+    five standard errors or more."""
+    given = np.array(OF_CONTACT) * 1e-3
+    information = np.diag((5 / size / given) ** 2)
+    found = Fit({"R1": 0.7}, [1e-3], [0.0], [], ["R1"], np.array([[1e-6]]), [], [1.0])
+    found.strains = {name: Strain(5.0, size * one) for name, one in zip(CONTACT, given, strict=True)}
+    found.leans = {name: {"R1": 1.0} for name in CONTACT}
+    found.of_effects = information, information @ (size * given)
+    return found
+
+
+@pytest.mark.parametrize(("size", "allowed"), [(1.0, True), (10.0, False), (-1.0, False)])
+def test_contacts_are_doubted_only_beyond_their_pulses(size, allowed):
+    """An effect that contacts as long as their pulses explain is part of the errors, and no doubt."""
+    found = few_effects(size)
+    allow_contacts(found, 1e-3, *found.of_effects)
+    step = SimpleNamespace(data=None, free=None, growth=0.0, growth_size=0.0)
+    doubts = doubts_of(0, step, found, np.zeros(0), {}, [0.0])
+    assert ["contacts that last" in text for text in doubts] == [True] * (not allowed)
+    assert found.unallowed == pytest.approx(0.0, abs=1e-6) or not allowed
+
+
+@pytest.mark.parametrize("error", [vi.SingularError, np.linalg.LinAlgError])
+def test_a_fit_remains_if_contacts_that_last_cannot_be_fitted(error, monkeypatch):
+    """The windows are those of the fit that is kept."""
+
+    def of_laws(windows, flown, *given):
+        if given[-2]:
+            raise error("no fit")
+        return few_effects(1.0), Law(), np.ones(3, dtype=bool)
+
+    def without(poor):
+        windows.poor = ~poor
+        return None
+
+    monkeypatch.setattr(aperiodic, "of_laws", of_laws)
+    poor = np.zeros(3, dtype=bool)
+    windows = SimpleNamespace(poor=poor, contact=lambda _: 1e-3, without=without)
+    found, *_ = aperiodic.by_laws(windows, None, {}, {}, Law(), None)
+    assert found.contact == 1e-3
+    assert windows.poor is poor
+
+
 def test_a_virtual_rig_with_contacts_gravity_and_an_unknown_filter_is_identified():
     """Records with realistic sensors: the same parameters within four stated errors."""
     rig = vi.VirtualRig(**BENCH, contact=6e-4, offset=9.81, known_bandwidth=False, bandwidth=1000.0)
@@ -536,9 +605,12 @@ def test_a_contact_has_its_restitution_and_duration():
 
 
 def test_contacts_that_last_are_within_the_errors(monkeypatch):
-    """Contacts of 0.8 ms. Fitted as impacts of no duration, R is more than fifteen errors off without a doubt,
+    """Contacts of 0.8 ms, which are read. Fitted as impacts of no duration, R is more than fifteen errors off without a doubt,
     since the acceleration of the wall changes the rebound; the errors contain as much as the pulses allow."""
-    _, found, off = contact_score(6, False)
+    read, contact = [], Flights.contact
+    monkeypatch.setattr(Flights, "contact", lambda *of: read.append(contact(*of)) or read[-1])
+    rig, found, off = contact_score(6, False)
+    assert 0.8 < read[-1] / rig.contact < 1.5
     assert found.good
     assert max(map(abs, off.values())) < 4
     assert any("the walls are" in text for text in found.assumptions)
@@ -553,6 +625,7 @@ def test_impacts_of_different_speeds_show_how_long_contacts_last(monkeypatch):
     impacts of no duration describe nothing."""
     _, found, off = contact_score(5, True)
     assert found.good
+    assert any("d is the distance of the walls" in text for _, text in found._result.notes)
     assert len(off) == 5
     assert max(map(abs, off.values())) < 4
     of_no_duration(monkeypatch)
@@ -576,6 +649,7 @@ def test_no_record_of_contacts_that_last_is_silently_wrong(share, chaos):
             good += 1
             off += map(abs, errors.values())
             assert max(map(abs, errors.values()), default=0.0) < 4, seed
+    assert good >= 1
     assert good >= (0.1 if chaos else 0.5) * count - 1
     # the parameters of a record behave like two independent numbers
     deviation = (0.95 * 0.05 / (2 * max(good, 1))) ** 0.5

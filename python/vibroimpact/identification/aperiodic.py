@@ -21,6 +21,7 @@ from .coupled import banded, own_blocks, passed_on, scaled_solve, slopes
 from .fit import (
     DOUBTFUL,
     FAR_OFF,
+    MORE,
     OF_CONTACT,
     TRIED,
     TYPICAL_FRICTION,
@@ -64,9 +65,8 @@ LARGEST_MASS, BEYOND = 10.0, 3.0
 CROSSED, ALONG, CROSSINGS = 0.02, 64, 5
 #: Change of the sum of squares above which two minima count as different.
 OTHER = 0.01
-#: Standard errors by which contacts that last must show to be part of a fit, and largest effect of these over that
-#: which the pulses suggest.
-SHOWN, MORE = 3.0, 1.5
+#: Standard errors by which contacts that last must show to be part of a fit.
+SHOWN = 3.0
 #: Half the mean square of the duration of a force, as a half sine, over that of the depth of `CONTACT`.
 SPREAD = 0.5 * (HALF_SINE / OF_CONTACT[0]) ** 2
 #: Number of estimates of friction from momentum alone.
@@ -299,6 +299,7 @@ class Impacts:
         common, here = self.common(at.change), self.here(at)
         t, X, _, _ = self.windows.events(here, common, self.flown.times)
         d = value.get("d", self.values["d"]) * value.get("gain", 1.0)
+        # from wall to wall: by the depth of contacts the free mass is beyond a wall, but passes none
         z = X + 0.5 * self.signs * d
         along = np.linspace(0, 1, ALONG)
         x = np.zeros((N + 1, ALONG))
@@ -512,19 +513,19 @@ def by_laws(
     except SingularError as error:
         failed = error
     if contact and shown > SHOWN and not (law.friction or isinstance(failed, TooFewError)):
-        ended = windows.poor
+        kept = dict(vars(windows))
         windows.poor = poor
-        with contextlib.suppress(SingularError):
+        with contextlib.suppress(SingularError, np.linalg.LinAlgError):
             other = of_laws(windows, windows.without(poor), *given, contact, rough)
             if plausible(other[0], contact):
                 return other
-        windows.poor = ended
-        windows.without(ended)
+        vars(windows).update(kept)
     if plain is None:
         assert failed is not None
         raise failed
     if not rough:
-        allow_contacts(plain[0], contact)
+        assert plain[0].of_effects is not None
+        allow_contacts(plain[0], contact, *plain[0].of_effects)
     return plain
 
 
@@ -619,17 +620,18 @@ def of_laws(
     fitted = law.friction and "friction" not in shared
     H = flown.held.size
     both = every._replace(held=np.append(flown.held, every.held)) if fitted else flown
-    of_held, leans = held_strains(
-        both,
-        [*(("omega", "xi")[i] for i in flown.held), *["friction"] * fitted, *tested],
-        np.column_stack([by_held[:, :H], by_friction, by_held[:, H:]]) if fitted else by_held,
-        best.multiplier, change, best.cov, best.B, covariance, variance, places, H if fitted else None,
+    of_what = [*(("omega", "xi")[i] for i in flown.held), *["friction"] * fitted, *tested]
+    by_what = np.column_stack([by_held[:, :H], by_friction, by_held[:, H:]]) if fitted else by_held
+    also = H if fitted else None
+    of_held, leans, *_ = held_strains(
+        both, of_what, by_what, best.multiplier, change, best.cov, best.B, covariance, variance, places, also
     )  # fmt: skip
-    # of friction by all information, part of which is that of noise, since it may resemble other parameters
+    # of friction and contacts by all information, part of which is that of noise, since these may resemble other
+    # parameters
     inverse = np.asarray(
         np.linalg.pinv(best.information * sizes, rcond=1e-12, hermitian=True) * sizes, dtype=np.float64
     )  # fmt: skip
-    of_friction, by = held_strains(
+    of_friction, by, *_ = held_strains(
         every, ["friction"], by_friction, best.multiplier, change, best.cov, best.B, inverse, variance, places
     )  # fmt: skip
     of_held, leans = of_held | of_friction, leans | by
@@ -672,8 +674,15 @@ def of_laws(
         most=min(DOUBTFUL, flown.colour * bearable(count - g.size)), slips=impacts.slips,
         gain=float(g[-1]) if calibration else 1.0,
     )  # fmt: skip
+    if not contact:
+        *_, information, pull = held_strains(
+            both, of_what, by_what, best.multiplier, change, best.cov, best.B, inverse, variance, places, also
+        )  # fmt: skip
+        held_contact = [of_what.index(name) for name in CONTACT]
+        found.of_effects = information[np.ix_(held_contact, held_contact)], pull[held_contact]
     if contact:
         every_error = dict(zip(places, np.sqrt(np.diag(covariance)).tolist(), strict=True))
+        found.contact = contact
         found.lasting = {name: (values[name], every_error[name]) for name in CONTACT}
     if not rough:
         possible(found, int(best.ok.sum()))

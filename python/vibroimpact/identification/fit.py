@@ -31,10 +31,12 @@ BAD = 0.5
 DOUBTFUL = 2.0
 #: Friction over F0 that is typical of a slot.
 TYPICAL_FRICTION = 0.01
-#: The effects `CONTACT` of contacts that last, over their duration; and the step of a fit over these.
+#: Standard deviations of a prior of the effects `CONTACT` of contacts that last, over their duration: R/(1 + R)^2
+#: <= 1/4 for the depth, and about half for the push; and the step of a fit over these.
 OF_CONTACT, TRIED = (0.25, 0.5), 3.0
-#: Standard errors above which effects of contacts are not 0.
-CLEAR = 3.0
+#: Standard errors above which effects of contacts are not 0, and largest effect of these over that which the pulses
+#: suggest.
+CLEAR, MORE = 3.0, 1.5
 #: Largest deviation from independently measured values, in standard errors.
 FAR_OFF = 5.0
 
@@ -82,8 +84,23 @@ class Fit:
     of_contacts: _Array | float = 0.0
     contact: float = 0.0
     closer: float = 0.0
+    #: Standard errors from the effects of contacts that the records show to those that the pulses allow.
+    unallowed: float = math.inf
+    #: The information on the effects of contacts that were not fitted, and minus half the gradient of the sum of
+    #: squares, both over `spread`.
+    of_effects: tuple[_Array, _Array] | None = None
     #: The effects of contacts that were fitted, with their errors.
     lasting: dict[str, tuple[float, float]] = field(default_factory=dict)
+
+    @property
+    def stated(self) -> _Array:
+        """The covariance of the stated errors, with what contacts may change."""
+        return self.covariance + self.of_contacts
+
+    @property
+    def errors(self) -> dict[str, float]:
+        """The stated errors of the fitted parameters."""
+        return dict(zip(self.names, np.sqrt(np.diag(self.stated)).tolist(), strict=True))
 
 
 def fit(
@@ -284,23 +301,17 @@ def fit(
         contact = max(data.contact for data in records)
         allow_contacts(found, contact, along.T @ along / found.spread, -along.T @ f / found.spread)
         found.closer = (
-            2 * OF_CONTACT[0] * found.contact * (1 + 1 / found.values["mu"]) * systems[0].usual
+            2 * OF_CONTACT[0] * found.contact * (1 + 1 / (found.values["mu"] or math.inf)) * systems[0].usual
         )
     return found
 
 
-def allow_contacts(
-    found: Fit, contact: float, information: _Array | None = None, pull: _Array | None = None
-) -> None:
+def allow_contacts(found: Fit, contact: float, information: _Array, pull: _Array) -> None:
     """Add what contacts of up to a given duration may change, as far as the records do not exclude it.
 
     The records do so by the information of their residuals on `CONTACT` and minus half the gradient of the sum of
-    squares; by default these follow from the strains, one by one.
+    squares, both over the variance of a residual.
     """
-    strains = [found.strains.get(name, Strain(0.0, 0.0)) for name in CONTACT]
-    if information is None or pull is None:
-        clear = np.array([(one.size / one.change) ** 2 if one.change else 0.0 for one in strains])
-        information, pull = np.diag(clear), clear * [one.change for one in strains]
     leans = [found.leans.pop(name) for name in CONTACT]
     found.contact = contact
     if not contact:
@@ -310,10 +321,24 @@ def allow_contacts(
     # the covariance of the effects, and the mean where it is clear
     spread = np.linalg.inv(information * np.outer(size, size) + np.eye(size.size))
     mean = spread @ (pull * size)
+    found.unallowed = unallowed(information * np.outer(size, size), pull * size)
     if mean @ np.linalg.solve(spread, mean) > CLEAR**2:
-        spread += np.outer(*[np.clip(mean, -1.0, 1.0)] * 2)
+        bound = np.clip(mean, -1.0, 1.0)
+        spread += np.outer(bound, bound)
     by *= size
     found.of_contacts = by @ spread @ by.T
+
+
+def unallowed(information: _Array, pull: _Array) -> float:
+    """Standard errors from the effects of contacts to the nearest ones from 0 to `MORE`, by the information on them
+    and minus half the gradient of the sum of squares at 0."""
+    nearest = np.zeros(pull.size)
+    for _ in range(200):
+        for i in range(pull.size):
+            step = (pull[i] - information[i] @ nearest) / max(information[i, i], 1e-300)
+            nearest[i] = np.clip(nearest[i] + step, 0.0, MORE)
+    square = pull @ np.linalg.pinv(information, rcond=1e-9, hermitian=True) @ pull
+    return math.sqrt(max(0.0, square - (2 * pull - information @ nearest) @ nearest))
 
 
 def by_friction(

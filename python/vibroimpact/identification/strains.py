@@ -52,8 +52,9 @@ def of_known(
 def held_strains(
     flown: Flown, names: list[str], by: _Array, multiplier: _Array, change: _Array, cov: _Array, B: _Array,
     covariance: _Array, spread: float, places: list[str], also: int | None = None,
-) -> tuple[dict[str, Strain], dict[str, dict[str, float]]]:  # fmt: skip
-    """The score test of each known value, and the derivatives of the fitted parameters with respect to it.
+) -> tuple[dict[str, Strain], dict[str, dict[str, float]], _Array, _Array]:  # fmt: skip
+    """The score test of each known value, the derivatives of the fitted parameters with respect to it, and the
+    information on all these values together, with minus half the gradient of the sum of squares, over `spread`.
 
     `by` (equations, names) are derivatives of the constraints with respect to known values; `multiplier` are the
     residuals of the constraints over their covariance `cov` (bands); `B` are their derivatives with respect to the
@@ -87,7 +88,7 @@ def held_strains(
             strains[name] = Strain(
                 float(slope[i]) / math.sqrt(left * spread), float(slope[i]) / left
             )
-    return strains, leans
+    return strains, leans, own_left / spread, slope / spread
 
 
 def strains_of(

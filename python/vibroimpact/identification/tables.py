@@ -205,6 +205,9 @@ def tables_of(
     if found is not None and law.shape in ASSUMED:
         notes.append((False, f"v0 = {law.v0:.6g} m/s; all errors assume that {ASSUMED[law.shape]}"))
     if found is not None:
+        if found.lasting:
+            contacts = f"contacts of {found.contact * 1e3:.2g} ms are part of the fit"
+            notes.append((False, f"{contacts}; d is the distance of the walls"))
         if any("doubtful: " in text for _, text in notes):
             notes.append((False, "poor fit: the errors that follow are not valid"))
         notes += [(False, text) for text in unstated(found, steps[0].Omega)]
@@ -275,10 +278,11 @@ def doubts_of(
     lasting = max(
         (abs(found.strains[name].size) for name in CONTACT if name in found.strains), default=0.0
     )
-    if lasting > STRAINED and not texts:
+    if min(lasting, found.unallowed) > STRAINED and not texts:
+        pulses = f"the pulses allow {found.contact * 1e3:.2g} ms, and " if found.contact else ""
         texts.append(
-            f"contacts that last would describe the record better ({lasting:.2g} standard errors from none): the "
-            f"pulses allow {found.contact * 1e3:.2g} ms, and the parameters are those of impacts of no duration"
+            f"contacts that last would describe the record better ({lasting:.2g} standard errors from none): "
+            f"{pulses}the parameters are those of impacts of no duration"
         )
     texts += filter(None, [unfound_ringing(found.early)])
     if found.against:
@@ -390,7 +394,7 @@ def is_strained(found: Fit, name: str) -> bool:
     size, change = found.strains[name]
     if abs(size) > STRAINED or abs(size) <= LEANING:
         return abs(size) > STRAINED
-    errors = dict(zip(found.names, np.sqrt(np.diag(found.covariance)).tolist(), strict=True))
+    errors = found.errors
     return any(
         abs(found.leans.get(name, {}).get(own, 0.0) * change) > MOVED * errors[own]
         for own in ("xi", "mu", "R1", "R2", "d")
@@ -400,7 +404,7 @@ def is_strained(found: Fit, name: str) -> bool:
 
 def unstated(found: Fit, Omega: float) -> list[str]:
     """The effects of errors of known values, which the stated errors do not contain."""
-    errors = dict(zip(found.names, np.sqrt(np.diag(found.covariance)).tolist(), strict=True))
+    errors = found.errors
     texts = []
     for name, by in found.leans.items():
         kind = name.split()[0]
@@ -511,14 +515,14 @@ def parameters_of(
     values: dict[str, float] = dict(shared)
     covariance = np.zeros((0, 0))
     if found is not None:
-        covariance = found.covariance + found.of_contacts
+        covariance = found.stated
         values = {
             **found.values,
             **{name: found.lengths[int(name.split()[1])] for name in found.names if " " in name},
         }
-        for j, name in enumerate(found.names):
+        for name, error in found.errors.items():
             vague = name in found.undetermined
-            errors[name] = math.inf if vague else math.sqrt(covariance[j, j])
+            errors[name] = math.inf if vague else error
             states[name] = "undetermined" if vague else "fitted"
     data = steps[0].data
     F0, F0_error = steps[0].F0, steps[0].F0_error
