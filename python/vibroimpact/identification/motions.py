@@ -70,7 +70,7 @@ class System:
         self.signs = data.pattern.signs.astype(float)
         self.law = law
         self.orders, self.shape = data.orders, data.shape
-        #: Jump of the velocity at which d contains how far the contacts go beyond the wall.
+        #: The jump of the velocity of the primary mass at which the depth of contacts is part of d.
         self.usual = 0.0
         N = self.signs.size
         self.later = 2 * math.pi * self.k * np.triu(np.ones((N, N)), 1)
@@ -94,7 +94,8 @@ class System:
         )
         X = X + (response @ jumps[..., None])[..., 0]
         V = V + (by_time @ jumps[..., None])[..., 0]
-        beyond = (1 + 1 / mu) * depth * (self.signs * jumps - self.usual)
+        # without a free mass, which a fit may reach, there is no depth
+        beyond = (1 + 1 / np.where(mu == 0, math.inf, mu)) * depth * (self.signs * jumps - self.usual)
         z = X + self.signs * (d / 2 + beyond)
         flights = np.roll(angles, -1, axis=-1) - angles + self.last
         after = self.Omega * (np.roll(z, -1, axis=-1) - z) / flights
