@@ -448,7 +448,9 @@ def few_effects(size):
     given = np.array(OF_CONTACT) * 1e-3
     information = np.diag((5 / size / given) ** 2)
     found = Fit({"R1": 0.7}, [1e-3], [0.0], [], ["R1"], np.array([[1e-6]]), [], [1.0])
-    found.strains = {name: Strain(5.0, size * one) for name, one in zip(CONTACT, given, strict=True)}
+    found.strains = {
+        name: Strain(5.0, size * one) for name, one in zip(CONTACT, given, strict=True)
+    }
     found.leans = {name: {"R1": 1.0} for name in CONTACT}
     found.of_effects = information, information @ (size * given)
     return found
@@ -605,8 +607,8 @@ def test_a_contact_has_its_restitution_and_duration():
 
 
 def test_contacts_that_last_are_within_the_errors(monkeypatch):
-    """Contacts of 0.8 ms, which are read. Fitted as impacts of no duration, R is more than fifteen errors off without a doubt,
-    since the acceleration of the wall changes the rebound; the errors contain as much as the pulses allow."""
+    """Contacts of 0.8 ms are read. Fitted as impacts of no duration, R is more than fifteen errors off without a
+    doubt, since the acceleration of the wall changes the rebound; the errors contain what the pulses allow."""
     read, contact = [], Flights.contact
     monkeypatch.setattr(Flights, "contact", lambda *of: read.append(contact(*of)) or read[-1])
     rig, found, off = contact_score(6, False)

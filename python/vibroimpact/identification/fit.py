@@ -34,8 +34,8 @@ TYPICAL_FRICTION = 0.01
 #: Standard deviations of a prior of the effects `CONTACT` of contacts that last, over their duration: R/(1 + R)^2
 #: <= 1/4 for the depth, and about half for the push; and the step of a fit over these.
 OF_CONTACT, TRIED = (0.25, 0.5), 3.0
-#: Standard errors above which effects of contacts are not 0, and largest effect of these over that which the pulses
-#: suggest.
+#: Standard errors above which effects of contacts are not 0, and largest effect of these over that which the
+#: pulses suggest.
 CLEAR, MORE = 3.0, 1.5
 #: Largest deviation from independently measured values, in standard errors.
 FAR_OFF = 5.0
@@ -300,9 +300,8 @@ def fit(
         along -= U[:, s > 1e-9 * s[0]] @ (U[:, s > 1e-9 * s[0]].T @ along)
         contact = max(data.contact for data in records)
         allow_contacts(found, contact, along.T @ along / found.spread, -along.T @ f / found.spread)
-        found.closer = (
-            2 * OF_CONTACT[0] * found.contact * (1 + 1 / (found.values["mu"] or math.inf)) * systems[0].usual
-        )
+        more = 1 / (found.values["mu"] or math.inf)
+        found.closer = 2 * OF_CONTACT[0] * found.contact * (1 + more) * systems[0].usual
     return found
 
 
@@ -330,15 +329,15 @@ def allow_contacts(found: Fit, contact: float, information: _Array, pull: _Array
 
 
 def unallowed(information: _Array, pull: _Array) -> float:
-    """Standard errors from the effects of contacts to the nearest ones from 0 to `MORE`, by the information on them
-    and minus half the gradient of the sum of squares at 0."""
+    """Standard errors from the effects of contacts to the nearest ones from 0 to `MORE`, by the information on
+    them and minus half the gradient of the sum of squares at 0."""
     nearest = np.zeros(pull.size)
     for _ in range(200):
         for i in range(pull.size):
             step = (pull[i] - information[i] @ nearest) / max(information[i, i], 1e-300)
             nearest[i] = np.clip(nearest[i] + step, 0.0, MORE)
-    square = pull @ np.linalg.pinv(information, rcond=1e-9, hermitian=True) @ pull
-    return math.sqrt(max(0.0, square - (2 * pull - information @ nearest) @ nearest))
+    most = pull @ np.linalg.pinv(information, rcond=1e-9, hermitian=True) @ pull
+    return math.sqrt(max(0.0, float(most - (2 * pull - information @ nearest) @ nearest)))
 
 
 def by_friction(

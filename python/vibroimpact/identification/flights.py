@@ -452,8 +452,8 @@ def tested(data: Measured) -> _Array:
 
 
 def of_forces(data: Measured, spectra: Any, jumps: Any) -> _Complex:
-    """The spectra of the forces of contacts, whose integrals are jumps of the velocity, from those of the residuals
-    of flights about them (..., frequencies), at frequency 0 and at those of `tested`."""
+    """The spectra of the forces of contacts, whose integrals are jumps of the velocity, from those of the
+    residuals of flights about them (..., frequencies), at frequency 0 and at those of `tested`."""
     w = np.append(0.0, tested(data))
     forces: _Complex = spectra * (1j * w) ** (2 - data.order) + jumps * (data.order < 2)
     return forces

@@ -81,8 +81,8 @@ class Identification(Noun, study="identify"):
         Frequency ratio, and load frequency in Hz.
     F0, d, clearance : float
         Load amplitude (NaN if it is not known), clearance d (the whole travel of m), and d K/F0. If contacts are
-        part of the fit, which a note says, d is the distance of the walls, otherwise the travel between the centres
-        of the impacts.
+        part of the fit, which a note says, d is the distance of the walls, otherwise the travel between the
+        centres of the impacts.
     pattern : Pattern or None
     motion : Motion or None
         The exact motion with these parameters, with its multipliers and verdicts; with a law, or under a load

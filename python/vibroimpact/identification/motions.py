@@ -95,7 +95,8 @@ class System:
         X = X + (response @ jumps[..., None])[..., 0]
         V = V + (by_time @ jumps[..., None])[..., 0]
         # without a free mass, which a fit may reach, there is no depth
-        beyond = (1 + 1 / np.where(mu == 0, math.inf, mu)) * depth * (self.signs * jumps - self.usual)
+        more = 1 / np.where(mu == 0, math.inf, mu)
+        beyond = (1 + more) * depth * (self.signs * jumps - self.usual)
         z = X + self.signs * (d / 2 + beyond)
         flights = np.roll(angles, -1, axis=-1) - angles + self.last
         after = self.Omega * (np.roll(z, -1, axis=-1) - z) / flights
