@@ -394,7 +394,8 @@ def is_strained(found: Fit, name: str) -> bool:
     size, change = found.strains[name]
     if abs(size) > STRAINED or abs(size) <= LEANING:
         return abs(size) > STRAINED
-    errors = found.errors
+    # without what contacts may change, which would hide friction
+    errors = dict(zip(found.names, np.sqrt(np.diag(found.covariance)).tolist(), strict=True))
     return any(
         abs(found.leans.get(name, {}).get(own, 0.0) * change) > MOVED * errors[own]
         for own in ("xi", "mu", "R1", "R2", "d")
