@@ -35,7 +35,7 @@ from vibroimpact.identification.flights import (
     duration,
     news_of,
     of_forces,
-    tested,
+    pulse_frequencies,
     unexplained,
 )
 from vibroimpact.identification.laws import Law
@@ -407,7 +407,7 @@ def test_the_force_of_a_contact_is_the_same_in_each_quantity():
     """Of contacts of 1 ms: residuals of flights in velocity and displacement are one and two integrals of those in
     acceleration without the impulse."""
     data = Measured(2 * np.pi * 19.5, 1)
-    w, tau, jumps = np.append(0.0, tested(data)), 1e-3, np.array([[0.3], [-0.2]])
+    w, tau, jumps = np.append(0.0, pulse_frequencies(data)), 1e-3, np.array([[0.3], [-0.2]])
     t = (np.arange(200_000) + 0.5) / 200_000 * tau - tau / 2
     force = jumps * np.array([np.mean(np.cos(one * t) * np.cos(np.pi * t / tau)) for one in w])
     force *= np.pi / 2

@@ -446,15 +446,15 @@ def onsets(sudden: Iterable[tuple[_Array, _Array, int]]) -> Iterator[_Array]:
     yield np.empty(0)
 
 
-def tested(data: Measured) -> _Array:
+def pulse_frequencies(data: Measured) -> _Array:
     """The angular frequencies at which pulses show how long contacts last."""
     return np.array(OF_PULSES) * min(data.Omega, data.passed / OF_PULSES[-1])
 
 
 def of_forces(data: Measured, spectra: Any, jumps: Any) -> _Complex:
     """The spectra of the forces of contacts, whose integrals are jumps of the velocity, from those of the
-    residuals of flights about them (..., frequencies), at frequency 0 and at those of `tested`."""
-    w = np.append(0.0, tested(data))
+    residuals of flights about them (..., frequencies), at frequency 0 and at those of `pulse_frequencies`."""
+    w = np.append(0.0, pulse_frequencies(data))
     forces: _Complex = spectra * (1j * w) ** (2 - data.order) + jumps * (data.order < 2)
     return forces
 
@@ -468,7 +468,7 @@ def duration(data: Measured, spectrum: _Complex, errors: _Array) -> float:
     """
     ratio = abs(spectrum[1:]) / max(abs(spectrum[0]), 1e-300)
     least = np.clip(ratio - errors, 0.1, 1.0)
-    return float((np.sqrt(2 * np.log(1 / least)) / tested(data)).max()) / HALF_SINE
+    return float((np.sqrt(2 * np.log(1 / least)) / pulse_frequencies(data)).max()) / HALF_SINE
 
 
 class FreeFit(NamedTuple):
@@ -726,7 +726,7 @@ class Flights:
     def contact(self, found: FreeFit) -> float:
         """The duration of the contacts (s), from the pulses."""
         data, fold, half = found.data, self.fold, self.whole / 2
-        w = np.append(0.0, tested(data))
+        w = np.append(0.0, pulse_frequencies(data))
         off = (fold.angles[:, None] - data.angles + half) % self.whole - half
         step = np.diff(fold.angles, append=fold.angles[0] + self.whole) / data.Omega
         width = 0.5 * (step + np.roll(step, 1)) * found.pulse

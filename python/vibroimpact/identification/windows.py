@@ -27,7 +27,7 @@ from .flights import (
     duration,
     of_forces,
     of_load,
-    tested,
+    pulse_frequencies,
     turns_of,
 )
 from .known import HINT
@@ -588,7 +588,7 @@ class Windows:
     def contact(self, flown: Flown) -> float:
         """The duration of the contacts (s), from the pulses of resolved impacts that are not close to others, or
         else at most as long as the pulses."""
-        data, w = self.data, np.append(0.0, tested(self.data))
+        data, w = self.data, np.append(0.0, pulse_frequencies(self.data))
         apart = np.diff(flown.times, prepend=-math.inf, append=math.inf)
         gaps, pulse = np.minimum(apart[:-1], apart[1:]), self.before + self.after
         alone = flown.resolved & (gaps > 2 * pulse)
