@@ -233,7 +233,8 @@ LONG = {
     "lyapunov": ["--r", "1.04", "--clearance", "10", "24", "150"],
     "bifurcation": ["--r", "1.04", "--parameter", "clearance", "--values", "50", "75", "900"],
     "response": ["--r", "1", "1.02", "300", "--inverse-clearance", "0.03"],
-    "basins": ["--r", "0.94", "--clearance", "37", "--plane", *["x", "-30", "30", "199", "x_dot", "-30", "30", "199"]],
+    "basins": ["--r", "0.94", "--clearance", "37",
+               "--plane", "x", "-30", "30", "199", "x_dot", "-30", "30", "199"],
 }  # fmt: skip
 
 
