@@ -635,6 +635,13 @@ def of_laws(
         every, ["friction"], by_friction, best.multiplier, change, best.cov, best.B, inverse, variance, places
     )  # fmt: skip
     of_held, leans = of_held | of_friction, leans | by
+    of_effects = None
+    if not contact:
+        *_, information, pull = held_strains(
+            both, of_what, by_what, best.multiplier, change, best.cov, best.B, inverse, variance, places, also
+        )  # fmt: skip
+        effects = [of_what.index(name) for name in CONTACT]
+        of_effects = information[np.ix_(effects, effects)], pull[effects]
     drifts = {name: of_held.pop(name) for name in DRIFTS if name in of_held} | trends_of(flown)
     leans = {name: by for name, by in leans.items() if name not in DRIFTS}
     strains |= of_held
@@ -672,14 +679,8 @@ def of_laws(
         order, part, [name for name in order if places.index(name) in vague],
         [misfit * flown.colour], variance, strains=strains, leans=leans, drifts=drifts, early=flown.early,
         most=min(DOUBTFUL, flown.colour * bearable(count - g.size)), slips=impacts.slips,
-        gain=float(g[-1]) if calibration else 1.0,
+        gain=float(g[-1]) if calibration else 1.0, of_effects=of_effects,
     )  # fmt: skip
-    if not contact:
-        *_, information, pull = held_strains(
-            both, of_what, by_what, best.multiplier, change, best.cov, best.B, inverse, variance, places, also
-        )  # fmt: skip
-        held_contact = [of_what.index(name) for name in CONTACT]
-        found.of_effects = information[np.ix_(held_contact, held_contact)], pull[held_contact]
     if contact:
         every_error = dict(zip(places, np.sqrt(np.diag(covariance)).tolist(), strict=True))
         found.contact = contact
