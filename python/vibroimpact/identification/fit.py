@@ -318,7 +318,11 @@ def allow_contacts(found: Fit, contact: float, information: _Array, pull: _Array
     by = np.array([[lean.get(own, 0.0) for lean in leans] for own in found.names])
     size = contact * np.array(OF_CONTACT)
     # the covariance of the effects, and the mean where it is clear
-    spread = np.linalg.inv(information * np.outer(size, size) + np.eye(size.size))
+    own = information * np.outer(size, size)
+    values, axes = np.linalg.eigh(own)
+    if values[0] < 0:  # by rounding: this is no information, and would give negative variances
+        own = axes * np.maximum(values, 0.0) @ axes.T
+    spread = np.linalg.inv(own + np.eye(size.size))
     mean = spread @ (pull * size)
     found.unallowed = unallowed(information * np.outer(size, size), pull * size)
     if mean @ np.linalg.solve(spread, mean) > CLEAR**2:
