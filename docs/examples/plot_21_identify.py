@@ -16,7 +16,7 @@ found = vi.identify(rig.record(rng=17), known=known)
 print(found)
 
 # %%
-# Every step, from top to bottom: the load and its fit; the record with the picked impacts; their load phases
+# Every step, from top to bottom: the load and its fit; the record with the detected impacts; their load phases
 # over the whole record, with those of the pattern; the exact motion that was fitted; and the residuals.
 
 found.plot()

@@ -18,8 +18,9 @@ STEP = 1e-30
 #: Errors of the map from impact to impact over typical sizes: without such errors, the information on the state of
 #: an attracting motion grows beyond what rounding permits.
 LOOSE = 1e-8
-#: Unknowns, in this order; then offset, real and imaginary part of the pole of the ringing.
-NAMES = ("xi", "mu", "R1", "R2", "d", "F0", "phase")
+#: Unknowns, in this order; then offset, real and imaginary part of the pole of the ringing. The exponents are
+#: those of R (v/v0)^-p on each wall, with the mean speed v0 there; they are 0.
+NAMES = ("xi", "mu", "R1", "R2", "d", "F0", "phase", "exponent1", "exponent2")
 
 
 def motion(theta, state, t, Omega):
@@ -41,16 +42,19 @@ def motion(theta, state, t, Omega):
     return X + steady(t, 0), V + steady(t, 1), -2 * decay * V - omega**2 * X + steady(t, 2)
 
 
-def impact(theta, state, side, other, t, Omega):
-    """The state (time, x, x', z') just after the next impact, near time t; sides are 1 or -1."""
-    _, mu, R1, R2, d, *_ = theta
+def impact(theta, state, side, other, t, Omega, usual):
+    """The state (time, x, x', z') just after the next impact, near time t; sides are 1 or -1, `usual` are the mean
+    speeds on the walls."""
+    _, mu, R1, R2, d, _, _, p1, p2 = theta
     for _ in range(6):
         X, V, _ = motion(theta, state, t, Omega)
         gap = state[1] + side * d / 2 + state[3] * (t - state[0]) - X - other * d / 2
         t = t - gap / (state[3] - V)
     X, V, _ = motion(theta, state, t, Omega)
     closing = state[3] - V
-    jump = mu * (1 + (R1 if other > 0 else R2)) * closing / (1 + mu)
+    R, p, v0 = (R1, p1, usual[0]) if other > 0 else (R2, p2, usual[1])
+    R = R * (other * closing / v0) ** -p
+    jump = mu * (1 + R) * closing / (1 + mu)
     return np.array([t, X, V + jump, state[3] - jump / mu])
 
 
@@ -103,6 +107,15 @@ def moved_at(rig, times, sides, phase):
     return (impacts, states, phase), equations @ found
 
 
+def usual_speeds(rig, impacts):
+    """The mean speeds of impacts on the right and on the left wall."""
+    each = [
+        [abs(jump) * (1 + rig.mu) / (rig.mu * (1 + R)) for _, side, jump in impacts if side == wall]
+        for wall, R in zip((1, -1), rig.restitution, strict=True)
+    ]
+    return [float(np.mean(own)) for own in each]
+
+
 def bound(
     rig,
     samples,
@@ -113,27 +126,38 @@ def bound(
     phase_error=math.inf,
     margin=1e-4,
     own=None,
+    exponent=1e-9,
 ):
     """Least standard errors by name, for a number of samples with white noise of a motion with `sides` in a cycle.
 
     F0 and the load phase are measured with these errors, and `known` parameters are exact. `margin` (s) is left
     out on each side of a pulse. `own` holds impacts and states of another motion, from time 0, and its load phase.
+    `exponent` is the standard deviation of the exponents with which R of each wall may depend on the speed.
     """
     Omega, duration = 2 * math.pi * rig.frequency, samples / rig.rate
     first = 0 if own else 400 / rig.frequency
     impacts, states, phase = own or moving(rig, first, first + duration, sides)
     after = {round(1e9 * t): y for t, y in states}
-    theta = np.array([rig.xi, rig.mu, *rig.restitution, rig.d, rig.F0, phase])
-    P, rings = len(NAMES), rig.ring_share > 0
+    theta = np.array([rig.xi, rig.mu, *rig.restitution, rig.d, rig.F0, phase, 0, 0])
+    P, rings, usual = len(NAMES), rig.ring_share > 0, usual_speeds(rig, impacts)
     Q = P + 1 + 2 * rings
     # columns: theta, offset, pole, and the state (4) after the last impact
     sizes = np.array(
-        [0.01, 0.03, 1, 1, rig.d, rig.F0, 1, 1, *[100.0] * (2 * rings), 1e-3, 1e-3, 0.1, 0.1]
+        [
+            *(0.01, 0.03, 1, 1, rig.d, rig.F0, 1, exponent, exponent, 1),
+            *([100.0] * (2 * rings)),
+            1e-3,
+            1e-3,
+            0.1,
+            0.1,
+        ]
     )
     R = np.diag(1e-9 / sizes)
     for name, error in {
         "F0": load_error,
         "phase": phase_error,
+        "exponent1": exponent,
+        "exponent2": exponent,
         **dict.fromkeys(known, 1e-9),
     }.items():
         if 0 < error < math.inf:
@@ -165,7 +189,10 @@ def bound(
             R = np.linalg.qr(np.vstack([R, columns]) * sizes, mode="r") / sizes
         # carry them to the state after the next impact
         by = np.column_stack(
-            [impact(one[:P], one[P:], side, other, later, Omega).imag / STEP for one in moved.T]
+            [
+                impact(one[:P], one[P:], side, other, later, Omega, usual).imag / STEP
+                for one in moved.T
+            ]
         )
         R[:, Q:] = np.linalg.solve(by[:, P:].T, R[:, Q:].T).T
         R[:, :P] -= R[:, Q:] @ by[:, :P]

@@ -72,6 +72,8 @@ class Rig:
     calibration: float = 0.01
     #: Amplitudes of the 2nd, 3rd, ... harmonic of the load over F0.
     harmonics: tuple = ()
+    #: Frequencies over that of the load, amplitudes over F0, and phases of the sines of another load.
+    lines: tuple = ()
     #: R at an approach speed v is that of `restitution` times (v/SPEED)^-exponent.
     exponent: float = 0.0
     #: -3 dB frequency of both sensors (Butterworth, order 4), through which impulses of no duration pass.
@@ -100,6 +102,11 @@ class Rig:
         return self.D * self.F0 / K
 
     @property
+    def waves(self):
+        """The sines of the load: frequencies over that of the load, amplitudes over F0, and phases."""
+        return self.lines or [(n, size, 0.0) for n, size in enumerate([1.0, *self.harmonics], 1)]
+
+    @property
     def frequency(self):
         """Frequency of the load, Hz."""
         return self.r * math.sqrt(K / M) / (2 * math.pi)
@@ -112,14 +119,14 @@ def flights(rig, first, last, phase=0.0, touches=None):
     """
     w, omega = 2 * math.pi * rig.frequency, math.sqrt(K / M)
     # x, x', each harmonic of the load and its quadrature, z, z'
-    sizes = [1.0, *rig.harmonics]
+    waves = rig.waves
     slides = int(rig.friction > 0)
-    A = np.zeros((4 + 2 * len(sizes) + slides,) * 2)
+    A = np.zeros((4 + 2 * len(waves) + slides,) * 2)
     A[0, 1] = A[-2, -1] = 1
     A[1, :2] = -(omega**2), -2 * rig.xi * omega
-    for n in range(len(sizes)):
+    for n, (order, _, _) in enumerate(waves):
         A[1, 2 + 2 * n] = 1 / M
-        A[2 + 2 * n, 3 + 2 * n], A[3 + 2 * n, 2 + 2 * n] = (n + 1) * w, -(n + 1) * w
+        A[2 + 2 * n, 3 + 2 * n], A[3 + 2 * n, 2 + 2 * n] = order * w, -order * w
         A[2 + 2 * n, 2 + 2 * n] = A[3 + 2 * n, 3 + 2 * n] = rig.load_growth / rig.duration
     drag = rig.friction * rig.F0 / M
     walls = [force_of(rig, R) for R in rig.restitution] if rig.wall else []
@@ -130,7 +137,8 @@ def flights(rig, first, last, phase=0.0, touches=None):
     powers = [expm(A * step * (i + 1)) for i in range(STEPS)]
     several = np.stack(powers)
     loads = [
-        rig.F0 * size * of((n + 1) * phase) for n, size in enumerate(sizes) for of in (math.sin, math.cos)
+        rig.F0 * size * of(order * phase + begin)
+        for order, size, begin in waves for of in (math.sin, math.cos)
     ]  # fmt: skip
     middle = last - rig.duration / 2
     y = np.array([0, 0, *loads, *[1.0] * slides, 0, 0.3])
@@ -194,7 +202,7 @@ def flights(rig, first, last, phase=0.0, touches=None):
         if walls:
             if rig.rounded:
                 t, y = round(t, 9), np.round(y, 9)
-            touch = touched(rig, walls[side < 0], y, side)
+            touch = touched(rig, force_of(rig, R) if rig.fading else walls[side < 0], y, side)
             if touch is None:
                 return None
             if t >= first:
@@ -298,7 +306,7 @@ def touched(rig, wall, y, side):
     k, c = wall
     square, damping, w = K / M, 2 * rig.xi * math.sqrt(K / M), 2 * math.pi * rig.frequency
     linear, mu, half = rig.wall == "linear", rig.mu, rig.d / 2
-    orders = w * (1 + np.arange(1 + len(rig.harmonics)))
+    orders = w * np.array([order for order, _, _ in rig.waves])
     sine, cosine = y[2:-2:2] / M, y[3:-2:2] / M
 
     def load(since):
@@ -351,8 +359,8 @@ def touched(rig, wall, y, side):
     end = y.copy()
     end[:2], end[-2:] = now[:2], now[2:4]
     end[-2] = end[0] + side * half * (1 - 1e-12)
-    for n in range(1 + len(rig.harmonics)):
-        turn = complex(y[3 + 2 * n], y[2 + 2 * n]) * np.exp(1j * (n + 1) * w * since)
+    for n, order in enumerate(orders):
+        turn = complex(y[3 + 2 * n], y[2 + 2 * n]) * np.exp(1j * order * since)
         end[2 + 2 * n], end[3 + 2 * n] = turn.imag, turn.real
     return (*np.array(path).T, end)
 
@@ -411,7 +419,7 @@ def record(rig, seed=0, settle=400):
     if rig.lowpass is not None:
         a = sosfilt(butter(2, rig.lowpass, fs=rig.rate, output="sos"), a)
     turn, load = 2 * math.pi * rig.frequency * (t + first), 0.0
-    for n, size in enumerate([1.0, *rig.harmonics], 1):
+    for n, size, begin in rig.waves:
         passed = 1.0
         if rig.filter:
             fine = math.ceil(FINE / rig.rate) * rig.rate
@@ -421,7 +429,7 @@ def record(rig, seed=0, settle=400):
             passed = freqs(*butter(4, 1, analog=True), [n * rig.frequency / rig.known_lowpass])[1][
                 0
             ]
-        load = load + rig.F0 * size * (passed * np.exp(1j * n * turn)).imag
+        load = load + rig.F0 * size * (passed * np.exp(1j * (n * turn + begin))).imag
     since = t / rig.duration - 0.5
     load = load * np.exp(rig.load_growth * since)
     a = (
@@ -574,6 +582,37 @@ def random_rig(seed, kind="abc"):
             jumps = abs(made[3][:, 2])
             if jumps.min() > 0.05 * jumps.max() and np.diff(made[3][:, 0]).min() > 4e-3:
                 return rig, made, k, sides
+
+
+def loaded_rig(seed, load, **changes):
+    """A rig under a load that is not periodic, and its record: a "sweep" of constant amplitude up and down again,
+    two sines ("beat") or band-limited "noise", with load sensors of various noise."""
+    draw = np.random.default_rng([seed, *load.encode()])
+    while True:
+        rig = replace(drawn(draw, "defg", 3, 50), r=1.0, duration=5.0, rounded=True, **changes)
+        if load == "beat":
+            first, second = draw.uniform(0.93, 0.99), draw.uniform(1.02, 1.08)
+            lines = [(first, 0.7, 0.0), (second, 0.7, draw.uniform(0, 6))]
+        elif load == "noise":
+            lines = [
+                (f, 0.3, phase)
+                for f, phase in zip(
+                    draw.uniform(0.8, 1.3, 24), draw.uniform(0, 6.3, 24), strict=True
+                )
+            ]
+        else:
+            # the spectrum of a linear sweep that begins again after a while
+            low, high = 0.95, draw.uniform(1.05, 1.15)
+            cycles = 1.3 * rig.duration * rig.frequency
+            orders = np.arange(math.ceil(low * cycles), math.floor(high * cycles) + 1) / cycles
+            phases = -math.pi * cycles * (orders - low) ** 2 / (high - low)
+            size = math.sqrt(2 / orders.size)
+            lines = [(f, size, p) for f, p in zip(orders.tolist(), phases.tolist(), strict=True)]
+        rig = replace(rig, lines=tuple(lines))
+        made = record(rig, seed, settle=100)
+        if made is None or made[3].shape[0] < 60 or len(set(made[3][:, 1])) < 2:
+            continue
+        return rig, made
 
 
 @functools.cache

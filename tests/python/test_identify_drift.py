@@ -31,7 +31,7 @@ def identified(rig, seed, **known):
     [
         ("fading", 0.01, 3, "defg", "R1 and R2 seem to fall by"),
         ("load_growth", 0.01, 5, "defg", "the load grows by"),
-        ("gain_growth", 0.03, 3, "defg", "the gain of the sensor of the motion, seems to grow by"),
+        ("gain_growth", 0.03, 3, "defg", "the gain of the motion sensor, seems to grow by"),
     ],
 )
 def test_what_changes_during_a_chaotic_record_is_named(change, size, seed, kind, said):
@@ -73,7 +73,7 @@ def test_a_period_that_leaves_all_open_is_doubted():
     found = identified(rig, 3)
     assert {"mu", "R1", "R2", "d"} <= set(found.undetermined)
     assert not found.good
-    assert any("it may not be periodic" in doubt for doubt in found.doubts)
+    assert any("the motion may not be periodic" in doubt for doubt in found.doubts)
 
 
 def test_a_growth_of_the_load_is_measured():
@@ -125,7 +125,7 @@ def test_ringing_is_found_at_two_samples_a_millisecond(monkeypatch):
     monkeypatch.setattr(windows, "LEAST_BINS", 100)
     found = identified(rig, 4)
     assert not found.good
-    assert any("something rings that is not found" in note for _, note in found._result.notes)
+    assert any("ringing was not detected as a mode" in note for _, note in found._result.notes)
 
 
 def test_an_unstable_motion_is_a_doubt(monkeypatch):
@@ -162,7 +162,9 @@ def test_impacts_that_no_flights_resolve_are_explained():
     found = identified(rig, 1026)
     assert found.oscillator is None
     (why,) = (
-        note for _, note in found._result.notes if "between two others that are resolved" in note
+        note
+        for _, note in found._result.notes
+        if "are resolved together with both neighbours" in note
     )
-    assert "beside a flight with too few samples outside of the pulses" in why
+    assert "next to a flight with too few samples outside the pulses" in why
     assert "what would help most: a higher sampling rate and bandwidth" in why

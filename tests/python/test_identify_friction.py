@@ -9,13 +9,13 @@ import pytest
 import vibroimpact as vi
 from vibroimpact.identification import aperiodic, sliding
 from vibroimpact.identification.aperiodic import Impacts
-from vibroimpact.identification.flights import Measured, predicted
 from vibroimpact.identification.friction import Rubbing, slips_of
 from vibroimpact.identification.known import known_values
 from vibroimpact.identification.laws import Law
 from vibroimpact.identification.slips import Slips
 from vibroimpact.identification.stages import identified_by
 from vibroimpact.identification.steps import flown_apart, of_record
+from vibroimpact.identification.waves import Measured, predicted
 from vibroimpact.motions.exact import settled
 
 pytest.importorskip("scipy")
@@ -304,7 +304,7 @@ def test_friction_of_other_records_is_refused():
         vi.SingularError, match="must be left out for a record with the status 'no impacts'"
     ):
         quietly(still, known=KNOWN, friction=1e-3)
-    with pytest.raises(vi.SingularError, match="friction = True: undetermined"):
+    with pytest.raises(vi.SingularError, match="fitted friction: not determined by this record"):
         vi.identify(recorded(20.0, 0.01), known={"M": M, "K": K, "m": 0.04 * M}, friction=True)
 
 

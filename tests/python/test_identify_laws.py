@@ -7,6 +7,8 @@ import vibroimpact as vi
 pytest.importorskip("scipy")
 from scipy.stats import binom
 from shared_identify import BENCH, IDEAL, KNOWN
+from vibroimpact.identification import fit, stages
+from vibroimpact.identification.laws import Law
 
 #: A power law on both walls, equal to one below 0.02 m/s, and load amplitudes of three records.
 LAW = tuple(vi.PowerLaw(R, speed=0.02, exponent=0.1, sharpness=20) for R in (1.0, 0.9))
@@ -74,6 +76,53 @@ def test_a_power_law_holds_where_constants_fail():
     )
     assert here.values["v0"] == 0.3
     assert abs(here.values["R1"] - float(LAW[0](0.3))) < 4 * here.errors["R1"]
+
+
+def test_an_exponent_that_is_not_fitted_changes_a_fit_by_its_derivative(monkeypatch):
+    """The derivatives of the fitted parameters with respect to the exponent of a wall are those of fits of a power
+    law with given exponents; impacts of equal speed have none."""
+    record = vi.VirtualRig(**BENCH | IDEAL, snr=SNR).record(2.0, rng=1)
+    kept, leans = [], {}
+    fitted, allow = fit.fit, fit.allow_effects
+
+    def fit_of(*of, **more):
+        kept.append((of, fitted(*of, **more)))
+        return kept[-1][1]
+
+    def allow_effects(found, contact, names, *rest):
+        leans.update({name: found.leans[name] for name in names})
+        allow(found, contact, names, *rest)
+
+    monkeypatch.setattr(stages, "fit", fit_of)
+    monkeypatch.setattr(fit, "allow_effects", allow_effects)
+    vi.identify(record, calibration=0, known=KNOWN)
+    (records, known, *_), found = kept[-1]
+    motion, signs = found.motions[0], records[0].pattern.signs
+    assert sorted((signs > 0).tolist()) == [False, False, True]
+    v0 = motion.speeds[signs < 0].mean()
+    values = [
+        fitted(
+            records, known | {"exponent1": 0.0, "exponent2": p}, found.values, found.lengths, found.phases,
+            KNOWN["M"], KNOWN["K"], Law("powers", v0=v0), found.motions,
+        ).values
+        for p in (-2e-3, 2e-3)
+    ]  # fmt: skip
+    for name in ("xi", "R1", "R2", "d"):
+        change = (values[1][name] - values[0][name]) / 4e-3
+        assert leans["exponent2"][name] == pytest.approx(change, rel=0.02), name
+        assert leans["exponent1"][name] == 0.0
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_constant_restitution_raises_no_doubt(seed):
+    """Impacts of different speeds on one wall, and the same R."""
+    found = vi.identify(
+        vi.VirtualRig(**BENCH, snr=SNR).record(2.0, rng=seed), calibration=0, known=KNOWN
+    )
+    assert found.pattern.sides == "RLL"
+    assert found.good
+    for name, value in true_of_law((0.75, 0.65), 1.0).items():
+        assert name == "exponent" or abs(found.values[name] - value) < 4 * found.errors[name], name
 
 
 def test_a_knee_is_said_not_to_be_fitted():

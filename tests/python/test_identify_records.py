@@ -20,6 +20,7 @@ pytest.importorskip("scipy")
 from reference_bound import NAMES, bound, moved_at, noise_of
 from reference_rig import Rig
 from shared_identify import of_no_duration
+from vibroimpact.identification import fit
 
 DATA = np.load(Path(__file__).parents[1] / "data/rigs.npz")
 M, K = 0.7303, 11383.00093642085
@@ -64,10 +65,11 @@ def test_a_record_of_another_program_is_right(name, with_m):
         assert found.undetermined == []
 
 
-def over_bound(name):
+def over_bound(name, exponent=1e-9):
     """Stated errors of a record with exact sensors and, but for j, a known m, over Cramer-Rao bounds; and
-    the bounds, both without what contacts may change. That of j is of its own motion, from two stretches between
-    impacts that are all resolved."""
+    the bounds, both without what contacts may change, and for an R of which the exponents of the speed have a
+    given standard deviation. That of j is of its own motion, from two stretches between impacts that are all
+    resolved."""
     record, true = record_of(name)
     r, contact, share, lowpass = RIGS[name]
     rig = Rig(
@@ -79,13 +81,14 @@ def over_bound(name):
     with warnings.catch_warnings(), pytest.MonkeyPatch.context() as patch:
         warnings.simplefilter("ignore", vi.PoorFitWarning)
         of_no_duration(patch)
+        patch.setattr(fit, "TYPICAL_EXPONENT", exponent)
         found = vi.identify(record, known=known, calibration=0)
     given = {
         "noise": noise_of(record.acceleration, rig.rate, rig.frequency, lowpass),
         "sides": PATTERNS.get(name, ""),
         "known": () if chaos else ("mu",), "phase_error": 2e-3 * 2 * np.pi * rig.frequency,
         "load_error": noise_of(record.load, rig.rate) * (2 / len(record)) ** 0.5,
-        "margin": 2 / rig.rate + (1 / lowpass if lowpass else 0),
+        "margin": 2 / rig.rate + (1 / lowpass if lowpass else 0), "exponent": exponent,
     }  # fmt: skip
     every = [
         bound(rig, len(record), own=own, **given)
@@ -110,10 +113,15 @@ def stretches(found, rig):
         yield motion
 
 
-@pytest.mark.parametrize("name", "acdgh")
-def test_errors_are_near_the_bound_of_the_flights(name):
-    """No estimate from such data has errors below the Cramer-Rao bound; the stated errors are at most twice it."""
-    ratios, _ = over_bound(name)
+@pytest.mark.parametrize(
+    ("name", "exponent"),
+    [*((name, 1e-9) for name in "acdgh"), ("a", 0.25), ("c", 0.25), ("d", 0.25)],
+)
+def test_errors_are_near_the_bound_of_the_flights(name, exponent):
+    """No estimate from such data has errors below the Cramer-Rao bound; the stated errors are at most twice it.
+    This holds for an R that is exactly constant, and for one that may depend on the speed as the stated errors
+    assume; the latter bound is up to eight times the former if impacts on one wall have different speeds."""
+    ratios, _ = over_bound(name, exponent)
     assert set(ratios) == {"xi", "R1", "R2", "d", "F0"}
     for item, ratio in ratios.items():
         assert 0.7 < ratio < 2, item

@@ -11,13 +11,16 @@ import pytest
 import vibroimpact as vi
 
 pytest.importorskip("scipy")
+import scipy.signal
 from reference_rig import (
     SPEED,
     K,
     M,
+    Rig,
     chaotic_rig,
     flights,
     force_of,
+    period_of,
     random_rig,
     record,
     restitution_at,
@@ -26,24 +29,26 @@ from reference_rig import (
     wide_rig,
 )  # fmt: skip
 from shared_identify import BENCH, KNOWN, of_no_duration, recorded
-from vibroimpact.identification import aperiodic
+from vibroimpact.identification import aperiodic, fit
+from vibroimpact.identification import flights as flights_module
 from vibroimpact.identification.aperiodic import Impacts, possible
-from vibroimpact.identification.fit import OF_CONTACT, Fit, allow_contacts
-from vibroimpact.identification.flights import (
-    Flights,
-    Measured,
+from vibroimpact.identification.contact import (
+    HALF_SINE,
     duration,
-    news_of,
     of_forces,
     pulse_frequencies,
-    unexplained,
+    pulses_of,
 )
+from vibroimpact.identification.fit import OF_CONTACT, Fit, allow_effects
+from vibroimpact.identification.flights import Flights, news_of, unexplained
 from vibroimpact.identification.laws import Law
+from vibroimpact.identification.measured import butterworth_poles
 from vibroimpact.identification.motions import CONTACT
 from vibroimpact.identification.stages import apart
 from vibroimpact.identification.steps import of_record
 from vibroimpact.identification.strains import Strain
 from vibroimpact.identification.tables import doubts_of
+from vibroimpact.identification.waves import Measured, Ringing
 
 
 def score(seed, kind):
@@ -389,9 +394,12 @@ def test_a_virtual_contact_moves_as_much_momentum(quantity):
     assert off[0] < 1e-9 or off[0] / off[1] == pytest.approx(2, rel=0.2)
 
 
-@pytest.mark.parametrize("quantity", ["acceleration", "velocity", "displacement"])
-def test_the_pulses_of_each_quantity_show_the_contact_time(quantity, monkeypatch):
-    """The contact time of a record is that of its rig, whatever the sensor measures."""
+@pytest.mark.parametrize(
+    ("quantity", "above"), [("acceleration", 0.15), ("velocity", 0.15), ("displacement", 0.2)]
+)
+def test_the_pulses_of_each_quantity_show_the_contact_time(quantity, above, monkeypatch):
+    """The contact time of a record is that of its rig, whatever the sensor measures; what is read contains a
+    standard error, which is largest in a displacement."""
     read = []
     contact = Flights.contact
     monkeypatch.setattr(Flights, "contact", lambda *of: read.append(contact(*of)) or read[-1])
@@ -400,7 +408,28 @@ def test_the_pulses_of_each_quantity_show_the_contact_time(quantity, monkeypatch
         # a weak impact of the displacement is doubted
         warnings.simplefilter("ignore", vi.PoorFitWarning)
         vi.identify(rig.record(3.0, 3, quantity), known=KNOWN, calibration=0)
-    assert read[-1] == pytest.approx(1e-3, rel=0.15)
+    assert -0.15 < read[-1] / 1e-3 - 1 < above
+
+
+@pytest.mark.parametrize(("rings", "snr"), [(430.0, 60), (1500.0, 40), (1500.0, 60)])
+@pytest.mark.parametrize("known", [True, False])
+def test_what_a_filter_leaves_is_not_taken_for_a_contact(known, rings, snr, monkeypatch):
+    """Behind a low-pass of 600 Hz, a mode far above it is hardly visible, and with little noise the transient of
+    the filter looks like a mode: neither shows how a contact lasts, and none lasts longer than its pulse."""
+    read, contact = [], Flights.contact
+    monkeypatch.setattr(
+        Flights, "contact", lambda *of: read.append((of, contact(*of))) or read[-1][1]
+    )
+    rig = vi.VirtualRig(
+        **BENCH, contact=6e-4, bandwidth=600.0, ring_frequency=rings, snr=snr, known_bandwidth=known
+    )
+    found = vi.identify(rig.record(2.0, rng=1), known=KNOWN)
+    assert found.good
+    (flights, free), lasts = read[-1]
+    assert 0.4e-3 < lasts < 0.9e-3
+    monkeypatch.setattr(flights_module, "duration", lambda *_: 1.0)
+    longest = float(np.sum(flights.lengths(free), axis=0).max())
+    assert contact(flights, free) == pytest.approx(longest, rel=0.5)
 
 
 def test_the_force_of_a_contact_is_the_same_in_each_quantity():
@@ -418,9 +447,47 @@ def test_the_force_of_a_contact_is_the_same_in_each_quantity():
             left[:, 1:] = (force - jumps)[:, 1:] / (1j * w[1:]) ** (2 - order)
         found = of_forces(data, left, jumps)
         assert found == pytest.approx(force, abs=1e-10)
-        read = duration(data, found[0] / jumps[0], np.zeros(3))
+        read = duration(data, found, np.zeros(found.shape), jumps[:, 0])
         assert read == pytest.approx(tau, rel=0.01)
-    assert np.copysign(1.0, duration(data, np.ones(4, dtype=complex), np.zeros(3))) == 1.0
+        # whatever the errors of the times of the impacts
+        turned = found * np.exp(-1j * np.outer([3e-4, -2e-4], w))
+        assert duration(data, turned, np.zeros(found.shape), jumps[:, 0]) == pytest.approx(
+            read, rel=1e-6
+        )
+    none = duration(data, jumps * np.ones(4, dtype=complex), np.zeros((2, 4)), jumps[:, 0])
+    assert np.copysign(1.0, none) == 1.0
+
+
+@pytest.mark.parametrize("contact", [0.0, 1e-3])
+def test_a_known_filter_and_ringing_are_not_taken_for_a_contact(contact):
+    """A pulse behind a low-pass of 600 Hz, which rings at 430 Hz, by convolution; the flights are those of no
+    load, and their ringing begins at once at the delay of the filter."""
+    pole, lowpass = complex(-180, 2 * np.pi * 430), 2 * np.pi * 600 * butterworth_poles()
+    data = Measured(2 * np.pi * 19.5, 1, lowpass=lowpass, passed=2 * np.pi * 300)
+    step = 1e-6
+    t = step * np.arange(30_000)
+    force = np.exp(-0.5 * ((t - 5e-3) / max(HALF_SINE * contact, 0.1 * step)) ** 2)
+    force /= force.sum() * step
+    rings = 0.3 * pole.imag * np.exp(pole.real * t) * np.sin(pole.imag * t) * step
+    seen = force + scipy.signal.fftconvolve(force, rings)[: t.size]
+    filtered = scipy.signal.lsim(
+        scipy.signal.ZerosPolesGain([], lowpass, np.prod(-lowpass).real).to_ss(), seen, t
+    )[1]
+    begin = 5e-3 - float(np.sum(1 / lowpass).real)
+    late = (t > begin + 4e-3) & (t < begin + 10e-3)
+    waves = np.exp(pole * (t - begin))
+    own = np.linalg.lstsq(
+        np.column_stack([waves.real, -waves.imag])[late], filtered[late], rcond=None
+    )[0]
+    mode = Ringing(pole, np.array([complex(*own)]))
+    left = np.where(t > begin, filtered - (mode.size * waves).real, filtered)
+    some = (t > begin - 4.5e-3) & (t < begin + 4e-3)
+    zeros, width = np.zeros(some.sum(), dtype=int), np.full(some.sum(), step)
+    forces, errors, modes = pulses_of(
+        data, np.ones(1), [mode], zeros, (t - begin)[some], left[some], width, 0.0
+    )
+    read = duration(data, forces, errors, np.ones(1), modes)
+    assert read == pytest.approx(contact, rel=0.02, abs=5e-5)
 
 
 def test_the_errors_contain_what_contacts_may_change(monkeypatch):
@@ -437,7 +504,9 @@ def test_the_errors_contain_what_contacts_may_change(monkeypatch):
     both, *_ = of_laws(*of[:-2], contact, False)
     shared = [name for name in ("xi", "mu", "R1", "R2", "d") if name in plain.names]
     assert len(shared) == 5
-    allow_contacts(plain, contact, *plain.of_effects)
+    effects, information, pull = plain.of_effects
+    assert effects[:2] == list(CONTACT)
+    allow_effects(plain, contact, CONTACT, information[:2, :2], pull[:2])
     for name in shared:
         assert plain.errors[name] == pytest.approx(both.errors[name], rel=0.12), name
 
@@ -452,7 +521,7 @@ def few_effects(size):
         name: Strain(5.0, size * one) for name, one in zip(CONTACT, given, strict=True)
     }
     found.leans = {name: {"R1": 1.0} for name in CONTACT}
-    found.of_effects = information, information @ (size * given)
+    found.of_effects = list(CONTACT), information, information @ (size * given)
     return found
 
 
@@ -460,10 +529,10 @@ def few_effects(size):
 def test_contacts_are_doubted_only_beyond_their_pulses(size, allowed):
     """An effect that contacts as long as their pulses explain is part of the errors, and no doubt."""
     found = few_effects(size)
-    allow_contacts(found, 1e-3, *found.of_effects)
+    allow_effects(found, 1e-3, *found.of_effects)
     step = SimpleNamespace(data=None, free=None, growth=0.0, growth_size=0.0)
     doubts = doubts_of(0, step, found, np.zeros(0), {}, [0.0])
-    assert ["contacts that last" in text for text in doubts] == [True] * (not allowed)
+    assert ["contacts of finite duration" in text for text in doubts] == [True] * (not allowed)
     assert found.unallowed == pytest.approx(0.0, abs=1e-6) or not allowed
 
 
@@ -542,8 +611,9 @@ def test_a_known_delay_of_a_channel_is_taken_out(late, channel):
 @pytest.mark.parametrize("frequency", [19.5, 20.2])
 def test_channels_may_be_read_in_turn(frequency, monkeypatch):
     """Half a sampling interval between channels whose bandwidth is stated is fitted; if they are declared
-    simultaneous, xi and d are far off."""
+    simultaneous, xi and d are far off, by the errors of a constant R."""
     of_no_duration(monkeypatch)
+    monkeypatch.setattr(fit, "TYPICAL_EXPONENT", 1e-9)
     rig = vi.VirtualRig(**BENCH | {"frequency": frequency}, rate=1e4, known_bandwidth=True, snr=45)
     fine = rig.record(6.0, rng=3)
     channels = {"load": fine.load[1::2], "acceleration": fine.acceleration[:-1:2]}
@@ -627,21 +697,66 @@ def test_impacts_of_different_speeds_show_how_long_contacts_last(monkeypatch):
     impacts of no duration describe nothing."""
     _, found, off = contact_score(5, True)
     assert found.good
-    assert any("d is the distance of the walls" in text for _, text in found._result.notes)
+    assert any("d is the distance between the walls" in text for _, text in found._result.notes)
     assert len(off) == 5
     assert max(map(abs, off.values())) < 4
     of_no_duration(monkeypatch)
     assert not contact_score(5, True)[1].good
 
 
+def test_contacts_that_last_are_part_of_a_periodic_fit(monkeypatch):
+    """A motion of two load cycles whose impacts on each wall have different speeds, with contacts of 0.4 ms:
+    impacts of no duration do not describe it, which raises doubts about correct known values. With the effects of
+    contacts it is right; a mass that is 2 % off is still doubted."""
+    rig = Rig(
+        xi=0.0137, mu=0.0429, restitution=(0.697, 0.632), r=0.9, F0=4.774, D=16.07, rate=10000.0, duration=3.0,
+        contact=4e-4, ring_share=0.0, noise=0.005, calibration=0.0, wall="linear", bits=24,
+    )  # fmt: skip
+    _, load, acceleration, impacts = record(rig, 1, settle=80)
+    assert period_of(rig, impacts) == (2, "LRLR")
+
+    def found_with(mass=1.0):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", vi.PoorFitWarning)
+            return vi.identify(
+                rate=rig.rate, load=load, acceleration=acceleration, calibration=0,
+                known={"M": M, "K": K, "m": mass * M * rig.mu},
+            )  # fmt: skip
+
+    found = found_with()
+    assert found.good
+    assert found.pattern.sides == "RLRL"
+    R1, R2, travel = truth(rig, impacts)
+    for name, true in {"xi": rig.xi, "R1": R1, "R2": R2, "d": travel}.items():
+        assert abs(found.values[name] - true) < 3 * found.errors[name], name
+    assert not found_with(1.02).good
+    monkeypatch.setattr(fit, "agreeing", lambda *_: False)
+    assert any("known mu = m/M" in doubt for doubt in found_with().doubts)
+
+
+@pytest.mark.parametrize("seed", [234, pytest.param(22, marks=pytest.mark.slow)])
+def test_walls_whose_restitution_falls_with_the_speed_are_within_the_errors(seed, monkeypatch):
+    """Two walls by the law of Hunt and Crossley, with impacts of different speeds on one of them, which the record
+    does not show: the errors of a constant R contain it, and would be too small without."""
+    rig, found, off = contact_score(seed, False)
+    assert rig.wall == "hunt-crossley"
+    assert found.good
+    assert max(map(abs, off.values())) < 4
+    monkeypatch.setattr(fit, "TYPICAL_EXPONENT", 1e-9)
+    _, constant, other = contact_score(seed, False)
+    assert constant.good
+    assert max(map(abs, other.values())) > 6
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("chaos", [False, True])
 def test_no_record_of_contacts_that_last_is_silently_wrong(share, chaos):
-    """Of 30 rigs, those with linear walls, of constant R: no parameter of a record without a doubt is more than
-    four errors off, and 95 % intervals cover as stated."""
+    """Of 30 rigs, no parameter of a record without a doubt is more than four errors off; of those with linear
+    walls, of constant R, 95 % intervals cover as stated. Motions that do not repeat are those of linear walls."""
     off, good, count = [], 0, share(30)
     for seed in range(100, 100 + count):
-        if wide_rig(seed, "contacts", chaos)[0].wall != "linear":
+        linear = wide_rig(seed, "contacts", chaos)[0].wall == "linear"
+        if chaos and not linear:
             continue
         try:
             _, found, errors = contact_score(seed, chaos)
@@ -649,13 +764,15 @@ def test_no_record_of_contacts_that_last_is_silently_wrong(share, chaos):
             continue
         if found.good:
             good += 1
-            off += map(abs, errors.values())
-            assert max(map(abs, errors.values()), default=0.0) < 4, seed
+            sizes = [abs(error) for error in errors.values()]
+            assert max(sizes, default=0.0) < 4, seed
+            off += [sizes] if linear else []
     assert good >= 1
     assert good >= (0.1 if chaos else 0.5) * count - 1
     # the parameters of a record behave like two independent numbers
-    deviation = (0.95 * 0.05 / (2 * max(good, 1))) ** 0.5
-    assert not off or np.mean(np.array(off) < 1.96) > 0.95 - 4 * deviation
+    deviation = (0.95 * 0.05 / (2 * max(len(off), 1))) ** 0.5
+    inside = np.array([size for sizes in off for size in sizes]) < 1.96
+    assert not inside.size or inside.mean() > 0.95 - 4 * deviation
 
 
 @pytest.mark.slow
@@ -706,14 +823,14 @@ def test_three_hundred_records(share):
 
 def test_parameters_that_are_no_rig_are_refused():
     """Few impacts may leave R2 = -0.7: an error names it; an undetermined parameter is only bounded."""
-    fit = Fit(
+    found = Fit(
         {"xi": -0.1, "mu": 0.03, "R1": 1.001, "R2": 0.7, "d": 0.01}, [1.0], [0.0], [],
         ["xi", "mu", "R1", "R2", "d"], np.diag([1e-6, 1e-6, 1e-4, 1e-4, 1e-8]), ["xi"], [1.0],
     )  # fmt: skip
-    possible(fit, 7)
-    assert fit.values == {"xi": 0.0, "mu": 0.03, "R1": 1.0, "R2": 0.7, "d": 0.01}
-    fit.values["R2"] = -0.7
+    possible(found, 7)
+    assert found.values == {"xi": 0.0, "mu": 0.03, "R1": 1.0, "R2": 0.7, "d": 0.01}
+    found.values["R2"] = -0.7
     with pytest.raises(
         vi.SingularError, match=r"at 7 impacts give R2 = -0\.7: must be from 0 to 1"
     ):
-        possible(fit, 7)
+        possible(found, 7)

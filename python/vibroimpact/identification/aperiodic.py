@@ -10,16 +10,18 @@ from __future__ import annotations
 import contextlib
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..base.errors import SingularError
-from ..base.libraries import scipy
-from .coupled import banded, own_blocks, passed_on, scaled_solve, slopes
+from .contact import HALF_SINE
+from .coupled import Covariance, banded, own_blocks, passed_on, scaled_solve, slopes
 from .fit import (
     DOUBTFUL,
+    EXPONENTS,
     FAR_OFF,
     MORE,
     OF_CONTACT,
@@ -27,11 +29,11 @@ from .fit import (
     TYPICAL_FRICTION,
     VAGUE,
     Fit,
-    allow_contacts,
+    allow_effects,
     covariance_of,
     far_off_gain,
 )
-from .flights import HALF_SINE
+from .forced import STEP
 from .friction import slips_of
 from .known import HINT
 from .laws import Law
@@ -39,6 +41,7 @@ from .motions import CONTACT, accelerated
 from .slips import Slips
 from .state_noise import noise_information, without_noise
 from .strains import held_strains, strains_of, trends_of
+from .waves import Measured
 from .windows import Flown, Windows
 
 _Array = NDArray[np.float64]
@@ -65,10 +68,12 @@ LARGEST_MASS, BEYOND = 10.0, 3.0
 CROSSED, ALONG, CROSSINGS = 0.02, 64, 5
 #: Change of the sum of squares above which two minima count as different.
 OTHER = 0.01
-#: Standard errors by which contacts that last must show to be part of a fit.
+#: Standard errors that the effects of contacts that last must exceed to be part of a fit.
 SHOWN = 3.0
 #: Half the mean square of the duration of a force, as a half sine, over that of the depth of `CONTACT`.
 SPREAD = 0.5 * (HALF_SINE / OF_CONTACT[0]) ** 2
+#: Size of a part of the noise of a load, over the largest one, below which it does not count.
+LEAST_PART = 1e-4
 #: Number of estimates of friction from momentum alone.
 FRICTIONS = 3
 #: Share by which coefficients of restitution grow during the record, 0 in every fit: on both walls, and on each.
@@ -76,7 +81,7 @@ DRIFTS = ("drift", "drift1", "drift2")
 
 
 class TooFewError(SingularError):
-    """Too few impacts for momentum and restitution to be compared with."""
+    """Too few impacts to fit momentum and restitution."""
 
 
 class Minimum(NamedTuple):
@@ -92,7 +97,7 @@ class Minimum(NamedTuple):
     #: Derivatives of the equations with respect to the parameters, covariances of the equations (bands), residuals
     #: over these, and the impacts of the equations.
     B: _Array
-    cov: _Array
+    cov: Covariance
     multiplier: _Array
     ok: _Bool
 
@@ -116,10 +121,10 @@ class Impacts:
             # where the slip reverses friction may stick, and its errors are not those of a linear equation
             turned = np.searchsorted(flown.times, windows.slips.turns)
             lawful[turned[turned < N]] = lawful[turned[turned > 0] - 1] = False
-            without = f", without {inner - int(lawful.sum())} next to a reversal of the slip"
+            without = f"; {inner - int(lawful.sum())} more are next to a reversal of the slip"
         if lawful.sum() < LEAST_IMPACTS:
             raise TooFewError(
-                f"{int(lawful.sum())} of {N} impacts between two others that are resolved{without}: must be "
+                f"{int(lawful.sum())} of {N} impacts are resolved together with both neighbours{without}: must be "
                 f"at least {LEAST_IMPACTS}; {windows.hindered()}"
             )
         # entries of unresolved impacts are not used
@@ -179,9 +184,14 @@ class Impacts:
         # known values, with respect to which derivatives are computed after the fit, and the absence of drift
         self.held = [name for name in ("mu", *law.names, "d") if name in shared]
         self.held += [name for name in CONTACT if name not in self.names]
-        self.values |= dict.fromkeys(DRIFTS, 0.0) | {"friction": windows.friction}
+        self.held += EXPONENTS if law.kind == "constant" else ()
+        self.values |= dict.fromkeys((*DRIFTS, *EXPONENTS), 0.0) | {"friction": windows.friction}
+        #: The approach speeds of the inner impacts, from the first guess.
+        self.closing = closing[1:-1]
         self.elapsed = flown.times[1:-1] / np.ptp(windows.t)
         self.active = lawful[1:-1].copy()
+        #: Changes of the equations by the independent parts of the noise of the load.
+        self.shared = np.zeros((2 * self.active.size, 0))
         self.g = np.array([values[name] for name in self.names])
         self.typical = [
             max(abs(self.g[j]), 1e-3)
@@ -202,6 +212,35 @@ class Impacts:
         )
         #: Time of flight of the free mass before each impact and after the last (N - 1), s.
         self.duration = duration
+        if flown.further is not None:
+            self.shared = self.by_noise(*flown.further)
+
+    @property
+    def usual(self) -> _Array:
+        """The mean speed of the impacts used on the wall of each inner impact, to which a constant R applies."""
+        signs, used = self.signs[1:-1], self.active & (self.closing > 0)
+        walls = [self.closing[used & (signs == sign)] for sign in (1, -1)]
+        right, left = (float(own.mean()) if own.size else 1.0 for own in walls)
+        return np.where(signs > 0, right, left)
+
+    @np.errstate(all="ignore")  # where flights do not exist
+    def by_noise(self, w: _Array, sizes: NDArray[np.complex128], states: _Array) -> _Array:
+        """The changes of the equations by independent parts of the noise of the load, which also change the states
+        of the flights as given."""
+        data = self.windows.data
+        assert data.forced is not None
+        if not w.size:
+            return self.shared
+        noisy = replace(data, forced=data.forced.with_further(w, sizes))
+        moved = self.states + 1j * STEP * np.moveaxis(states, -1, 0)
+        found = self.constraints(moved, self.flown.common + 0j, self.g + 0j, noisy)
+        by = np.where(np.isfinite(found), found, 0.0).imag / STEP
+        every = by.reshape(w.size, -1).T
+        # fewer parts with the same covariance
+        size = np.maximum(np.linalg.norm(every, axis=1), 1e-300)[:, None]
+        left, sizes_of, _ = np.linalg.svd(every / size, full_matrices=False)
+        kept = sizes_of > LEAST_PART * sizes_of[0]
+        return np.asarray(size * left[:, kept] * sizes_of[kept], dtype=np.float64)
 
     def take(self, slips: Slips | None, friction: float, static: float) -> float:
         """Take friction into account in the equations, for a static displacement under F0; return the static
@@ -221,11 +260,13 @@ class Impacts:
             self.once, self.mean = slips.between(self.flown.times)
         return friction * static
 
-    def constraints(self, states: Any, common: Any, g: Any) -> Any:
-        """Momentum and restitution at the inner impacts (..., N - 2, 2)."""
+    def constraints(self, states: Any, common: Any, g: Any, data: Measured | None = None) -> Any:
+        """Momentum and restitution at the inner impacts (..., N - 2, 2), under the load of the windows or of other
+        data."""
+        data = data or self.windows.data
         every, signs, rubs = [*self.names, *self.held, *DRIFTS], self.signs, self.slips is not None
         value = {**self.values, **{every[j]: g[..., j, None] for j in range(g.shape[-1])}}
-        t, X, V, after = self.windows.events(states, common, self.flown.times)
+        t, X, V, after = self.windows.events(states, common, self.flown.times, data)
         if rubs:
             push, off = value["friction"] * self.static, t - self.flown.times
             x, v, a_before, a_after = self.beside
@@ -247,9 +288,7 @@ class Impacts:
             one = one + (drag * (mean - once))[..., :-1]
             two = two + (drag * mean)[..., 1:]
         omega, xi, static, phase = (common[..., None, i] for i in range(4))
-        rate = accelerated(self.windows.data, omega, xi, static, phase, t, X, 0.5 * (V + after))[
-            ..., 1:-1
-        ]
+        rate = accelerated(data, omega, xi, static, phase, t, X, 0.5 * (V + after))[..., 1:-1]
         V, after, sign = V[..., 1:-1], after[..., 1:-1], signs[1:-1]
         speed = sign * (one - V)
         # the law depends on speeds, which the sensor scales by its gain
@@ -263,6 +302,10 @@ class Impacts:
         )
         own = np.where(sign > 0, value["drift1"], value["drift2"])
         R = R * (1 + self.elapsed * (value["drift"] + own))
+        if len(self.names) < g.shape[-1] and self.law.kind == "constant":
+            # for the derivatives after the fit
+            exponent = np.where(sign > 0, *(value[name] for name in EXPONENTS))
+            R = R * (true_speed / self.usual) ** -exponent
         # a force that lasts makes the primary mass oscillate less than its impulse
         less = SPREAD * (omega * value["depth"]) ** 2
         momentum = (after - V) * (1 + less) + value["mu"] * (two - one)
@@ -299,7 +342,7 @@ class Impacts:
         common, here = self.common(at.change), self.here(at)
         t, X, _, _ = self.windows.events(here, common, self.flown.times)
         d = value.get("d", self.values["d"]) * value.get("gain", 1.0)
-        # from wall to wall: by the depth of contacts the free mass is beyond a wall, but passes none
+        # the free mass moves beyond a wall by the depth of a contact, but does not pass it
         z = X + 0.5 * self.signs * d
         along = np.linspace(0, 1, ALONG)
         x = np.zeros((N + 1, ALONG))
@@ -370,11 +413,11 @@ class Impacts:
                 ok &= self.active
                 for array in (A, through, G, w):
                     array[~ok] = 0
-            cov = banded(A, spread, ok)
+            cov = Covariance(banded(A, spread, ok), self.shared * np.repeat(ok, 2)[:, None])
             B = np.concatenate([through, G], axis=-1).reshape(2 * n, -1)
             both = np.column_stack([B, w.reshape(-1)])
             try:
-                solved = scipy("linalg", "the fit of impacts").solveh_banded(cov, both, lower=True)
+                solved = cov.solve(both)
             except (np.linalg.LinAlgError, ValueError):
                 break
             information = B.T @ solved[:, :-1]
@@ -422,7 +465,7 @@ class Impacts:
         if self.active.sum() < max(LEAST_IMPACTS, LAWFUL * self.lawful.sum()):
             raise SingularError(
                 f"{int(self.active.sum())} of {int(self.lawful.sum())} impacts agree with momentum and "
-                f"restitution for any one set of parameters: too few; {HINT}"
+                f"restitution for a single set of parameters: too few; {HINT}"
             )
 
     def minima(self) -> list[Minimum]:
@@ -518,6 +561,8 @@ def by_laws(
         with contextlib.suppress(SingularError, np.linalg.LinAlgError):
             other = of_laws(windows, windows.without(poor), *given, contact, rough)
             if plausible(other[0], contact):
+                assert other[0].of_effects is not None
+                allow_effects(other[0], contact, *other[0].of_effects)
                 return other
         vars(windows).update(kept)
     if plain is None:
@@ -525,7 +570,7 @@ def by_laws(
         raise failed
     if not rough:
         assert plain[0].of_effects is not None
-        allow_contacts(plain[0], contact, *plain[0].of_effects)
+        allow_effects(plain[0], contact, *plain[0].of_effects)
     return plain
 
 
@@ -547,8 +592,8 @@ def of_laws(
     """The parameters as in `by_laws`, with effects of contacts of up to a given duration that are fitted as well.
 
     If the response to friction is not part of the flights, the friction is known, or fitted if it is not among the
-    `shared` values: then the value is the one that was taken out of the record, and the strain says how far from
-    the fitted one it is. A `rough` fit, which only provides a start, may contradict what is known.
+    `shared` values: then the value is the one whose response was subtracted from the record, and the strain is its
+    distance from the fitted one. A `rough` fit, which only provides a start, may contradict what is known.
     """
     for _ in range(CROSSINGS):
         impacts = Impacts(windows, flown, shared, guess, law, law_speed, contact)
@@ -581,7 +626,11 @@ def of_laws(
     misfit = best.chi / max(1, count - g.size)
     here = impacts.here(best)
     of_noise = noise_information(
-        lambda states: impacts.equations(states, change, g)[1:], here, impacts.spread, here.shape[0]
+        lambda states: impacts.equations(states, change, g)[1:],
+        here,
+        impacts.spread,
+        impacts.shared,
+        here.shape[0],
     )
     sizes = np.outer(scales, scales)
     J = without_noise(best.information * sizes, of_noise * sizes) / scales
@@ -626,8 +675,7 @@ def of_laws(
     of_held, leans, *_ = held_strains(
         both, of_what, by_what, best.multiplier, change, best.cov, best.B, covariance, variance, places, also
     )  # fmt: skip
-    # of friction and contacts by all information, part of which is that of noise, since these may resemble other
-    # parameters
+    # friction and contacts may resemble other parameters: their tests use all information, including that of noise
     inverse = np.asarray(
         np.linalg.pinv(best.information * sizes, rcond=1e-12, hermitian=True) * sizes, dtype=np.float64
     )  # fmt: skip
@@ -635,13 +683,14 @@ def of_laws(
         every, ["friction"], by_friction, best.multiplier, change, best.cov, best.B, inverse, variance, places
     )  # fmt: skip
     of_held, leans = of_held | of_friction, leans | by
+    effects = [name for name in (*CONTACT, *EXPONENTS) if name in held]
     of_effects = None
-    if not contact:
+    if not rough:
         *_, information, pull = held_strains(
             both, of_what, by_what, best.multiplier, change, best.cov, best.B, inverse, variance, places, also
         )  # fmt: skip
-        effects = [of_what.index(name) for name in CONTACT]
-        of_effects = information[np.ix_(effects, effects)], pull[effects]
+        own = [of_what.index(name) for name in effects]
+        of_effects = effects, information[np.ix_(own, own)], pull[own]
     drifts = {name: of_held.pop(name) for name in DRIFTS if name in of_held} | trends_of(flown)
     leans = {name: by for name, by in leans.items() if name not in DRIFTS}
     strains |= of_held
@@ -662,7 +711,7 @@ def of_laws(
     columns = [places.index(name) for name in order]
     values |= {"omega": float(common[0]), "xi": float(common[1])}
     values |= dict(zip(names, g.tolist(), strict=True))
-    # the equations hold to the first order of the duration; the rest is about as large as the known part of it
+    # the equations hold to first order in the duration; the remainder is about as large as its known part
     less = SPREAD * (values["omega"] * values["depth"]) ** 2
     for i, name in enumerate(places):
         if name in ("xi", "mu", "d"):
@@ -713,7 +762,7 @@ def possible(found: Fit, count: int) -> None:
 
 
 def bearable(freedom: int) -> float:
-    """The misfit, for a number of degrees of freedom, that noise alone hardly exceeds."""
+    """The misfit, for a number of degrees of freedom, that noise alone rarely exceeds."""
     return 1 + max(EXCESS, CHANCE * math.sqrt(2 / max(freedom, 1)))
 
 
@@ -749,7 +798,7 @@ def by_flights(windows: Windows, flown: Flown, shared: Mapping[str, float], law:
     strains = strains_of(windows, common, variances, flown.colour)
     strains |= held_strains(
         flown, [("omega", "xi")[i] for i in flown.held], np.zeros((0, len(flown.held))), np.zeros(0),
-        np.zeros(free.size), np.zeros((8, 0)), np.zeros((0, free.size)), covariance, flown.colour,
+        np.zeros(free.size), None, np.zeros((0, free.size)), covariance, flown.colour,
         [names[i] for i in free],
     )[0]  # fmt: skip
     covariance *= flown.colour

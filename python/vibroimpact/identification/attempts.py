@@ -117,7 +117,7 @@ def helping(step: Step, shared: Mapping[str, float]) -> list[str]:
     if share > QUIET:
         found.append(f"less noise (its standard deviation is {100 * share:.2g} % of the motion's)")
     if "mu" not in shared:
-        found.append("a known m (with M)")
+        found.append("a known free mass m (with the mass M)")
     cycles = cycles_of(record, step.Omega)
     if cycles < CYCLES:
         found.append(f"a longer record (now {cycles:.0f} load cycles)")

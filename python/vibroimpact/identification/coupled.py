@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .windows import STEP
+from ..base.libraries import scipy
+from .forced import STEP
 
 _Array = NDArray[np.float64]
 _Bool = NDArray[np.bool_]
@@ -78,6 +79,26 @@ def banded(A: _Array, spread: _Array, ok: _Bool) -> _Array:
                 if off >= 0:
                     bands[off, column : 2 * m : 2] += block[:, row, column]
     return bands
+
+
+class Covariance(NamedTuple):
+    """The covariance of all equations: of errors of the states of flights, and of others, which many flights have
+    in common."""
+
+    #: As from `banded`.
+    bands: _Array
+    #: (equations, parts) Changes of the equations by independent errors of standard deviation 1.
+    shared: _Array
+
+    def solve(self, right: _Array) -> _Array:
+        """The inverse of the covariance times given columns."""
+        banded_solve = scipy("linalg", "the fit of impacts").solveh_banded
+        found: _Array = banded_solve(self.bands, right, lower=True)
+        if not self.shared.size:
+            return found
+        U = banded_solve(self.bands, self.shared, lower=True)
+        inner = np.eye(U.shape[1]) + self.shared.T @ U
+        return np.asarray(found - U @ np.linalg.solve(inner, U.T @ right), dtype=np.float64)
 
 
 def scaled_solve(information: _Array, slope: _Array, scales: _Array) -> _Array:

@@ -12,13 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.errors import SingularError
-from .flights import HOPELESS, Measured, predicted, turns_of
+from .flights import HOPELESS
 from .friction import Rubbing, of_no_friction
 from .known import HINT
 from .laws import Law
 from .least_squares import MOST_ITERATIONS, levenberg
 from .motions import CONTACT, PARAMETERS, Impacting, System
 from .strains import WEAK, Strain, of_known
+from .waves import Measured, predicted, turns_of
 
 _Array = NDArray[np.float64]
 #: Largest difference, in load cycles, between the time of an impact and the time at which it was picked.
@@ -31,12 +32,20 @@ BAD = 0.5
 DOUBTFUL = 2.0
 #: Friction over F0 that is typical of a slot.
 TYPICAL_FRICTION = 0.01
+#: The exponents p of R (v/v0)^-p on each wall, which are 0 if R is constant, and their standard deviation: 1/4 is
+#: that of plastic contacts, and walls by the law of Hunt and Crossley have 0.15 (R = 0.85) to 0.47 (R = 0.55).
+EXPONENTS, TYPICAL_EXPONENT = ("exponent1", "exponent2"), 0.25
 #: Standard deviations of a prior of the effects `CONTACT` of contacts that last, over their duration: R/(1 + R)^2
 #: <= 1/4 for the depth, and about half for the push; and the step of a fit over these.
 OF_CONTACT, TRIED = (0.25, 0.5), 3.0
 #: Standard errors above which effects of contacts are not 0, and largest effect of these over that which the
 #: pulses suggest.
 CLEAR, MORE = 3.0, 1.5
+#: Standard errors from 0 above which effects of contacts become part of a fit of exact motions, and by which they
+#: may then be less than 0 or more than the pulses suggest.
+SHOWN, BESIDE = 4.0, 2.0
+#: Relative difference of speeds that count as equal.
+EQUAL = 1e-6
 #: Largest deviation from independently measured values, in standard errors.
 FAR_OFF = 5.0
 
@@ -79,23 +88,26 @@ class Fit:
     slips: Any = None
     #: Why the impacts contradict momentum and restitution, where flights alone are fitted.
     against: str = ""
-    #: The covariance that contacts add if they may last as long as their pulses; this duration, and by how much
-    #: the walls are closer than d then (m).
-    of_contacts: _Array | float = 0.0
+    #: The covariance that effects add which are not part of the fit: contacts that may last as long as their
+    #: pulses, and R that may depend on the speed.
+    allowance: _Array | float = 0.0
+    #: The part of the stated variances that is due to R that may depend on the speed.
+    of_speed: dict[str, float] = field(default_factory=dict)
+    #: Duration of contacts by their pulses (s), and by how much the walls are closer than d then (m).
     contact: float = 0.0
     closer: float = 0.0
     #: Standard errors from the effects of contacts that the records show to those that the pulses allow.
     unallowed: float = math.inf
-    #: The information on the effects of contacts that were not fitted, and minus half the gradient of the sum of
-    #: squares, both over `spread`.
-    of_effects: tuple[_Array, _Array] | None = None
+    #: The effects of `CONTACT` and `EXPONENTS` that were not fitted, the information on them, and minus half the
+    #: gradient of the sum of squares, both over `spread`.
+    of_effects: tuple[list[str], _Array, _Array] | None = None
     #: The effects of contacts that were fitted, with their errors.
     lasting: dict[str, tuple[float, float]] = field(default_factory=dict)
 
     @property
     def stated(self) -> _Array:
-        """The covariance of the stated errors, with what contacts may change."""
-        return self.covariance + self.of_contacts
+        """The covariance of the stated errors, including effects that are not part of the fit."""
+        return self.covariance + self.allowance
 
     @property
     def errors(self) -> dict[str, float]:
@@ -107,19 +119,27 @@ def fit(
     records: Sequence[Measured], known: Mapping[str, float], starts: Mapping[str, float],
     lengths: Sequence[float], phases: Sequence[float], M: float | None = None,
     K: float | None = None, law: Law | None = None, near: Sequence[Impacting] = (), rough: bool = False,
+    lasts: bool = False,
 ) -> Fit:  # fmt: skip
     """Fit exact motions to the flights of one or more records.
 
     `known` are the shared parameters that are not fitted; `M` or `K`, together with the load of a record,
     determine its F0/K. `near` contains motions to start from; by default the fit starts from the detected impacts.
     A `rough` fit, which only provides a start for another fit, need not converge.
+
+    Impacts have no duration, unless the records show that contacts last, by about as much as their pulses allow.
+    Then both effects of `CONTACT` are fitted (`lasts`), with priors from the duration of the pulses. Only the
+    differences of these effects between impacts show, so that d remains the travel at the usual speed.
     """
     law = law or Law()
     count = len(records)
-    # contacts may last as long as the pulses, but their effects are not part of the fit
+    # contacts may last as long as the pulses, but their effects are not part of the fit at first
     lasting = () if law.friction or rough else CONTACT
-    known = {**known, **dict.fromkeys(lasting, 0.0)}
-    free = [name for name in law.shared if name not in known]
+    given, contact = known, max(data.contact for data in records)
+    known = {**known, **({} if lasts else dict.fromkeys(lasting, 0.0))}
+    priors = dict(zip(CONTACT, contact * np.array(OF_CONTACT), strict=True)) if lasts else {}
+    starts = {**starts, **dict.fromkeys(priors, 0.0)}
+    free = [name for name in (*law.shared, *priors) if name not in known]
     names = [*free, *(f"F0/K {i}" for i in range(count)), *(f"phase {i}" for i in range(count))]
     # the sensor of the motion has a gain, which is known to its calibration
     calibration = max(data.calibration if data.places.size else 0.0 for data in records)
@@ -130,6 +150,8 @@ def fit(
     typical = {name: law.typical(name, starts[name]) for name in law.names if name in free}
     typical["xi"] = max(starts["xi"], 0.005)
     typical["friction"] = TYPICAL_FRICTION
+    # so that the prior alone determines them
+    typical |= {name: 1.25 / VAGUE * size for name, size in priors.items()}
     scales = np.array(
         [*(typical.get(name, abs(starts[name])) for name in free), *lengths, *[1.0] * (count + len(ones))]
     )  # fmt: skip
@@ -191,6 +213,10 @@ def fit(
             by = np.zeros((1, len(column)))
             by[0, x.size - 1] = 1 / calibration
             both.append((np.array([(x[-1] - 1) / calibration]), by))
+        for name, size in priors.items():
+            by = np.zeros((1, len(column)))
+            by[0, place[name]] = 1 / size
+            both.append((np.array([x[place[name]] / size]), by))
         f, J = np.concatenate([f for f, _ in both]), np.vstack([J for _, J in both])
         beyond[:] = J[:, x.size :].T
         return f, J[:, : x.size]
@@ -259,7 +285,7 @@ def fit(
 
     for i, (data, p) in enumerate(zip(records, points(x), strict=True)):
         begin = near[i] if near else data
-        nothing = f"no exact motion {data.pattern.sides}/{data.k} near the picked impacts"
+        nothing = f"no exact motion {data.pattern.sides}/{data.k} near the detected impacts"
         try:
             guesses.append(systems[i].motion(p, begin.angles, begin.jumps))
         except SingularError as error:
@@ -282,7 +308,7 @@ def fit(
         rest = [explained(data, found, i, share) for share in (1.0, 0.0)]
         if rest[0] > BAD * rest[1]:
             raise SingularError(
-                f"no exact motion {data.pattern.sides}/{data.k} near the picked impacts fits the record; {HINT}"
+                f"no exact motion {data.pattern.sides}/{data.k} near the detected impacts fits the record; {HINT}"
             )
     residuals(x)
     free_of = dict(zip(held, beyond, strict=True))
@@ -293,43 +319,101 @@ def fit(
     if not (law.friction or rough):
         with contextlib.suppress(SingularError):
             free_of["friction"] = by_friction(records, law, found, points(x), sizes, f.size)
+    effects = [name for name in lasting if name in held]
+    if lasting and law.kind == "constant" and all(data.places.size for data in records):
+        with contextlib.suppress(SingularError):
+            usual = systems[0].usual
+            by_speed = by_exponents(records, found, points(x), sizes, f.size, usual)
+            free_of |= dict(zip(EXPONENTS, by_speed.T, strict=True))
+            effects += EXPONENTS
     found.strains, found.leans = of_known(f, J, scales, names, free_of, found.spread)
-    if lasting:
-        along = np.column_stack([free_of[name] for name in CONTACT])
+    if effects:
+        along = np.column_stack([free_of[name] for name in effects])
         U, s, _ = np.linalg.svd(J * scales, full_matrices=False)
         along -= U[:, s > 1e-9 * s[0]] @ (U[:, s > 1e-9 * s[0]].T @ along)
-        contact = max(data.contact for data in records)
-        allow_contacts(found, contact, along.T @ along / found.spread, -along.T @ f / found.spread)
+        information, pull = along.T @ along / found.spread, -along.T @ f / found.spread
+        allow_effects(found, contact, effects, information, pull)
         more = 1 / (found.values["mu"] or math.inf)
         found.closer = 2 * OF_CONTACT[0] * found.contact * (1 + more) * systems[0].usual
+    if lasts:
+        found.lasting = {name: (found.values[name], found.errors[name]) for name in priors}
+        return found
+    shown = max(
+        (abs(found.strains[name].size) for name in CONTACT if name in found.strains), default=0.0
+    )
+    if contact and lasting and law.kind == "constant" and shown > SHOWN:
+        with contextlib.suppress(SingularError):
+            other = fit(
+                records,
+                given,
+                found.values,
+                found.lengths,
+                found.phases,
+                M,
+                K,
+                law,
+                found.motions,
+                lasts=True,
+            )
+            gain = sum(found.squares) - sum(other.squares)
+            if agreeing(other, contact) and gain > CLEAR**2 * other.spread:
+                return other
     return found
 
 
-def allow_contacts(found: Fit, contact: float, information: _Array, pull: _Array) -> None:
-    """Add what contacts of up to a given duration may change, as far as the records do not exclude it.
+def agreeing(found: Fit, contact: float) -> bool:
+    """Whether the fitted effects of contacts are those of contacts of up to a given duration."""
+    # without what else may change, which would let a wrong known value pass
+    errors = dict(zip(found.names, np.sqrt(np.diag(found.covariance)).tolist(), strict=True))
+    return all(
+        -BESIDE * errors[name] <= found.values[name] <= share * contact + BESIDE * errors[name]
+        for name, share in zip(CONTACT, OF_CONTACT, strict=True)
+    )
 
-    The records do so by the information of their residuals on `CONTACT` and minus half the gradient of the sum of
-    squares, both over the variance of a residual.
+
+def allow_effects(
+    found: Fit, contact: float, names: Sequence[str], information: _Array, pull: _Array
+) -> None:  # fmt: skip
+    """Add the effects of contacts of up to a given duration, and of R that depends on the speed, to the errors, as
+    far as the records do not exclude them.
+
+    `names` are those of `CONTACT` and `EXPONENTS` that are not part of the fit; this test uses the information of
+    the residuals on them and minus half the gradient of the sum of squares, both over the variance of a residual.
     """
-    leans = [found.leans.pop(name) for name in CONTACT]
+    leans = [found.leans.pop(name) for name in names]
     found.contact = contact
-    if not contact:
+    size_of = dict(zip(CONTACT, contact * np.array(OF_CONTACT), strict=True))
+    size = np.array([size_of.get(name, TYPICAL_EXPONENT) for name in names])
+    if not size.any():
         return
-    by = np.array([[lean.get(own, 0.0) for lean in leans] for own in found.names])
-    size = contact * np.array(OF_CONTACT)
+    by = np.array([[lean.get(own, 0.0) for lean in leans] for own in found.names]) * size
     # the covariance of the effects, and the mean where it is clear
-    own = information * np.outer(size, size)
+    own, pull = information * np.outer(size, size), pull * size
     values, axes = np.linalg.eigh(own)
     if values[0] < 0:  # by rounding: this is no information, and would give negative variances
         own = axes * np.maximum(values, 0.0) @ axes.T
     spread = np.linalg.inv(own + np.eye(size.size))
-    mean = spread @ (pull * size)
-    found.unallowed = unallowed(information * np.outer(size, size), pull * size)
+    mean = spread @ pull
     if mean @ np.linalg.solve(spread, mean) > CLEAR**2:
         bound = np.clip(mean, -1.0, 1.0)
         spread += np.outer(bound, bound)
-    by *= size
-    found.of_contacts = by @ spread @ by.T
+    found.allowance = by @ spread @ by.T
+    lasts = np.array([name in CONTACT for name in names])
+    of_speed = by[:, ~lasts] @ spread[np.ix_(~lasts, ~lasts)] @ by[:, ~lasts].T
+    shares = np.diag(of_speed) / np.maximum(np.diag(found.stated), 1e-300)
+    found.of_speed = dict(zip(found.names, shares.tolist(), strict=True))
+    inner = np.ix_(lasts, lasts)
+    if contact and lasts.any():
+        found.unallowed = unallowed(own[inner], pull[lasts])
+    # contacts that last may resemble R that depends on the speed
+    for i, name in enumerate(names):
+        if lasts[i] or name not in found.strains:
+            continue
+        alike = np.linalg.solve(own[inner] + np.eye(int(lasts.sum())), own[lasts, i])
+        left, slope = float(own[i, i] - alike @ own[lasts, i]), float(pull[i] - alike @ pull[lasts])
+        found.strains[name] = Strain(
+            slope / math.sqrt(max(left, 1e-300)), size[i] * slope / max(left, 1e-300)
+        )
 
 
 def unallowed(information: _Array, pull: _Array) -> float:
@@ -368,10 +452,41 @@ def by_friction(
     return every
 
 
+def by_exponents(
+    records: Sequence[Measured], found: Fit, points: Sequence[_Array], sizes: Sequence[int], count: int,
+    usual: float,
+) -> _Array:  # fmt: skip
+    """The derivatives of the weighted residuals with respect to `EXPONENTS` (count, 2) of a rig whose coefficients
+    of restitution are constant; v0 is the mean speed of the impacts on each wall."""
+    every = np.zeros((count, 2))
+    signs = np.concatenate([data.pattern.signs for data in records])
+    speeds = np.concatenate([motion.speeds for motion in found.motions])
+    walls = [speeds[signs == sign] for sign in (1, -1)]
+    # impacts of equal speed do not depend on the exponent
+    differ = np.array([own.size > 1 and np.ptp(own) > EQUAL * own.max() for own in walls])
+    v0 = np.array([own.mean() if own.size else 1.0 for own in walls])
+    begins = np.cumsum([0, *sizes])
+    for i, (data, p) in enumerate(zip(records, points, strict=True)):
+        system = System(data, Law("powers", v0=1.0))
+        system.usual = usual
+        near = found.motions[i]
+        motion = system.motion(np.insert(p, [7, 8], 0.0), near.angles, near.jumps)
+        # the parameters of the walls are now R1, exponent1, R2 and exponent2
+        by = differ * (motion.by[:, :, [7, 9]] + motion.by[:, :, [6, 8]] * np.log(v0) * p[6:8])
+        omega, xi, static, phase = p[[0, 1, 4, 5]].tolist()
+        one = predicted(
+            data, data.places, data.order, omega, xi, static, phase, motion.angles, motion.jumps
+        )
+        own = found.gain * one.along(by) / data.errors[:, None]
+        own -= data.beside @ (data.beside.T @ own)
+        every[begins[i] : begins[i] + own.shape[0]] = own
+    return every
+
+
 def far_off_gain(gain: float, calibration: float) -> str:
     """The message about a sensor whose fitted gain is outside its calibration."""
     return (
-        f"the motion is {gain:.4g} times as large as the known values imply, for a calibration to "
+        f"the motion is {gain:.4g} times as large as the known values imply, with a calibration error of "
         f"{calibration:.3g}: a known value or the calibration may be wrong; {HINT}"
     )
 

@@ -10,18 +10,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field, replace
-from functools import cached_property
-from typing import Any, NamedTuple
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..base.errors import SingularError
-from ..systems.oscillator import Pattern
+from .contact import LONGEST_PULSE, duration, pulses_of
 from .known import HINT
 from .least_squares import levenberg
 from .signals import centred
+from .waves import Ages, Measured, Ringing, predicted, rung, since, turns_of
 
 _Array = NDArray[np.float64]
 _Complex = NDArray[np.complex128]
@@ -37,8 +37,8 @@ UNPREDICTED, SHARE = 8.0, 0.02
 #: Time from an impact within which a prediction error may belong to its pulse, s; prediction error elsewhere,
 #: relative to that of the weakest impact, that indicates another impact.
 PULSE, ABRUPT = 2e-3, 0.7
-#: Seconds after an impact that are excluded at first, and at most; the share of a flight that must remain.
-FIRST_PULSE, LONGEST_PULSE, LEAST_FLIGHT = 4e-3, 12e-3, 0.3
+#: Seconds after an impact that are excluded at first; the share of a flight that must remain.
+FIRST_PULSE, LEAST_FLIGHT = 4e-3, 0.3
 #: Residual, relative to its error, at which a pulse has ended. The excluded part is extended beyond that by a
 #: multiple of the time in which the pulse fades by a factor of ten, but at most by a share of its length.
 ENDED, MARGIN, FADES = 3.0, 0.6, 1.0
@@ -59,270 +59,9 @@ LEAST_DAMPED, MOST_DAMPED, LOWEST, HIGHEST = 0.002, 0.5, 4, 0.25
 #: Jumps of the velocity below this number of errors, or below this share of the largest one, do not count as
 #: impacts, unless a good misfit increases by this factor without them.
 CLEAR, WEAK, NEEDED = 5.0, 0.01, 10.0
-#: Frequencies at which pulses show the duration of contacts, over that of the load; standard deviation of a half
-#: sine over its duration.
-OF_PULSES, HALF_SINE = (10.0, 15.0, 20.0), math.sqrt(0.25 - 2 / math.pi**2)
 #: Largest number of impacts that are added to a start without impacts, and of missing impacts that are added in
 #: each load cycle to the predicted ones.
 MOST_IMPACTS, MISSING = 8, 2
-
-
-@dataclass
-class Measured:
-    """The data of one record: its motion outside the pulses, and the load.
-
-    Angles are Omega t with t = 0 in the middle of the record.
-    """
-
-    #: Load frequency, radians per second.
-    Omega: float
-    #: Load cycles in a period.
-    k: int
-    #: (N) Angles Omega t of the impacts from 0 to below 2 pi k, and their errors; changes of velocity.
-    angles: _Array = field(default_factory=lambda: np.empty(0))
-    angle_errors: _Array = field(default_factory=lambda: np.empty(0))
-    jumps: _Array = field(default_factory=lambda: np.empty(0))
-    #: (N) Errors of the changes of velocity.
-    jump_errors: _Array = field(default_factory=lambda: np.empty(0))
-    #: (n) Angles outside the pulses, the motion there, and its errors; empty without a record.
-    places: _Array = field(default_factory=lambda: np.empty(0))
-    values: _Array = field(default_factory=lambda: np.empty(0))
-    errors: _Array = field(default_factory=lambda: np.empty(0))
-    #: The factor by which its noise is stronger at low frequencies, and the factor by which its parts differ
-    #: beyond that, as ratios of variances.
-    colour: float = 1.0
-    drift: float = 1.0
-    #: Relative standard error of the calibration of the motion; that of the load is part of its error.
-    calibration: float = 0.0
-    #: The order of the derivative of the displacement that was recorded.
-    order: int = 2
-    #: Duration of the contacts by the shape of their pulses (s), and the highest angular frequency (rad/s) at
-    #: which the sensor does not change this shape.
-    contact: float = 0.0
-    passed: float = math.inf
-    #: (n, q) Orthonormal directions, relative to the errors, of the components that are projected out: offset and
-    #: ringing.
-    beside: _Array = field(default_factory=lambda: np.empty((0, 0)))
-    #: Load phase at t = 0 and its error (None: not known), and amplitude and its error (N).
-    phase: float | None = None
-    phase_error: float = 0.0
-    F0: float | None = None
-    F0_error: float = 0.0
-    #: (n) Harmonics of the load (multiples of Omega), and the load over F0 sin(Omega t + phase) there.
-    orders: _Array = field(default_factory=lambda: np.ones(1))
-    shape: _Complex = field(default_factory=lambda: np.array([-1j]))
-    #: Walls of the impacts of a period, in the order of the angles.
-    sides: str = ""
-
-    @property
-    def pattern(self) -> Pattern:
-        """The pattern of the impacts."""
-        return Pattern(self.sides, self.k)
-
-
-class Ages:
-    """The times since the latest impacts, for given angles of samples and of the impacts of a period."""
-
-    def __init__(self, data: Measured, places: _Array, angles: _Array) -> None:
-        whole, n = 2 * math.pi * data.k, places.size
-        at = angles % whole
-        begins = np.sort(at)
-        #: Beginning and end of the samples after each impact in the order of the angles, the last one of the
-        #: previous period first; None for samples in another order.
-        self.edges: list[int] | None = None
-        if n and places[0] >= 0 and places[-1] < whole and (places[1:] >= places[:-1]).all():
-            self.edges = [0, *np.searchsorted(places, begins).tolist(), n]
-            latest = np.repeat(np.arange(begins.size + 1), np.diff(self.edges))
-        else:
-            places = places % whole
-            latest = np.searchsorted(begins, places, side="right")
-        begins = np.concatenate([begins[-1:], begins]) if begins.size else np.zeros(1)
-        #: (N + 1, N) Times from all impacts to each latest one (s).
-        self.gaps = (begins[:, None] - at) % whole / data.Omega
-        begins[0] -= whole
-        #: (n) Number of the latest impact, and time since then.
-        self.latest, self.times = latest, (places - begins[latest]) / data.Omega
-
-
-class Waves:
-    """Damped waves exp(pole t) that begin at the impacts of each period.
-
-    From impact to impact all of them only turn and fade together. Each is therefore the wave that begins at the
-    latest impact, times its own value there.
-    """
-
-    def __init__(self, ages: Ages, pole: complex) -> None:
-        self.ages = ages
-        #: (N + 1, N) The waves at each latest impact.
-        self.turned = np.exp(pole * ages.gaps)
-        fade, turn = np.exp(pole.real * ages.times), pole.imag * ages.times
-        #: (n, 2) Real and negative imaginary part of the wave since the latest impact.
-        self.wave = np.empty((fade.size, 2))
-        np.multiply(fade, np.cos(turn), out=self.wave[:, 0])
-        np.multiply(-fade, np.sin(turn), out=self.wave[:, 1])
-
-    def sums(self, sizes: Any) -> tuple[_Complex, _Complex]:
-        """Sums of all waves with given sizes (N) at each latest impact, and those of the waves times their
-        ages."""
-        each = self.turned * sizes
-        return each.sum(axis=1), (each * self.ages.gaps).sum(axis=1)
-
-    def real(self, sizes: Any, out: _Array | None = None) -> _Array:
-        """The real part of the wave since the latest impact times sizes there (N + 1, m), at all samples
-        (n, m)."""
-        out = np.empty((self.wave.shape[0], sizes.shape[1])) if out is None else out
-        parts = np.empty((sizes.shape[0], 2, sizes.shape[1]))
-        parts[:, 0], parts[:, 1] = sizes.real, sizes.imag
-        edges, latest = self.ages.edges, self.ages.latest
-        if edges is None:
-            out[:] = self.wave[:, :1] * parts[latest, 0]
-            out += self.wave[:, 1:] * parts[latest, 1]
-            return out
-        for own, a, b in zip(parts, edges[:-1], edges[1:], strict=True):
-            np.matmul(self.wave[a:b], own, out=out[a:b])
-        return out
-
-
-class Predicted:
-    """A derivative of the displacement of a damped oscillator under the load and periodic impulses at given
-    angles, and its derivatives, which are computed only where they are used."""
-
-    def __init__(
-        self, data: Measured, places: _Array, order: int, omega: float, xi: float, static: float, phase: float,
-        angles: _Array, jumps: _Array, turns: _Array,
-    ) -> None:  # fmt: skip
-        self.data, self.jumps_of, self.turns = data, jumps, turns
-        self.at = order, omega, xi
-        # after unit impulses, one in each period
-        rate = math.sqrt(1 - xi**2)
-        self.pole = pole = omega * complex(-xi, rate)
-        self.whole = 2 * math.pi * data.k / data.Omega
-        self.waves = Waves(Ages(data, places, angles), pole)
-        self.q = np.exp(pole * self.whole)
-        self.size = pole**order / (1 - self.q) / (omega * rate)
-        self.sums, self.moments = self.waves.sums(self.size * jumps)
-        moved = self.waves.real(-1j * self.sums[:, None])[:, 0]
-        self.load = of_load(data, order, omega, xi, static, phase)
-        self.value: _Array = self.load[0] @ turns + moved
-
-    @cached_property
-    def by_system(self) -> _Array:
-        """Derivatives with respect to omega, xi, static and phase (n, 4)."""
-        order, omega, xi = self.at
-        pole, q, sums, rate = self.pole, self.q, self.sums, math.sqrt(1 - xi**2)
-        # of the sum of all waves, by their pole
-        by_pole = (order / pole + self.whole * q / (1 - q)) * sums + self.moments
-        by_omega, by_xi = pole / omega, omega * complex(-1, -xi / rate)
-        parts = [
-            by_pole * by_omega - sums / omega, by_pole * by_xi + sums * xi / rate**2,
-            sums * by_omega, sums * by_xi,
-        ]  # fmt: skip
-        each = self.waves.real(-1j * np.stack(parts, axis=1))
-        found: _Array = (self.load[1:] @ self.turns).T
-        found[:, :2] += each[:, :2] + self.waves.ages.times[:, None] * each[:, 2:]
-        return found
-
-    @property
-    def omega(self) -> _Array:
-        """Derivatives with respect to omega."""
-        return self.by_system[:, 0]
-
-    @property
-    def xi(self) -> _Array:
-        """Derivatives with respect to xi."""
-        return self.by_system[:, 1]
-
-    @property
-    def sizes(self) -> _Complex:
-        """Sizes of the waves in the derivatives with respect to angles and jumps (N + 1, 2N)."""
-        sizes = -1j * self.size * self.waves.turned
-        return np.hstack([sizes * (-self.pole / self.data.Omega * self.jumps_of), sizes])
-
-    def by_impacts(self, out: _Array) -> None:
-        """Put the derivatives with respect to the angles of the impacts, then the jumps, into an array (n, 2N)."""
-        self.waves.real(self.sizes, out)
-
-    def along(self, by: _Array) -> _Array:
-        """Derivatives with respect to parameters (n, P), from those of the angles and jumps (2, N, P)."""
-        return self.waves.real(self.sizes @ by.reshape(-1, by.shape[-1]))
-
-    @property
-    def angles(self) -> _Array:
-        """Derivatives with respect to the angles of the impacts (n, N)."""
-        return self.waves.real(self.sizes[:, : self.jumps_of.size])
-
-    @property
-    def jumps(self) -> _Array:
-        """Derivatives with respect to the jumps (n, N)."""
-        return self.waves.real(self.sizes[:, self.jumps_of.size :])
-
-
-def since(places: _Array, angles: _Array, data: Measured) -> _Array:
-    """Times since the latest impacts, for given angles of impacts and of samples (n, N), s."""
-    passed: _Array = ((places[:, None] - angles) % (2 * math.pi * data.k)) / data.Omega
-    return passed
-
-
-def turns_of(data: Measured, places: _Array) -> _Array:
-    """Cosines, then sines, of the harmonics of the load at given angles (2 harmonics, n)."""
-    turns = np.outer(data.orders, places)
-    return np.vstack([np.cos(turns), np.sin(turns)])
-
-
-def of_load(
-    data: Measured, order: int, omega: float, xi: float, static: float, phase: float
-) -> _Array:
-    """A derivative of the displacement of a damped oscillator under the load alone, and its derivatives with
-    respect to omega, xi, static and phase, as coefficients of the rows of `turns_of` (5, 2 harmonics)."""
-    w = data.orders * data.Omega
-    below = omega**2 - w**2 + 2j * xi * omega * w
-    each = data.shape * np.exp(1j * data.orders * phase) * omega**2 * (1j * w) ** order / below
-    sizes = np.array(
-        [
-            static * each, static * each * (2 / omega - (2 * omega + 2j * xi * w) / below),
-            -static * each * 2j * omega * w / below, each, static * 1j * data.orders * each,
-        ]
-    )  # fmt: skip
-    return np.hstack([sizes.real, -sizes.imag])
-
-
-def predicted(
-    data: Measured, places: _Array, order: int, omega: float, xi: float, static: float, phase: float, angles:
-    _Array,
-    jumps: _Array, turns: _Array | None = None,
-) -> Predicted:  # fmt: skip
-    """A derivative of the displacement of a damped oscillator under the load and periodic impulses; `turns` are
-    those of the places, if they are known."""
-    turns = turns_of(data, places) if turns is None else turns
-    return Predicted(data, places, order, omega, xi, static, phase, angles, jumps, turns)
-
-
-@dataclass
-class Ringing:
-    """A mode that rings after the impacts: its pole, and amplitudes at the impacts (N, complex)."""
-
-    pole: complex
-    size: _Complex
-
-
-def rung(data: Measured, ages: Ages, mode: Ringing) -> tuple[_Array, Callable[[], _Array]]:
-    """The ringing at given ages, and a function that returns its derivatives with respect to real and imaginary
-    parts of the amplitudes and of the pole."""
-    whole = 2 * math.pi * data.k / data.Omega
-    waves = Waves(ages, mode.pole)
-    q = np.exp(mode.pole * whole)
-    sums, moments = waves.sums(mode.size / (1 - q))
-
-    def derivatives() -> _Array:
-        sizes = waves.turned / (1 - q)
-        out = np.empty((ages.times.size, 2 * mode.size.size + 2))
-        waves.real(np.hstack([sizes, 1j * sizes]), out[:, :-2])
-        by_pole = moments + whole * q / (1 - q) * sums
-        each = waves.real(np.stack([by_pole, 1j * by_pole, sums, 1j * sums], axis=1))
-        out[:, -2:] = each[:, :2] + ages.times[:, None] * each[:, 2:]
-        return out
-
-    return waves.real(sums[:, None])[:, 0], derivatives
 
 
 class Folded(NamedTuple):
@@ -444,31 +183,6 @@ def onsets(sudden: Iterable[tuple[_Array, _Array, int]]) -> Iterator[_Array]:
         if begins.size:
             yield begins
     yield np.empty(0)
-
-
-def pulse_frequencies(data: Measured) -> _Array:
-    """The angular frequencies at which pulses show how long contacts last."""
-    return np.array(OF_PULSES) * min(data.Omega, data.passed / OF_PULSES[-1])
-
-
-def of_forces(data: Measured, spectra: Any, jumps: Any) -> _Complex:
-    """The spectra of the forces of contacts, whose integrals are jumps of the velocity, from those of the
-    residuals of flights about them (..., frequencies), at frequency 0 and at those of `pulse_frequencies`."""
-    w = np.append(0.0, pulse_frequencies(data))
-    forces: _Complex = spectra * (1j * w) ** (2 - data.order) + jumps * (data.order < 2)
-    return forces
-
-
-def duration(data: Measured, spectrum: _Complex, errors: _Array) -> float:
-    """The duration of contacts from the spectrum of their forces by `of_forces`, and the errors of its ratios to
-    the first value.
-
-    A pulse with a standard deviation s in time has the spectrum 1 - (w s)^2/2 at low frequencies, whatever its
-    shape. A sensor whose gain is constant there does not change that.
-    """
-    ratio = abs(spectrum[1:]) / max(abs(spectrum[0]), 1e-300)
-    least = np.clip(ratio - errors, 0.1, 1.0)
-    return float((np.sqrt(2 * np.log(1 / least)) / pulse_frequencies(data)).max()) / HALF_SINE
 
 
 class FreeFit(NamedTuple):
@@ -726,17 +440,31 @@ class Flights:
     def contact(self, found: FreeFit) -> float:
         """The duration of the contacts (s), from the pulses."""
         data, fold, half = found.data, self.fold, self.whole / 2
-        w = np.append(0.0, pulse_frequencies(data))
-        off = (fold.angles[:, None] - data.angles + half) % self.whole - half
+        own = np.flatnonzero(found.pulse)
+        places, N = fold.angles[own], data.angles.size
+        off = (places[:, None] - data.angles + half) % self.whole - half
+        impact = np.argmin(abs(off), axis=1)
+        off = off[np.arange(own.size), impact] / data.Omega
         step = np.diff(fold.angles, append=fold.angles[0] + self.whole) / data.Omega
-        width = 0.5 * (step + np.roll(step, 1)) * found.pulse
-        off[abs(off) > abs(off).min(axis=1)[:, None]] = math.nan  # of the nearest impact
-        each = np.exp(-1j * off[..., None] * w / data.Omega) * (width * self.errors)[:, None, None]
-        each = np.nan_to_num(each) * (data.jumps / (data.jumps @ data.jumps))[:, None]
-        noise = np.sqrt((abs(each) ** 2).sum(axis=(0, 1)))
-        spectrum = of_forces(data, (each * found.left[:, None, None]).sum(axis=(0, 1)), 1.0)
-        errors = abs(of_forces(data, noise, 0.0)) / max(abs(spectrum[0]), 1e-300)
-        return duration(data, spectrum, errors[1:])
+        width = 0.5 * (step + np.roll(step, 1))[own]
+        here = self.packed(self.point(found))
+        left = (
+            fold.values[own] - self.model(here, N, places, Ages(self.data, places, data.angles))[0]
+        )
+        # impacts whose pulses do not touch others, if there are several, which show the error
+        touching = (np.roll(own, -1) == (own + 1) % step.size) & (np.roll(impact, -1) != impact)
+        alone = np.isin(
+            np.arange(N), [impact[touching], np.roll(impact, -1)[touching]], invert=True
+        )
+        alone |= alone.sum() < 2
+        forces, errors, modes = pulses_of(
+            data, data.jumps, found.modes, impact, off, left, width, self.errors[own]
+        )
+        modes = [Ringing(mode.pole, mode.size[alone]) for mode in modes]
+        lasts = duration(data, forces[alone], errors[alone], data.jumps[alone], modes)
+        # no contact lasts longer than its pulse
+        most = max((float(width[impact == i].sum()) for i in np.flatnonzero(alone)), default=0.0)
+        return min(lasts, most)
 
     def point(self, found: FreeFit) -> tuple[list[float], _Array, _Array, float, list[Ringing]]:
         """The starting parameters of a fit that continues another one."""
@@ -846,7 +574,8 @@ class Flights:
         flights without it do not describe the record."""
         while found.data.angles.size > 1:
             sizes = abs(found.data.jumps)
-            score = np.minimum(sizes / found.jump_errors / CLEAR, sizes / sizes.max() / WEAK)
+            errors = np.maximum(found.jump_errors, 1e-300)
+            score = np.minimum(sizes / errors / CLEAR, sizes / sizes.max() / WEAK)
             i = int(np.argmin(score))
             if score[i] >= 1:
                 break

@@ -20,10 +20,10 @@ from ..motions.exact import settled
 from ..motions.motion import Motion
 from ..systems.oscillator import Oscillator, Pattern
 from ..systems.structure import Load
-from .flights import Measured, predicted
 from .laws import Law
 from .motions import FARTHEST, MOST_STEPS, SETTLED, STEP, TOUCHING, Impacting, System
 from .slips import Slips
+from .waves import Measured, predicted
 from .windows import Flown, Windows
 
 _Array = NDArray[np.float64]

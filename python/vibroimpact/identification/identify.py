@@ -81,8 +81,8 @@ class Identification(Noun, study="identify"):
         Frequency ratio, and load frequency in Hz.
     F0, d, clearance : float
         Load amplitude (NaN if it is not known), clearance d (the whole travel of m), and d K/F0. If contacts are
-        part of the fit, which a note says, d is the distance of the walls, otherwise the travel between the
-        centres of the impacts.
+        part of the fit of a record that is not periodic (a note states this), d is the distance between the
+        walls, otherwise the travel between the centres of the impacts.
     pattern : Pattern or None
     motion : Motion or None
         The exact motion with these parameters, with its multipliers and verdicts; with a law, or under a load
@@ -322,17 +322,17 @@ class Identification(Noun, study="identify"):
 
     @property
     def impact_times(self) -> _Array:
-        """Times of all impacts that were picked, s."""
+        """Times of all impacts that were detected, s."""
         return self._of(0, "picks", "time")
 
     @property
     def impact_sides(self) -> NDArray[np.str_]:
-        """Walls of all impacts that were picked."""
+        """Walls of all impacts that were detected."""
         return self._of(0, "picks", "side")
 
     @property
     def impact_phases(self) -> _Array:
-        """Load phases of the impacts of a period as picked, refined below the sample."""
+        """Load phases of the impacts of a period, resolved to less than a sampling interval."""
         return self._of(0, "impacts", "picked")
 
     @property
@@ -352,7 +352,8 @@ class Identification(Noun, study="identify"):
         osc = self.oscillator
         if osc is None or osc.F0 is None:
             raise ParameterError(
-                "units: M, K and F0 must be known; give known=dict(M=...) and a load"
+                "units: the mass M or stiffness K must be known, and the load amplitude F0 must be known or "
+                "recorded"
             )
         return osc.units()
 
@@ -408,7 +409,7 @@ class Identification(Noun, study="identify"):
         return self._draw(ax, kind, record)
 
     def require(self) -> None:
-        """Accept every result: a record that is not periodic has its status."""
+        """Accept every result; `status` shows whether a record is periodic."""
 
     def _facts(self) -> dict[str, str]:
         units = self._parameters("unit")
@@ -440,7 +441,7 @@ class Identification(Noun, study="identify"):
     def __repr__(self) -> str:
         pattern = self.pattern
         if pattern is None and "xi" not in self.errors:
-            return f"<Identification: {self.status}, {self.impact_times.size} impacts picked>"
+            return f"<Identification: {self.status}, {self.impact_times.size} impacts detected>"
         units = self._parameters("unit")
         fitted = ", ".join(
             said(name, self.values[name], error, units[name])
@@ -490,10 +491,11 @@ def identify(
     the prediction from its past. Between impacts the primary mass is a damped oscillator under the load. Flights
     of this form, with velocity jumps at fitted instants, and modes that ring after the impacts are fitted outside
     the pulses, whose lengths are determined from the data. Therefore neither the shape of the contact pulse nor a
-    delay of the motion sensor matters; what contacts as long as the pulses may change is part of the errors. Exact
-    motions are then fitted to the same data, weighted by the scatter of
-    the samples. If the record is not periodic, each flight has its own state, and the parameters follow from
-    momentum and restitution at the impacts between flights.
+    delay of the motion sensor matters; the possible effect of contacts as long as the pulses is part of the
+    errors. Exact motions are then fitted to the same data, weighted by the scatter of the samples. If the record
+    is not periodic, each flight has its own state, and the parameters follow from momentum and restitution at the
+    impacts between flights. A load that is not nearly a sine, such as a swept sine or noise, is used as recorded;
+    its records are always fitted in this way, and `frequency` must be left out.
 
     Parameters
     ----------
@@ -582,7 +584,7 @@ def identify(
     >>> found.pattern, found.undetermined
     (Pattern(sides='RLL', cycles=1), [])
     >>> low, high = found.interval("xi")
-    >>> bool(low < 0.01143 < high), found.errors["xi"] < 0.0005
+    >>> bool(low < 0.01143 < high), found.errors["xi"] < 0.0006
     (True, True)
     """
     arrays: dict[str, Any] = {

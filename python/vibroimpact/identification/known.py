@@ -29,6 +29,8 @@ SHARED = ("omega", "xi", "mu", "R1", "R2", *KNOWN_OF_LAW, "d")
 Known: TypeAlias = float | str | tuple[float | str, float | str]
 #: Step of the differences of derived known values, in standard errors.
 STEP = 1e-3
+#: Range of known values that have a dimension, as of the keys of a namelist.
+SMALLEST, LARGEST = 1e-12, 1e12
 
 
 class Doubted(NamedTuple):
@@ -77,7 +79,10 @@ def with_errors(known: Mapping[str, Any]) -> tuple[Mapping[str, Any], list[Doubt
             share, f"known {name}", zero=True
         )
     if {"M", "K", "omega"} <= known.keys() and {"M", "K", "omega"} & errors.keys():
-        raise ParameterError("known M, K, omega: must be two of them if one has a standard error")
+        raise ParameterError(
+            "known mass M, stiffness K, natural frequency omega: must be only two of the three if one has a "
+            "standard error"
+        )
     scale, shared = known_values(values)
     numbers = scale | shared | {
         name: own_number(value, name) for name, value in values.items() if name in ("m", "C")
@@ -86,6 +91,15 @@ def with_errors(known: Mapping[str, Any]) -> tuple[Mapping[str, Any], list[Doubt
     for name, error in errors.items():
         if not error > 0:
             continue
+        if not error < numbers[name] and not name.startswith("exponent"):
+            # two further fits use the value one error higher and lower
+            value = float(numbers[name])
+            wanted = (
+                f"must be smaller than the value, {value:g}"
+                if value
+                else "must be left out, since the value is 0"
+            )
+            raise ParameterError(f"error of known {name} = {known[name][1]!r}: {wanted}")
         step = STEP * error
         above, below = (
             known_values(values | {name: float(numbers[name]) + sign * step}) for sign in (1, -1)
@@ -124,26 +138,31 @@ def known_values(known: Mapping[str, float]) -> tuple[dict[str, float], dict[str
                 raise ParameterError(f"known {name} = {value!r}: must be a finite number")
         else:
             values[name] = positive(value, f"known {name}", zero=name == "C", given=given)
+            if values[name] and not SMALLEST <= values[name] <= LARGEST:
+                raise ParameterError(
+                    f"known {name} = {given!r}: must be from {SMALLEST:g} to {LARGEST:g} {KNOWN[name]}"
+                )
     if values.get("mu") == 0:
         raise ParameterError(
             "known mu = 0.0: must be > 0, otherwise impacts do not affect the motion of M"
         )
     if {"M", "K", "omega"} <= values.keys():
         if abs(values["K"] / values["M"] / values["omega"] ** 2 - 1) > 1e-6:
-            raise ParameterError("known M, K, omega: must satisfy omega^2 = K/M; give two of them")
+            raise ParameterError(
+                "known mass M, stiffness K, natural frequency omega: must satisfy omega^2 = K/M; give only two of "
+                "the three"
+            )
     elif {"M", "K"} <= values.keys():
         values["omega"] = math.sqrt(values["K"] / values["M"])
     elif {"M", "omega"} <= values.keys():
         values["K"] = values["M"] * values["omega"] ** 2
     elif {"K", "omega"} <= values.keys():
         values["M"] = values["K"] / values["omega"] ** 2
-    for name, needs, ratio in (("m", ("M",), "mu"), ("C", ("M", "K"), "xi")):
+    for name, needs, ratio in (("m", "mass M", "mu"), ("C", "mass M and stiffness K", "xi")):
         if name not in values:
             continue
-        if not set(needs) <= values.keys():
-            raise ParameterError(
-                f"known {name} = {values[name]!r}: must be given with {' and '.join(needs)}"
-            )
+        if not ({"M"} if name == "m" else {"M", "K"}) <= values.keys():
+            raise ParameterError(f"known {name} = {values[name]!r}: must be given with the {needs}")
         if ratio in values:
             raise ParameterError(
                 f"known {name} and {ratio}: must not both be given, since one determines the other"

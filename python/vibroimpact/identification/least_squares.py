@@ -16,8 +16,8 @@ _Residuals = tuple[_Array, _Array | Callable[[_Array | None], _Array]]
 MOST_ITERATIONS = 60
 #: Number of steps by which it is judged whether the remaining ones can make a fit good.
 JUDGED = 10
-#: Gain of these steps, relative to that of one full step of the linearized residuals, below which a fit does not
-#: move any more: it is at a fold, beyond which the residuals do not exist, or in a bent valley.
+#: Gain of these steps, relative to that of one full step of the linearized residuals, below which a fit no
+#: longer moves: it is at a fold, beyond which the residuals do not exist, or in a curved valley.
 STUCK = 1e-3
 
 

@@ -117,7 +117,7 @@ class SensorRecord:
         "600 Hz", "2 ms" or "50 m/s^2".
     delay : float or mapping, optional
         Delay of a channel (s) in addition to that of its low-pass, for example due to a separate clock, by
-        channel. A given delay, also 0, is exact. Without one, `identify` allows for half a sampling interval
+        channel. A given delay is exact, including 0. Without one, `identify` allows for half a sampling interval
         between the channels (a converter that reads them in turn) if their bandwidth is stated, else for 2 ms.
     range : float or mapping, optional
         Largest magnitude that a channel can show, in its unit, by channel. `identify` rejects a record with a

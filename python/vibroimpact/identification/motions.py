@@ -22,8 +22,8 @@ from ..motions.motion import Motion
 from ..systems.oscillator import Oscillator, Pattern
 from ..systems.restitution import Restitution
 from ..systems.structure import Load
-from .flights import Measured
 from .laws import Law, law_of
+from .waves import Measured
 
 _Array = NDArray[np.float64]
 _Complex = NDArray[np.complex128]
@@ -194,7 +194,7 @@ def accelerated(
 ) -> Any:
     """The acceleration of the primary mass by its spring, dashpot and load, for given displacements and
     velocities."""
-    load = 0.0
+    load = data.forced.load_at(phase, t) if data.forced is not None else 0.0
     for n, shape in zip(data.orders.tolist(), data.shape.tolist(), strict=True):
         turn = n * (data.Omega * t + phase)
         load = load + shape.real * np.cos(turn) - shape.imag * np.sin(turn)

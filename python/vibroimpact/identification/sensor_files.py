@@ -236,7 +236,7 @@ def assembled(
     if not arrays:
         names = ", ".join(repr(channel.name) for channel in found) or "none"
         raise ParameterError(
-            f"channels {names}: must be named as one of {', '.join(SI)}, or give `channels`"
+            f"channels {names}: one must be named {', '.join(SI)}; or give `channels`"
         )
     if left:
         warnings.warn(
@@ -257,7 +257,7 @@ def assembled(
         rate = rate if own_rate is None else own_rate
     if rate is None:
         raise ParameterError(
-            "rate = None: must be the sampling rate in Hz; the record has neither times nor a rate"
+            "rate: is missing; must be the sampling rate in Hz, since the record has neither times nor a rate"
         )
     known: dict[str, Any] = {
         key: of_channels(value, key, [channel.name for channel in found], places)
@@ -279,7 +279,7 @@ def assembled(
         raise ParameterError(
             f"channels {names}: must contain a load and a motion, but no {' and no '.join(missing)} is recognised "
             "by a name such as 'load' or 'acceleration', or by a unit, as in 'shaker_N' or 'top (g)'; rename the "
-            "columns, or give `channels` and `units`"
+            "columns, or give `channels` and `units` (`channel_units` in a namelist)"
         )
     return record
 
@@ -427,12 +427,12 @@ def unit_in(name: str, label: str) -> str:
     if last.lower() in STRANGE:
         raise ParameterError(
             f"channel {name!r}: unit {last!r}: must be a unit of {label}, one of {', '.join(known)}; or give "
-            "`units`, and with `scale` the value of 1 V, say"
+            "`units` (`channel_units` in a namelist) and, in Python, `scale` for the value of 1 V, for example"
         )
     if last and not re.fullmatch(r"[\d+-]*[xyzXYZ]?\d*", last):
         warnings.warn(
             f"channel {name!r}: {last!r} is not a known unit; the channel is read in {SI.get(label, 's')}. If "
-            "this is not its unit, give `units`",
+            "this is not its unit, give `units` (`channel_units` in a namelist)",
             stacklevel=4,
         )
     return ""

@@ -65,12 +65,11 @@ def identified(
     if isinstance(friction, np.bool_):
         friction = bool(friction)
     if friction is not None:
+        rubbing = "fitted friction" if friction is True else f"friction = {friction!r}"
         if law != "constant":
-            raise ParameterError(f"friction = {friction!r}: must be left out with law = {law!r}")
+            raise ParameterError(f"{rubbing}: must be left out with law = {law!r}")
         if len(records) != 1:
-            raise ParameterError(
-                f"friction = {friction!r}: must be given with one record, not {len(records)}"
-            )
+            raise ParameterError(f"{rubbing}: must be given with one record, not {len(records)}")
         if friction is False:
             raise ParameterError("friction = False: must be left out, a known friction, or True")
     for name in shared:
@@ -81,7 +80,7 @@ def identified(
             )
         if name in ("R1", "R2") and law != "constant" and law_speed is None:
             raise ParameterError(
-                f"known {name} = {shared[name]!r}: must be given with law_speed, at which it is known"
+                f"known {name} = {shared[name]!r}: must be given with law_speed, the speed to which it applies"
             )
     guess = {"xi": 0.01, "mu": 0.05, "R1": 0.7, "R2": 0.7}
     if start is not None:
@@ -129,7 +128,7 @@ def change_over(
     item: Doubted, refitted: Callable[[str, float], dict[str, float]]
 ) -> dict[str, float]:
     """Half the difference of all parameters between fits with a known value one standard error above and below; in
-    proportion to that of closer values where no motion fits."""
+    proportion to the difference at closer values if no motion fits there."""
     reason = ""
     for share in SHARES:
         try:
@@ -261,6 +260,6 @@ def friction_over(
     F0 = scale.get("F0", step.F0)
     if F0 is None:
         raise ParameterError(
-            "friction: must be a fraction of F0 if there is neither a load channel nor a known F0"
+            "friction: must be a fraction of F0 if neither a load channel nor a known load amplitude gives F0"
         )
     return force / F0

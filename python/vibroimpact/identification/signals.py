@@ -1,4 +1,4 @@
-"""Steps from a sampled record to its impacts: the load, the harmonics, the picked impacts and their pattern."""
+"""Steps from a sampled record to its impacts: the load, the harmonics, the detected impacts and their pattern."""
 
 from __future__ import annotations
 
@@ -311,6 +311,25 @@ def places_of(
     turns = omega / (2 * math.pi) * centred(n, rate)
     part = np.minimum((turns % 1 * PARTS).astype(np.int64), PARTS - 1)
     return turns, part, np.floor(turns).astype(np.int64)
+
+
+def settling(values: _Array, rate: float, Omega: float, k: int) -> float:
+    """The variance of the difference between successive periods of k load cycles in the first third of a record,
+    over that in its last third.
+
+    It is about 1 for noise, and little more for a rig that changes steadily, but large while a motion settles.
+    Near a period doubling this takes long, and successive periods differ little: periods further apart are
+    compared, too.
+    """
+    found, t = 1.0, np.arange(values.size)
+    for several in (1, 4):
+        period = several * k * 2 * math.pi / Omega * rate
+        third = int(values.size - period) // 3
+        if third < period:
+            break
+        off = np.interp(t[: 3 * third] + period, t, values) - values[: 3 * third]
+        found = max(found, float(np.var(off[:third]) / max(float(np.var(off[-third:])), 1e-300)))
+    return found
 
 
 def scatter_after(values: _Array, rate: float, omega: float, k: int) -> float:

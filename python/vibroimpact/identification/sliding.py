@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from ..base.errors import SingularError
 from .aperiodic import BEYOND, by_laws, start_of_friction
 from .fit import Fit, fit
-from .flights import Measured
 from .friction import slips_of
 from .known import HINT
 from .laws import Law
@@ -22,6 +21,7 @@ from .signals import centred
 from .stages import APART, lawful_of
 from .steps import Step, flown, flown_apart
 from .strains import Strain
+from .waves import Measured
 from .windows import SMOOTHED
 
 _Array = NDArray[np.float64]
@@ -33,8 +33,8 @@ ROUNDS, SETTLED = 12, 0.03
 SEARCHES, MOVED = 2, 0.1
 #: The message about a friction that a record does not determine.
 UNDETERMINED = (
-    "friction = True: undetermined, since with these impacts friction resembles other coefficients of "
-    "restitution; it must be known or left out"
+    "fitted friction: not determined by this record, since with these impacts friction has nearly the same effect "
+    "as other coefficients of restitution; it must be known or left out"
 )
 #: Largest friction over F0 with which a fit begins.
 MOST = 0.1
@@ -52,7 +52,7 @@ def with_friction(
     changes.
     """
     (step, *_), plain, law = found
-    given = "friction = True" if friction is None else f"friction = {friction:g}"
+    given = "fitted friction" if friction is None else f"friction = {friction:g}"
     if plain is not None and step.windows is not None and step.data is None:
         try:
             return of_flights(found, scale, shared, guess, friction)
@@ -91,7 +91,7 @@ def with_friction(
         flown(other, scale, shared, guess)
         if other.data is None or other.data.sides != data.sides:
             raise SingularError(
-                f"{given}: with and without its effect the record has different impacts; {HINT}"
+                f"{given}: the impacts found in the record depend on whether its effect is included; {HINT}"
             )
         own = away_from(motion, other.data)
         own = replace(own, values=own.values + motion.at(own.places))
@@ -113,14 +113,14 @@ def of_flights(
 ) -> tuple[list[Step], Fit, Law]:  # fmt: skip
     """The fit to the single flights of a record that is not periodic, as `with_friction`.
 
-    In each round the response to the slip of the previous one is taken out of the record. Flights without a known
-    slip are left out.
+    In each round the response to the slip of the previous round is subtracted from the record. Flights whose slip
+    is unknown are left out.
     """
     (step, *_), now, law = found
     windows = step.windows
     assert now is not None
     assert windows is not None
-    given = "friction = True" if friction is None else f"friction = {friction:g}"
+    given = "fitted friction" if friction is None else f"friction = {friction:g}"
     law, known, static = replace(law, friction=True), dict(shared), now.lengths[0]
     values, slips = {**now.values, "gain": now.gain}, now.slips
     if slips is None:
@@ -137,7 +137,7 @@ def of_flights(
     for i in range(ROUNDS):
         rough = searches < SEARCHES
         if rough:
-            # what a wrong slip leaves of friction would look like impacts
+            # the friction that remains because of a wrong slip would look like impacts
             rubbed = here, slips, static
             flights = flown_apart(other, scale, shared, guess, rubbed, complete=searches > 0)
         windows = other.windows

@@ -16,13 +16,14 @@ from ..base.errors import ParameterError, SingularError
 from .aperiodic import LEAST_IMPACTS, TooFewError, by_flights, by_laws
 from .attempts import Attempts, NotTriedError
 from .fit import DOUBTFUL, Fit, fit
-from .flights import HOPELESS, Measured
+from .flights import HOPELESS
 from .known import HINT
 from .laws import KNOWN_OF_LAW, Law
 from .motions import Impacting
 from .signals import LEAST_PICKS, no_rhythm, repeated, scatter_after
 from .start import start_of, start_of_phases, start_of_times
 from .steps import Step, cycles_of, flown, flown_apart, ordered, silent
+from .waves import Measured
 from .windows import unfound_ringing
 
 _Array = NDArray[np.float64]
@@ -90,7 +91,7 @@ def fitted(
         law, of_law = start_of_law(single, found, law, shared, law_speed)
         middle |= of_law
     if law.kind == "knees":
-        # by way of one knee for both walls
+        # first with one knee for both walls
         alike = replace(law, kind="knee")
         begin = middle | {name: middle[name + "1"] for name in ("exponent", "knee")}
         known = {name: value for name, value in shared.items() if name not in KNOWN_OF_LAW}
@@ -268,7 +269,7 @@ def doubt_period(steps: Sequence[Step], found: Fit) -> None:
         if step.scattered and found.undetermined:
             step.notes.append(
                 f"doubtful: the motion differs from period to period by more than the noise of its samples, and "
-                f"{', '.join(found.undetermined)} cannot be told from it: it may not be periodic"
+                f"the fit does not determine {', '.join(found.undetermined)}: the motion may not be periodic"
             )
 
 
@@ -333,7 +334,7 @@ def identified_by(
         # an almost periodic record is found sooner by single flights, so little else is tried
         single = apart(steps, *given)
         if clear(single[1]) and not again(single[0][0]):
-            return because(single, "its scatter from period to period is more than its noise")
+            return because(single, "its scatter from period to period exceeds its noise")
         attempts = ["as it is", "apart"]
 
     def aperiodic() -> bool:
@@ -381,10 +382,10 @@ def identified_by(
                     return because(single, "no set of flights between impacts describes it")
                 number = max((step.times.size for step in others if several(step)), default=0)
                 if number:
-                    why = f"{number} picked impacts do not show in the flights"
+                    why = f"the flights do not confirm {number} detected impacts"
                     return explained(because(single, why), tried, shared)
                 return explained((others, None, law), tried, shared)
-            # of a fit that only another pattern makes possible, the misfit must be small
+            # if a fit is possible only with another pattern, its misfit must be small
             if failed is not None:
                 ensure_possible(measured)
             if attempt == "other walls":
@@ -401,7 +402,7 @@ def identified_by(
             if len(measured) == len(steps) == 1 and ask and aperiodic() and single is not None:
                 return because(single, str(failed))
             continue
-        # a fit that only another pattern makes possible must be good
+        # a fit that is possible only with another pattern must be good
         if failed is not None and max(found.misfits) > DOUBTFUL:
             tried.misfitting(attempt, others, found)
             continue
@@ -520,11 +521,11 @@ def clear(found: Fit | None) -> bool:
 def because(
     single: tuple[list[Step], Fit | None, Law], why: str
 ) -> tuple[list[Step], Fit | None, Law]:
-    """The fit to single flights of a record that seemed to be periodic, with the reasons against that."""
+    """The fit to single flights of a record that seemed to be periodic, with a note on why it is not."""
     for step in single[0]:
         step.notes.insert(
             0,
-            f"about the same after {step.rhythm.cycles or 1} load cycles, but no periodic motion: {why}",
+            f"nearly repeats after {step.rhythm.cycles or 1} load cycles, but no periodic motion fits: {why}",
         )
         step.rhythm = no_rhythm("not periodic")
     return single
@@ -593,7 +594,7 @@ def not_periodic(step: Step) -> Step:
 def with_other_loads(
     steps: list[Step], scale: Mapping[str, float], shared: dict[str, float], guess: dict[str, float]
 ) -> None:
-    """Raises an error if records that could not be fitted could be with a load of another sign or size."""
+    """Raises an error if records that could not be fitted could be fitted with a load of another sign or size."""
     for turned in (True, False):
         others = [copy(step) for step in steps]
         try:
@@ -636,7 +637,7 @@ def units_agree(step: Step, force: float) -> None:
     hint = f"; is it {near[0]}?" if near else ""
     raise ParameterError(
         f"load of {step.data.F0:.4g} N and {step.quantity}, which implies {force:.4g} N: must agree; the units of "
-        f"a channel, or known M and K, are wrong by a factor of {max(ratio, 1 / ratio):.4g}{hint}"
+        f"a channel, or the known mass or stiffness, are wrong by a factor of {max(ratio, 1 / ratio):.4g}{hint}"
     )
 
 

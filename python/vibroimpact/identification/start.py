@@ -1,4 +1,4 @@
-"""The start of a fit: parameters from linear equations, and a motion near the picked impacts."""
+"""The start of a fit: parameters from linear equations, and a motion near the detected impacts."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ import numpy as np
 from ..base.errors import SingularError
 from ..motions.periodic import periodic
 from ..systems.oscillator import Oscillator
-from .flights import Measured, predicted
 from .laws import Law
 from .motions import Impacting
 from .steps import Step
+from .waves import Measured, predicted
 
 
 def start_of(

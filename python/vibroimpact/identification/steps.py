@@ -22,15 +22,16 @@ from .flights import (
     Flights,
     Folded,
     FreeFit,
-    Measured,
     beside,
     folded,
     news_of,
     onsets,
 )
+from .forced import Forced, highest_of, mean_frequency, share_beyond
 from .known import HINT
-from .measured import MOTIONS, SensorRecord
+from .measured import MOTIONS, ORDER, SensorRecord, butterworth_poles
 from .signals import (
+    Repetition,
     Rhythm,
     Tones,
     centred,
@@ -47,6 +48,7 @@ from .signals import (
     whole_periods,
 )
 from .slips import Slips
+from .waves import Measured
 from .windows import Flown, Windows, picked
 
 _Array = NDArray[np.float64]
@@ -79,6 +81,11 @@ RESTLESS, COLOURED, SOME, MUCH = 1.4, 3.0, 0.015, 0.03
 #: Share of the bandwidth of a sensor to which its gain is constant, and of the sampling rate to which pulses are
 #: sampled well.
 FLAT, ALIASED = 0.5, 0.2
+#: Share of a load, in amplitude, that its harmonics do not describe, or its first one, above which its form is
+#: used as recorded; and share above its highest frequency beyond which it cannot be a load.
+FORM, NO_SINE, BROAD = 0.3, 0.5, 0.2
+#: The `Repetition` of a motion under a load that does not repeat.
+NO_REPETITION = Repetition(0, 0.0, 1.0, 1.0)
 #: Relative error of a load that is known exactly: a fit would not change what determines it much less than that.
 EXACT = 1e-5
 
@@ -88,7 +95,7 @@ def silent(share: float, note: str) -> None:
 
 
 def unasked() -> bool:
-    """A function that says that it is not known whether a record is not periodic."""
+    """A function that reports that it is not known whether a record is not periodic."""
     return False
 
 
@@ -162,7 +169,7 @@ def of_record(
     record: SensorRecord, frequency: float | None, scale: Mapping[str, float], i: int, count: int,
     calibration: float = 0.0,
 ) -> Step:  # fmt: skip
-    """The steps before the fit; errors say what is wrong with the record."""
+    """The steps before the fit; errors state what is wrong with the record."""
     where = (record.name and f"{record.name}: ") or (f"record {i + 1}: " if count > 1 else "")
     quantity = next((name for name in MOTIONS if getattr(record, name) is not None), None)
     if quantity is None:
@@ -185,9 +192,12 @@ def of_record(
     # converted to a displacement, in which the load frequency is strongest
     source = force if force is not None else smooth(values, rate, order)
     Omega = load_frequency(source, rate, near)
-    repetition = (
-        period_of(values, rate, Omega) if cycles_of(record, Omega) >= LEAST_CYCLES else None
-    )
+    free_form = force is not None and near is None and no_sine(force, values, rate, Omega)
+    if force is not None and free_form:
+        Omega = mean_frequency(force, rate)
+    repetition = None
+    if cycles_of(record, Omega) >= LEAST_CYCLES:
+        repetition = NO_REPETITION if free_form else period_of(values, rate, Omega)
     if repetition and repetition.cycles and repetition.drift > SLIPPED:
         # parts of the record may differ because the load frequency is slightly inaccurate due to noise; the high
         # harmonics of the motion determine it better
@@ -201,14 +211,15 @@ def of_record(
     if cycles < LEAST_CYCLES:
         raise ParameterError(
             f"{where}{record.duration:.6g} s with {cycles:.1f} load cycles of {Omega / (2 * math.pi):.6g} Hz: "
-            "must be "
-            f"at least {LEAST_CYCLES} load cycles"
+            f"must be at least {LEAST_CYCLES} load cycles"
         )
     if Omega / (2 * math.pi) > rate / 20:
         raise ParameterError(
             f"{where}rate = {rate:g}: must be at least 20 samples per load cycle of {Omega / (2 * math.pi):.6g} Hz"
         )
-    if force is not None:
+    if force is not None and free_form:
+        ensure_load(force, values, Omega, rate, quantity, where)
+    elif force is not None:
         step.load = tones(force, rate, Omega, LOAD_TONES)
         order_of_channels(force, values, step.load, Omega, rate, quantity, where)
         step.notes += filter(None, [steadiness(force, rate, step.load)])
@@ -239,7 +250,7 @@ def of_record(
     k, noise, colour, drift, longer = repetition
     noise = max(noise, record.noise.get(quantity, 0.0))
     bandwidth = record.bandwidth.get(quantity)
-    smooth_record = order == 2 and is_smooth(values, rate, Omega, LOAD_TONES)
+    smooth_record = order == 2 and not free_form and is_smooth(values, rate, Omega, LOAD_TONES)
     if order == 2 and not smooth_record:
         times, step.signs = spikes(values, rate, Omega, bandwidth)
         times -= 0.0 if bandwidth is None else RISE / bandwidth
@@ -257,7 +268,29 @@ def of_record(
     data = Measured(
         Omega, max(k, 1), order=order, colour=colour, drift=drift, calibration=calibration,
         passed=2 * math.pi * min(FLAT * (bandwidth or math.inf), ALIASED * rate),
+        lowpass=2 * math.pi * (bandwidth or math.nan) * butterworth_poles()[: ORDER * bool(bandwidth)],
     )  # fmt: skip
+    # a -3 dB frequency determines the delay of a low-pass only approximately; similar channels have equal delays
+    late = UNKNOWN_DELAY
+    if bandwidth is not None or quantity in record.delay:
+        late = DELAY_OF_OTHERS * abs(record.lowpass_lag(quantity) - record.lowpass_lag("load"))
+        if not record.delay:
+            late = math.hypot(late, IN_TURN / rate)
+    if free_form:
+        smooth_record = step.rhythm.status == "no impacts"
+        data.forced = Forced(record, quantity, Omega)
+        data.orders, data.shape = np.empty(0), np.empty(0, dtype=np.complex128)
+        data.phase, data.phase_error = 0.0, late * Omega
+        step.F0 = data.forced.F0
+        noise_of_F0 = data.forced.noise * math.sqrt(2 / len(record))
+        step.F0_scatter = math.hypot(noise_of_F0, EXACT * step.F0)
+        step.F0_error = math.hypot(step.F0_scatter, calibration * step.F0)
+        data.F0, data.F0_error = step.F0, step.F0_error
+        if not smooth_record:
+            step.notes.append(
+                "the load is not nearly a sine and is used as recorded; F0 is the amplitude of a sine of the same "
+                f"power, and r refers to its mean frequency of {Omega / (2 * math.pi):.6g} Hz"
+            )
     if step.load is not None:
         # the load with the same delay as the motion channel, but without its low-pass
         hertz = np.arange(LOAD_TONES + 1) * Omega / (2 * math.pi)
@@ -267,13 +300,6 @@ def of_record(
         data.phase, data.phase_error = (
             float(np.angle(1j * load[1])), float(step.load.errors[1] / abs(step.load.values[1])),
         )  # fmt: skip
-        # a -3 dB frequency determines the delay of a low-pass only approximately; similar channels have equal
-        # delays
-        late = UNKNOWN_DELAY
-        if bandwidth is not None or quantity in record.delay:
-            late = DELAY_OF_OTHERS * abs(record.lowpass_lag(quantity) - record.lowpass_lag("load"))
-            if not record.delay:
-                late = math.hypot(late, IN_TURN / rate)
         data.phase_error = math.hypot(data.phase_error, late * Omega)
         assert step.F0 is not None
         step.F0_scatter = step.F0_error
@@ -298,7 +324,7 @@ def of_record(
     if longer:
         step.notes.append(
             f"doubtful: load cycles differ, and the differences repeat after {longer}: the period may be longer "
-            f"than {max(k, 1)}, which the {cycles:.0f} load cycles of the record are too few to show; a longer "
+            f"than {max(k, 1)}, but the record is too short to show this ({cycles:.0f} load cycles); a longer "
             "record would help"
         )
     step.noise = noise
@@ -307,6 +333,21 @@ def of_record(
     step.scattered, step.restless = differs and share > SOME, differs and share > MUCH
     step.most_cycles = most_cycles(cycles)
     return step
+
+
+def no_sine(force: _Array, values: _Array, rate: float, Omega: float) -> bool:
+    """Whether the form of a load is used as recorded: it is not nearly a sine with harmonics, and what else it
+    contains does not keep the motion from repeating, as mains hum of the channel does not."""
+    if force.size / rate * Omega < LEAST_CYCLES * 2 * math.pi:
+        return False
+    fit = tones(force, rate, Omega, LOAD_TONES)
+    if off_sine(force, fit, white_noise(force)) > NO_SINE:
+        return True
+    left = force - fit.at(centred(force.size, rate))
+    if float(np.var(left)) - white_noise(force) ** 2 <= FORM**2 * float(np.var(force)):
+        return False
+    repetition = period_of(values, rate, Omega)
+    return not repetition.cycles or repetition.drift > SLIPPED
 
 
 def cycles_of(record: SensorRecord, Omega: float) -> float:
@@ -369,9 +410,9 @@ def flown(
         free = flights.without(free, int(np.argmin(abs(free.data.jumps))))
     if free.misfit > HOPELESS:
         raise SingularError(
-            f"flights between {free.data.angles.size} impacts in {data.k} load cycles, after which up to "
-            f"{MOST_MODES} modes ring, leave residuals of {free.misfit:.3g} times the scatter from period to "
-            f"period: they do not explain the record; the bandwidth or the sampling rate may be too small; {HINT}"
+            f"flights between {free.data.angles.size} impacts in {data.k} load cycles, with up to {MOST_MODES} "
+            f"ringing modes, leave residuals of {free.misfit:.3g} times the scatter from period to period: they "
+            f"do not explain the record; the bandwidth or the sampling rate may be too small; {HINT}"
         )
     if not free.data.angles.size:
         step.rhythm, step.data = no_rhythm("no impacts"), None
@@ -426,7 +467,7 @@ def best_of(
     step: Step, scale: Mapping[str, float], known: Mapping[str, float], guess: Mapping[str, float],
     exactly: bool, quick: bool = False, begin: _Array | None = None,
 ) -> tuple[Flights, FreeFit]:  # fmt: skip
-    """The folded record and the best flights that describe it; copies of the step share them, or the error that
+    """The folded record and the best flights that describe it; copies of the step share them, or the error if
     there are none.
 
     The search takes the sensors as exact or not, and begins with the onsets in the record, the first set of them
@@ -517,9 +558,8 @@ def usable(values: _Array, name: str, most: float | None = None) -> None:
         long = [run.size for run in runs if run.size >= 3]
         if len(long) >= 3 or (long and max(long) >= 8):
             raise ParameterError(
-                f"{name} is clipped at {end:.6g} in {int(sum(long))} samples; must be within the "
-                "range of "
-                "its sensor"
+                f"{name} is clipped at {end:.6g} in {int(sum(long))} samples; must be within the range of its "
+                "sensor"
             )
 
 
@@ -551,8 +591,9 @@ def steadiness(force: _Array, rate: float, load: Tones) -> str:
     if worst < max(noise, SHIFT * load.omega / rate):
         return ""
     return (
-        f"load phase off a constant frequency by {worst:.2g} rad, {worst / load.omega * rate:.2g} samples: "
-        "samples are missing or the frequency changes, which the errors do not include"
+        f"the load phase deviates from that of a constant frequency by {worst:.2g} rad, "
+        f"{worst / load.omega * rate:.2g} samples: samples are missing or the frequency changes, which the errors "
+        "do not include"
     )
 
 
@@ -581,21 +622,48 @@ def order_of_channels(
 ) -> None:
     """Raises an error if the load looks like a motion with impacts, and the motion like a load."""
 
-    def off_sine(channel: _Array, first: complex) -> float:
-        power = float(np.var(channel))
-        return math.sqrt(max(0.0, 1 - 0.5 * abs(first) ** 2 / power))
+    of_load = off_sine(force, load)
+    ensure_order(of_load, off_sine(values, tones(values, rate, Omega, 1)), quantity, where)
+    if of_load > NO_SINE:
+        raise ParameterError(
+            f"{where}load deviates from a sine by {of_load:.0%}: must be nearly a sine, as from a shaker; without "
+            "a given frequency, a load of any form is used as recorded"
+        )
 
-    of_load = off_sine(force, complex(load.values[1]))
-    of_motion = off_sine(values, complex(tones(values, rate, Omega, 1).values[1]))
+
+def off_sine(channel: _Array, fit: Tones, noise: float = 0.0) -> float:
+    """By which share of its amplitude a channel without noise deviates from its first harmonic."""
+    power = max(float(np.var(channel)) - noise**2, 1e-300)
+    return math.sqrt(max(0.0, 1 - 0.5 * abs(fit.values[1]) ** 2 / power))
+
+
+def ensure_order(of_load: float, of_motion: float, quantity: str, where: str) -> None:
+    """Raises an error if the motion deviates from a sine much less than the load."""
     if of_load > 0.3 and of_motion < 0.15:
         raise ParameterError(
-            f"{where}load is {of_load:.0%} off a sine and {quantity} {of_motion:.0%}: must be the load and the "
-            "motion; "
-            "they seem to be in the wrong order"
+            f"{where}load deviates from a sine by {of_load:.0%} and {quantity} by {of_motion:.0%}: must be the "
+            "load and the motion; they seem to be in the wrong order"
         )
-    if of_load > 0.5:
+
+
+def ensure_load(
+    force: _Array, values: _Array, Omega: float, rate: float, quantity: str, where: str
+) -> None:
+    """Raises an error if a load that is not a sine has high frequencies or changes abruptly, as where samples are
+    missing, or if it looks like a motion with impacts."""
+    fits = [tones(x, rate, load_frequency(x, rate), 1) for x in (force, values)]
+    ensure_order(off_sine(force, fits[0]), off_sine(values, fits[1]), quantity, where)
+    beyond, times = share_beyond(force, rate, Omega), spikes(force, rate, Omega, None)[0]
+    # the filter that finds spikes begins and ends with some
+    half = 0.5 * force.size / rate
+    times = times[abs(times) < half - 2 * math.pi / Omega]
+    if beyond > BROAD or times.size:
+        what = f"{beyond:.0%} of its amplitude above {highest_of(Omega, rate):.4g} Hz"
+        if times.size:
+            what = f"{times.size} abrupt changes, the first one at {times[0] + half:.4g} s"
         raise ParameterError(
-            f"{where}load is {of_load:.0%} off a sine: must be the load of a shaker"
+            f"{where}load with {what}: must be the load of a shaker; samples may be missing, or channels be in "
+            "the wrong order"
         )
 
 
@@ -606,7 +674,7 @@ def of_times(
     """The steps before the fit, from impact times alone."""
     if frequency is None:
         raise ParameterError(
-            "frequency = None: must be the load frequency in Hz if impact_times are given"
+            "frequency: is missing; must be the load frequency in Hz if impact_times are given"
         )
     wanted = "increasing finite numbers, at least two"
     times = checks.real_array(impact_times, "impact_times", wanted)
@@ -619,7 +687,8 @@ def of_times(
         raise ParameterError(f"impact_times of shape {times.shape}: must be {wanted}")
     if "omega" not in shared:
         raise ParameterError(
-            "known: must contain omega, or M and K, if impact_times are given, which do not determine it"
+            "known natural frequency omega, or mass M and stiffness K: must be given with impact_times, which do "
+            "not determine it"
         )
     letters = "".join(impact_sides).upper() if impact_sides is not None else "RL" * times.size
     letters = letters[: times.size] if impact_sides is None else letters

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..base.libraries import scipy
+from .coupled import Covariance
 from .windows import Flown, Windows
 
 _Array = NDArray[np.float64]
@@ -50,14 +50,15 @@ def of_known(
 
 
 def held_strains(
-    flown: Flown, names: list[str], by: _Array, multiplier: _Array, change: _Array, cov: _Array, B: _Array,
-    covariance: _Array, spread: float, places: list[str], also: int | None = None,
+    flown: Flown, names: list[str], by: _Array, multiplier: _Array, change: _Array,
+    cov: Covariance | None, B: _Array, covariance: _Array, spread: float, places: list[str],
+    also: int | None = None,
 ) -> tuple[dict[str, Strain], dict[str, dict[str, float]], _Array, _Array]:  # fmt: skip
     """The score test of each known value, the derivatives of the fitted parameters with respect to it, and the
     information on all these values together, with minus half the gradient of the sum of squares, over `spread`.
 
     `by` (equations, names) are derivatives of the constraints with respect to known values; `multiplier` are the
-    residuals of the constraints over their covariance `cov` (bands); `B` are their derivatives with respect to the
+    residuals of the constraints over their covariance `cov`; `B` are their derivatives with respect to the
     fitted parameters, whose covariance without `spread` is `covariance`; `change` is the difference between the
     common parameters and their values from the flights alone. The value of the number `also` is fitted as well.
     """
@@ -65,7 +66,8 @@ def held_strains(
     slope, own = np.zeros(len(names)), np.zeros((len(names), len(names)))
     cross = np.zeros((len(names), covariance.shape[0]))
     if by.shape[0]:
-        solved = scipy("linalg", "the fit of impacts").solveh_banded(cov, by, lower=True)
+        assert cov is not None
+        solved = cov.solve(by)
         slope, own, cross = -by.T @ multiplier, by.T @ solved, solved.T @ B
     W = flown.every_weight[flown.held]
     slope[:H] += flown.slope[flown.held] - W[:, flown.free] @ change

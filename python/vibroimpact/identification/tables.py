@@ -3,41 +3,46 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..base.errors import VibroimpactError
+from ..motions.motion import Motion
 from ..results.tables import Result, made
-from .fit import DOUBTFUL, TYPICAL_FRICTION, Fit
-from .flights import LEAST_GAIN, Ages, Measured, predicted, rung, unexplained
+from ..systems.oscillator import Pattern
+from .fit import DOUBTFUL, EXPONENTS, TYPICAL_EXPONENT, TYPICAL_FRICTION, Fit
+from .flights import LEAST_GAIN, unexplained
 from .friction import slid
 from .known import KNOWN, Doubted
 from .laws import Law
 from .measured import SensorRecord
 from .motions import CONTACT, oscillator_of, verified
-from .signals import centred
+from .signals import centred, settling
 from .stages import FAR, distances
 from .steps import LOAD_TONES, Step
 from .strains import Strain
+from .waves import Ages, Measured, predicted, rung
 from .windows import unfound_ringing
 
 _Array = NDArray[np.float64]
 #: What records that are not periodic determine and leave open.
 LEFT_OPEN = {
-    "no impacts": ", so that mu, R1, R2 and d do not show in the record",
+    "no impacts": ", so that the record does not depend on mu, R1, R2 and d",
     "not periodic": "; the record determines only their times and walls, and the load",
-    "accumulation": " at intervals that shrink, of which the last ones may be missing; the record determines only "
-    "times, walls and the load",
-    "rest": " at intervals that shrink, of which the last ones may be missing, before the free mass rests on a "
-    "wall; the record determines only times, walls and the load",
+    "accumulation": " at decreasing intervals; the last ones may be missing; the record determines only times, "
+    "walls and the load",
+    "rest": " at decreasing intervals, before the free mass rests on a wall; the last ones may be missing; the "
+    "record determines only times, walls and the load",
 }
 #: The assumptions of the errors about a law.
 ASSUMED = {
-    "power": "R goes as a power of the speed, without a knee at the speeds of the impacts; R1 and R2 hold at v0",
-    "knee": "R is a PowerLaw of sharpness 2; R1 and R2 hold at v0",
+    "power": "R is a power of the speed, without a knee at the speeds of the impacts; R1 and R2 apply at v0",
+    "knee": "R is a PowerLaw of sharpness 2; R1 and R2 apply at v0",
     "table": "R is linear between the knots",
 }
 #: Difference between a known value and the value that the records imply, in standard errors, above which the fit
@@ -45,18 +50,32 @@ ASSUMED = {
 STRAINED = 4.0
 #: The same limit where fitting the value would change a fitted parameter by more than `MOVED` standard errors.
 LEANING, MOVED = 3.0, 2.0
-#: Standard errors of a drift of coefficients of restitution from none, above which the fit is doubtful.
+#: Share of a variance due to R that may depend on the speed above which a note states this.
+WIDENED = 0.75
+#: Standard errors of a drift of coefficients of restitution from zero, above which the fit is doubtful.
 DRIFTING = 4.5
 #: Share by which a load may grow during a record without a doubt.
 STEADY = 2e-3
 #: What may change during a record, with the verb of its sentence.
 DRIFTS = {
     "drift": "R1 and R2 seem", "drift1": "R1 seems", "drift2": "R2 seems", "omega": "omega seems",
-    "xi": "xi seems", "static": "the load, or the gain of the sensor of the motion, seems",
+    "xi": "xi seems", "static": "the load, or the gain of the motion sensor, seems",
     "phase": "the load, or the clock of its channel, seems",
 }  # fmt: skip
-#: Largest multiplier of a fitted motion that a record can show; noise may raise it slightly above 1.
-UNSTABLE = 1.05
+#: Part of a standard error by which parameters are moved for the error of a multiplier.
+TRIAL = 0.3
+#: Ratio by `settling` above which a motion had not settled when its record began: one that settles near a period
+#: doubling has 3 or more, a rig whose R falls by 9 % during the record 1.4.
+SETTLES = 2.0
+#: Largest multiplier of a fitted motion that a record can show; noise may raise it slightly above 1, and near a
+#: period doubling or a Neimark-Sacker bifurcation by this number of its standard errors.
+UNSTABLE, UNSURE = 1.05, 2.0
+#: The most by which the error of a multiplier may raise it above 1: far from the unit circle the error is
+#: meaningless, since it is valid for small deviations only.
+MOST_UNSURE = 0.5
+#: Difference (radians) between the impacts of two halves of a period that are the same; where they differ, the
+#: largest multiplier differs from 1 by about the square of this difference.
+SAME = 1e-6
 #: Half the width of a 95 % interval in standard errors.
 WIDTH = 1.959963984540054
 #: Samples and load cycles of each record that a result keeps for its picture.
@@ -104,19 +123,19 @@ def tables_of(
         if found is None and step.load is not None:
             phase = float(np.angle(1j * step.load.values[1]))
         # the phase is that in the channel, including its delay; times of impacts are without this delay
-        late = 0.0
+        late, forced = 0.0, step.apart is not None and step.apart.forced is not None
         if record is not None:
             late = record.lag(step.quantity if found is not None else "load")
         fit_of: dict[str, Any] = {
             "status": step.rhythm.status, "quantity": step.quantity,
             "sides": pattern.sides if pattern else "", "cycles": pattern.cycles if pattern else 0,
             "frequency": step.Omega / (2 * math.pi), "load": load,
-            "load_phase": (phase + step.Omega * (late - middle)) % (2 * math.pi),
+            "load_phase": math.nan if forced else (phase + step.Omega * (late - middle)) % (2 * math.pi),
             "r": math.nan, "clearance": math.nan,
             "static": found.lengths[i] if found is not None else math.nan,
             "misfit": found.misfits[i] if found is not None else math.nan,
         }  # fmt: skip
-        first, away = math.nan, np.zeros(1)
+        first, away, unsure = math.nan, np.zeros(1), 0.0
         if found is not None and step.windows is not None:
             fit_of |= {
                 "r": step.Omega / found.values["omega"], "clearance": found.values["d"] / found.lengths[i],
@@ -127,18 +146,14 @@ def tables_of(
             fit_of |= {"r": r, "clearance": clearance}
             for order, tone in zip(data.orders[1:].tolist(), data.shape[1:], strict=True):
                 harmonics[int(order) - 2] = tone
-            values = found.values | law.fixed
             fitted_angles = motion.angles + phase
-            osc = oscillator_of(values)
-            if law.friction:
-                speeds = motion.speeds / (values["omega"] * static)
-                f = values["friction"]
-                exact = slid(osc, r, clearance, fitted_angles, pattern, f, speeds, harmonics)
-            else:
-                walls = law.restitution(values, values["omega"] * static)
-                exact = verified(osc, r, clearance, fitted_angles, pattern, walls, harmonics)
+            exact = exact_of(step, found, i, law, harmonics)
             if exact.multipliers is not None:
                 multipliers = exact.multipliers
+                if abs(multipliers).max() > UNSTABLE and remains(
+                    exact, pattern, partial(exact_of, step, found, i, law, harmonics, 2)
+                ):
+                    unsure = multiplier_error(step, found, i, law, harmonics)
             first = motion.angles[0] / step.Omega + middle + begin
             away = distances(data, motion)
             impacts["number"] += [i + 1] * motion.angles.size
@@ -164,11 +179,11 @@ def tables_of(
         if found is not None:
             notes += [
                 (False, f"{said_of}doubtful: {text}")
-                for text in doubts_of(i, step, found, away, scale, multipliers)
+                for text in doubts_of(i, step, found, away, scale, multipliers, unsure)
             ]
         notes += [(False, f"{said_of}{text}") for text in step.notes]
         if found is not None and growth_of_load(step) and borne(step):
-            text = f"{growth_of_load(step)}, within the error of the calibration"
+            text = f"{growth_of_load(step)}, within the calibration error"
             notes.append((False, f"{said_of}{text}"))
         if pattern is not None:
             notes.append(
@@ -184,7 +199,7 @@ def tables_of(
                     True,
                     f"{said_of}{step.rhythm.status}: {step.times.size} impacts "
                     + (
-                        f"picked{LEFT_OPEN.get(step.rhythm.status, '')}; no motion is fitted"
+                        f"detected{LEFT_OPEN.get(step.rhythm.status, '')}; no motion is fitted"
                         if found is None
                         else f"at {place_in_hertz(records['r'][i], records['frequency'][i])}; "
                         "flights between them give the parameters, without a "
@@ -207,9 +222,24 @@ def tables_of(
     if found is not None:
         if found.lasting:
             contacts = f"contacts of {found.contact * 1e3:.2g} ms are part of the fit"
-            notes.append((False, f"{contacts}; d is the distance of the walls"))
+            what = (
+                "travel at the usual speed of the impacts"
+                if found.motions
+                else "distance between the walls"
+            )
+            notes.append((False, f"{contacts}; d is the {what}"))
+        wide = [
+            name for name in ("xi", "mu", "R1", "R2", "d")
+            if found.of_speed.get(name, 0.0) > WIDENED and name not in found.undetermined
+        ]  # fmt: skip
+        if wide:
+            notes.append((
+                False,
+                f"R may depend on the speed, about as v^-{TYPICAL_EXPONENT:g}, which more than doubles the errors "
+                f"of {', '.join(wide)}; records at other load frequencies would show whether it does",
+            ))  # fmt: skip
         if any("doubtful: " in text for _, text in notes):
-            notes.append((False, "poor fit: the errors that follow are not valid"))
+            notes.append((False, "poor fit: the errors below are not valid"))
         notes += [(False, text) for text in unstated(found, steps[0].Omega)]
         columns = (parameters[key] for key in ("name", "value", "error", "unit", "state"))
         notes += [
@@ -227,12 +257,80 @@ def tables_of(
     return made("identify", case, tables, notes=notes)
 
 
+def exact_of(step: Step, found: Fit, i: int, law: Law, harmonics: Any, parts: int = 1) -> Motion:
+    """The exact motion of a record with the fitted parameters; if its period is divided into equal parts, that
+    with the impacts of the first part."""
+    assert step.data is not None
+    values, static, motion = found.values | law.fixed, found.lengths[i], found.motions[i]
+    r, clearance = step.Omega / values["omega"], values["d"] / static
+    own, n = step.data.pattern, motion.angles.size // parts
+    osc, pattern = oscillator_of(values), Pattern(own.sides[:n], own.cycles // parts)
+    angles = motion.angles[:n] + found.phases[i]
+    if law.friction:
+        speeds = motion.speeds[:n] / (values["omega"] * static)
+        return slid(osc, r, clearance, angles, pattern, values["friction"], speeds, harmonics)
+    walls = law.restitution(values, values["omega"] * static)
+    return verified(osc, r, clearance, angles, pattern, walls, harmonics)
+
+
+def remains(exact: Motion, pattern: Pattern, half: Callable[[], Motion]) -> bool:
+    """Whether a motion that becomes unstable still exists nearby, so that its parameters change smoothly: at a
+    Neimark-Sacker bifurcation and at a period doubling.
+
+    A motion followed for two periods has the square of the negative multiplier of a period doubling: both halves
+    of its impacts are then the same, and `half`, which computes the motion of one period, has a negative
+    multiplier. Any other positive multiplier above 1 is that of a fold, beyond which there is no motion, of a
+    pitchfork, or of an unstable branch: another motion would fit.
+    """
+    worst = largest(exact)
+    if worst.real < 0 or worst.imag != 0:
+        return True
+    sides, cycles, n = pattern.sides, pattern.cycles, len(pattern) // 2
+    if cycles % 2 or sides[:n] != sides[n:] or exact.phases.size != 2 * n:
+        return False
+    if abs(exact.phases[n:] - exact.phases[:n] - math.pi * cycles).max() > SAME:
+        return False
+    try:
+        return largest(half()).real < 0
+    except VibroimpactError:
+        return False
+
+
+def largest(motion: Motion) -> complex:
+    """The multiplier of largest modulus."""
+    return complex(motion.multipliers[np.argmax(abs(motion.multipliers))])
+
+
+def multiplier_error(step: Step, found: Fit, i: int, law: Law, harmonics: Any) -> float:
+    """The standard error of the largest multiplier of a fitted motion, from motions with parameters that are moved
+    along the axes of their covariance; 0 if one of these does not exist or has no multipliers."""
+    size, axes = np.linalg.eigh(found.covariance)
+    total = 0.0
+    for axis in (axes * np.sqrt(np.maximum(size, 0.0))).T:
+        ends = []
+        for part in (TRIAL, -TRIAL):
+            moved = dict(zip(found.names, (part * axis).tolist(), strict=True))
+            values = {name: value + moved.get(name, 0.0) for name, value in found.values.items()}
+            lengths = [one + moved.get(f"F0/K {j}", 0.0) for j, one in enumerate(found.lengths)]
+            try:
+                other = exact_of(
+                    step, replace(found, values=values, lengths=lengths), i, law, harmonics
+                )
+            except VibroimpactError:
+                return 0.0
+            if np.isnan(other.multipliers).any():
+                return 0.0
+            ends.append(float(abs(other.multipliers).max()))
+        total += ((ends[0] - ends[1]) / (2 * TRIAL)) ** 2
+    return math.sqrt(total)
+
+
 def doubts_of(
-    i: int, step: Step, found: Fit, away: _Array, scale: Mapping[str, float], multipliers: Any
-) -> list[str]:
+    i: int, step: Step, found: Fit, away: _Array, scale: Mapping[str, float], multipliers: Any, unsure: float = 0.0
+) -> list[str]:  # fmt: skip
     """The doubts about the fit of a record, the likeliest causes first; `away` are the distances of its impacts
-    from those of the flights alone, in standard errors, `multipliers` those of its
-    motion."""
+    from those of the flights alone, in standard errors, `multipliers` those of its motion, and `unsure` is the
+    error of the largest one."""
     data, texts = step.data, []
     strained = {
         name: strain for name, strain in found.strains.items()
@@ -254,14 +352,23 @@ def doubts_of(
             if strain.change > 0:
                 texts.append(
                     f"friction in the slot of about {strain.change:.2g} F0, which is not part of the fit, would "
-                    f"describe the record better ({abs(strain.size):.2g} standard errors from none)"
+                    f"describe the record better ({abs(strain.size):.2g} standard errors from zero)"
+                )
+        elif kind in EXPONENTS:
+            # restitution that grows with the speed is an explanation only where there is no other
+            if strain.change > 0 or strained.keys() <= set(EXPONENTS):
+                wall = "right" if kind == EXPONENTS[0] else "left"
+                texts.append(
+                    f"restitution that depends on the speed, on the {wall} wall about as v^{-strain.change:.2g}, "
+                    f"would describe the record better ({abs(strain.size):.2g} standard errors from constant): "
+                    "try law = 'power'"
                 )
         elif kind == "F0":
             load = (data or step.apart or Measured(step.Omega, 1)).F0
             assert load is not None
             texts.append(
                 f"the motion corresponds to a load of {load + strain.change:.4g} N, not {load:.4g} N ({apart}): "
-                "a known M or K, the units or the calibration of a channel may be wrong"
+                "the known mass M or stiffness K, or the units or calibration of a channel, may be wrong"
             )
         else:
             value, given = found.values[name], name
@@ -281,8 +388,8 @@ def doubts_of(
     if min(lasting, found.unallowed) > STRAINED and not texts:
         pulses = f"the pulses allow {found.contact * 1e3:.2g} ms, and " if found.contact else ""
         texts.append(
-            f"contacts that last would describe the record better ({lasting:.2g} standard errors from none): "
-            f"{pulses}the parameters are those of impacts of no duration"
+            f"contacts of finite duration would describe the record better ({lasting:.2g} standard errors from "
+            f"zero): {pulses}the parameters are those of impacts of no duration"
         )
     texts += filter(None, [unfound_ringing(found.early)])
     if found.against:
@@ -291,12 +398,12 @@ def doubts_of(
             "are hidden in it, which may also affect damping and load from the flights alone"
         )
     largest = float(np.nanmax(np.append(abs(np.asarray(multipliers)), 0.0)))
-    # parameters that are open may be those of an unstable motion as well
-    if largest > UNSTABLE and not found.undetermined:
+    # undetermined parameters may also be those of an unstable motion
+    if largest > max(UNSTABLE, 1 + min(UNSURE * unsure, MOST_UNSURE)) and not found.undetermined:
         texts.append(
-            f"the motion is unstable (its largest multiplier is {largest:.3g}), so that the rig would leave it: "
-            "the parameters are too uncertain for the stated errors, which hold for small deviations; a known m, "
-            "less noise or a longer record would help"
+            f"the motion is unstable (its largest multiplier is {largest:.3g}), and a real rig would leave it: "
+            "the parameters are too uncertain for the stated errors, which are valid for small deviations only; a "
+            "known free mass m, less noise or a longer record would help"
         )
     at_bounds = {"xi": (0.0,), "R1": (0.0, 1.0), "R2": (0.0, 1.0)}
     texts += [
@@ -306,10 +413,18 @@ def doubts_of(
         if name in found.names and name not in found.undetermined and found.values[name] in ends
     ]
     if found.misfits[i] > found.most:
+        cause = "the pattern or a known value may be wrong, or the rig changed during the record"
+        if data is not None and step.record is not None:
+            falls = settling(step.motion, step.record.rate, step.Omega, data.k)
+            if falls > SETTLES:
+                cause = (
+                    "the motion had probably not settled: the variance of the difference between its periods "
+                    f"falls by a factor of {falls:.3g} during the record, as near a period doubling, where this "
+                    "takes many load cycles; identify its last part, or a record that begins later"
+                )
         texts.append(
-            f"misfit of {found.misfits[i]:.3g}: the motion does not describe the record to its scatter: the "
-            "pattern or a known value may be wrong, or the rig changed during the record; the errors are "
-            "multiplied by the square root of the misfit"
+            f"misfit of {found.misfits[i]:.3g}: the motion does not describe the record to within its scatter; "
+            f"{cause}; the errors are multiplied by the square root of the misfit"
         )
     if step.free is not None and step.free.misfit > DOUBTFUL:
         texts.append(
@@ -321,8 +436,8 @@ def doubts_of(
         if more > LEAST_GAIN:
             texts.append(
                 f"flights alone describe the record, but the motion adds {more:.3g} to their sum of squares of "
-                f"{step.free.square:.4g}: a known m, d or coefficient of restitution, or the law, may be wrong, "
-                "or an impact is missing"
+                f"{step.free.square:.4g}: a known free mass, clearance or coefficient of restitution, or the law, "
+                "may be wrong, or an impact is missing"
             )
     if data is not None and step.record is not None:
         place_of = unexplained(step.news(data.k), data.Omega, data.k, data.angles)
@@ -330,7 +445,7 @@ def doubts_of(
             late = (place_of - data.angles[0]) % (2 * math.pi * data.k) / data.Omega
             texts.append(
                 f"{late * 1e3:.3g} ms after impact 1 of the motion ({data.pattern.symbols[0]}) the record changes "
-                "as abruptly as at an impact, but the motion has no impact there: it may have more impacts"
+                "as abruptly as at an impact, but the motion has no impact there: the pattern may lack an impact"
             )
     if data is not None and away.max() > FAR:
         place = int(away.argmax())
@@ -349,7 +464,7 @@ def growth_of_load(step: Step) -> str:
         return ""
     return (
         f"the load {'grows' if step.growth > 0 else 'falls'} by {100 * share:.2g} % during the record "
-        f"({size:.2g} standard errors from none)"
+        f"({size:.2g} standard errors from zero)"
     )
 
 
@@ -366,7 +481,7 @@ def drifts_of(step: Step, found: Fit) -> list[str]:
     texts: list[tuple[float, str]] = []
     grown = growth_of_load(step)
     if grown and not borne(step):
-        texts.append((abs(step.growth_size), f"{grown}, but is taken as constant"))
+        texts.append((abs(step.growth_size), f"{grown}, but is assumed to be constant"))
     # a change of one wall looks like half that change of both
     walls = [name for name in found.drifts if name.startswith("drift")]
     worst = [max(walls, key=lambda name: abs(found.drifts[name].size))] if walls else []
@@ -383,14 +498,14 @@ def drifts_of(step: Step, found: Fit) -> list[str]:
             by = f"{'grow' if change > 0 else 'fall'} by {share}"
         texts.append((
             abs(size),
-            f"{DRIFTS[name]} to {by} during the record ({abs(size):.2g} standard errors from none), which the "
-            "errors do not contain: identify parts of the record by themselves",
+            f"{DRIFTS[name]} to {by} during the record ({abs(size):.2g} standard errors from zero), which the "
+            "errors do not contain: identify parts of the record separately",
         ))  # fmt: skip
     return [text for _, text in sorted(texts, reverse=True)]
 
 
 def is_strained(found: Fit, name: str) -> bool:
-    """Whether the records contradict a value that was not fitted: clearly, or so that it misleads the errors."""
+    """Whether the records contradict a value that was not fitted: clearly, or enough to make the errors wrong."""
     size, change = found.strains[name]
     if abs(size) > STRAINED or abs(size) <= LEANING:
         return abs(size) > STRAINED
@@ -417,7 +532,7 @@ def unstated(found: Fit, Omega: float) -> list[str]:
             step = unexcluded(found)
             what = f"there were friction of {step:.2g} F0 in the slot, which the record does not exclude"
             if step >= TYPICAL_FRICTION:
-                what += " (in proportion for more)"
+                what += " (the effect grows in proportion to the friction)"
         elif kind == "omega":
             step, what = 0.005 * found.values[name], "K/M (or omega^2) as known were 1 % larger"
         else:
@@ -430,7 +545,9 @@ def unstated(found: Fit, Omega: float) -> list[str]:
         ]  # fmt: skip
         if changes:
             texts.append(f"not in the errors: if {what}, {', '.join(changes)}")
-    if found.closer > 2 * errors.get("d", math.inf) and "d" not in found.undetermined:
+    # independent of the effect on R, d is not the distance between the walls
+    error = errors.get("d", math.inf) * math.sqrt(1 - min(found.of_speed.get("d", 0.0), 1.0))
+    if found.closer > 2 * error and "d" not in found.undetermined:
         texts.append(
             f"not in the errors: d is the travel between the centres of the impacts; if contacts last as long as "
             f"their pulses, {found.contact * 1e3:.2g} ms, the walls are {amount(found.closer, 'd')} closer"
@@ -458,6 +575,8 @@ def add_samples(
     none = np.full(t.size, math.nan)
     load = record.load[here] if record.load is not None else none
     load_fit = step.load.at(t) if step.load is not None else none
+    if step.apart is not None and step.apart.forced is not None:
+        load_fit = step.apart.forced.F0 * step.apart.forced.load[here]
     values = getattr(record, step.quantity)[here]
     motion_fit = none
     if found is not None and step.data is not None and step.free is not None:

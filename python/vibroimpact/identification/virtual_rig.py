@@ -76,15 +76,15 @@ class VirtualRig:
     calibration : float
         Relative standard deviation of the gains of both sensors, drawn once for each record.
     contact : float, optional
-        Duration of an impact, s: its force on the primary mass is a half sine whose area is the jump of momentum,
-        from the instant of the impact on; 0 is an impulse. By default it is 0.6 ms, or a fiftieth of a load cycle
-        if that is shorter.
+        Duration of an impact, s: its force on the primary mass is a half sine that begins at the instant of the
+        impact and whose area is the jump of momentum; 0 is an impulse. By default it is 0.6 ms, or a fiftieth of a
+        load cycle if that is shorter.
     offset : float, optional
         Reading of the motion sensor at rest, in its unit; by default 9.80665 m/s^2 (gravity) for an accelerometer,
         and 0 otherwise.
     known_bandwidth : bool
         Whether records state the bandwidth of their sensors, and that these have no other delay. By default they
-        do not, like most measured records, so that `identify` does not know the delay between the channels either.
+        do not, like most measured records, so that the delay between the channels is also unknown.
     friction : float or str
         Dry friction of the free mass in its slot, as a fraction of F0, or a force such as "0.3 N".
 

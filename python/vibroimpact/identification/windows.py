@@ -15,24 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.errors import SingularError
-from .flights import (
-    DECAYS,
-    LEAST_DAMPED,
-    LEAST_GAIN,
-    LOWEST,
-    MARGIN,
-    MOST_DAMPED,
-    MOST_MODES,
-    Measured,
-    duration,
-    of_forces,
-    of_load,
-    pulse_frequencies,
-    turns_of,
-)
+from .contact import duration, pulses_of
+from .flights import DECAYS, LEAST_DAMPED, LEAST_GAIN, LOWEST, MARGIN, MOST_DAMPED, MOST_MODES
+from .forced import STEP, Forced
 from .known import HINT
 from .signals import spikes
 from .slips import Slips
+from .waves import Measured, Ringing, of_load, turns_of
 
 _Array = NDArray[np.float64]
 _Bool = NDArray[np.bool_]
@@ -66,8 +55,8 @@ LEAST_BINS = 12
 CLIPPED = 50.0
 #: Time about a reversal of slip (s) within which a filter of the sensor may smooth the step of the force.
 SMOOTHED = 1.5e-3
-#: Step for derivatives along the imaginary axis.
-STEP = 1e-30
+#: Samples whose responses to the noise of a load are computed at once.
+PART = 1024
 #: Samples of a flight over which noise is summed, and the variance ratio above which residuals are not noise.
 WIDE, UNEXPLAINED = 24, 10.0
 
@@ -102,6 +91,9 @@ class Flown(NamedTuple):
     early: float
     #: Of linear changes of the common parameters during the record: slope, weight, and cross terms with these.
     trends: tuple[_Array, _Array, _Array]
+    #: Of the independent parts of the noise of a load of any form: frequencies, complex amplitudes, and changes of
+    #: the states of flights (N + 1, 2, parts).
+    further: tuple[_Array, NDArray[np.complex128], _Array] | None = None
 
 
 class Windows:
@@ -139,8 +131,8 @@ class Windows:
         self.complete = True
 
     def rub(self, friction: float, slips: Slips, static: float, same: bool = False) -> None:
-        """Take the response to a friction out of the record, and samples about reversals of the slip out of use,
-        unless the used samples are to stay the same; to be followed by `cut`, as in `run` and `without`."""
+        """Subtract the response to friction from the record, and exclude samples near reversals of the slip unless
+        the used samples must stay the same; call `cut` afterwards, as in `run` and `without`."""
         self.friction, self.slips, self.static = friction, slips, static
         self.values = self.recorded - self.aside(self.t)
         if same:
@@ -229,7 +221,10 @@ class Windows:
             set_wave(rows, j, wave)
             wave *= since if j else since + self.data.order / pole
             set_wave(rows, q + j, wave)
-        load = of_load(self.data, self.data.order, omega, xi, static, phase) @ self.turns_used
+        if self.data.forced is not None:
+            load = self.data.forced.rows(self.data.order, omega, xi, static, phase)[:, self.used]
+        else:
+            load = of_load(self.data, self.data.order, omega, xi, static, phase) @ self.turns_used
         rows[-6:-2], rows[-2] = load[1:], 1.0
         rows[-1] = self.values_used - load[0] - offset
         return rows
@@ -544,7 +539,7 @@ class Windows:
         return both[0], both[1], both[2]
 
     def crowded(self, states: _Array) -> _Bool:
-        """Impacts whose pulse, relative to the jump, differs from that of the others, so that another impact is
+        """Impacts whose pulse, relative to the jump, differs from that of the others, because another impact is
         hidden in it.
 
         No flight shows such a hidden impact. It would change the equations of its neighbours by less than their
@@ -588,7 +583,7 @@ class Windows:
     def contact(self, flown: Flown) -> float:
         """The duration of the contacts (s), from the pulses of resolved impacts that are not close to others, or
         else at most as long as the pulses."""
-        data, w = self.data, np.append(0.0, pulse_frequencies(self.data))
+        data = self.data
         apart = np.diff(flown.times, prepend=-math.inf, append=math.inf)
         gaps, pulse = np.minimum(apart[:-1], apart[1:]), self.before + self.after
         alone = flown.resolved & (gaps > 2 * pulse)
@@ -612,22 +607,30 @@ class Windows:
         rest -= (L * self.states[flight]).sum(axis=1)
         jumps = flown.jumps[alone]
         place = np.searchsorted(np.flatnonzero(alone), impact)
-        waves = np.exp(-1j * np.outer(w, off)) * rest * self.step
-        real, imaginary = (
-            np.stack([np.bincount(place, wave, jumps.size) for wave in part], axis=-1)
-            for part in (waves.real, waves.imag)
-        )
-        each = of_forces(data, real + 1j * imaginary, jumps[:, None])
-        square = float(jumps @ jumps)
-        spectrum = jumps @ each / square
-        size = max(abs(spectrum[0]), 1e-300)
-        unlike = each[:, 1:] - np.outer(each[:, 0], spectrum[1:] / size)
-        return duration(data, spectrum, np.sqrt(jumps**2 @ abs(unlike) ** 2) / square / size)
+        modes = self.begun(flown.times, np.flatnonzero(alone))
+        width = np.full(place.size, self.step)
+        forces, errors, modes = pulses_of(data, jumps, modes, place, off, rest, width, self.noise)
+        return min(duration(data, forces, errors, jumps, modes), pulse)
+
+    def begun(self, times: _Array, impacts: NDArray[np.int64]) -> list[Ringing]:
+        """The ringing that begins at impacts of given numbers, at times (N) of all impacts."""
+        modes = []
+        for j, pole in enumerate(self.poles(self.common)[1:], 1):
+            size = self.states[:, 2 * j] + 1j * self.states[:, 2 * j + 1]
+            before, after = (
+                size[impacts + i] * np.exp(pole * (times[impacts] - self.begins[impacts + i]))
+                for i in (0, 1)
+            )
+            modes.append(Ringing(pole, after - np.where(self.flies[impacts], before, 0.0)))
+        return modes
 
     def loaded(self, t: _Array) -> _Array:
         """The motion under the load alone, with the offset."""
-        turns = turns_of(self.data, self.data.Omega * t)
         omega, xi, static, phase, offset = self.common[:5].tolist()
+        if self.data.forced is not None:
+            here = self.data.forced.at(omega, xi, static, phase, t, self.data.order)[0]
+            return np.asarray(here + offset, dtype=np.float64)
+        turns = turns_of(self.data, self.data.Omega * t)
         load = of_load(self.data, self.data.order, omega, xi, static, phase) @ turns
         loaded: _Array = load[0] + offset
         return loaded
@@ -662,11 +665,12 @@ class Windows:
         self.before = max(min(self.ahead, 1e-3) + 2 * self.step, SHRINK * self.before)
 
     @np.errstate(all="ignore")  # where flights do not exist or do not meet
-    def events(self, states: Any, common: Any, times: Any) -> Any:
+    def events(self, states: Any, common: Any, times: Any, data: Measured | None = None) -> Any:
         """The points where flights meet: times, displacements, velocities before and after (4, ..., N).
 
         All arguments may have a small imaginary part. `states` is (..., N + 1, 2); the times are those about which
-        the crossing of the flights is linearized. Responses to friction are not included.
+        the crossing of the flights is linearized. Responses to friction are not included. The load may be that of
+        other `data`.
         """
         omega, xi, static, phase = (common[..., None, i] for i in range(4))
         decay, rate = xi * omega, omega * np.sqrt(1 - xi**2)
@@ -685,7 +689,7 @@ class Windows:
         t = times - (both[1][0] - both[0][0]) / slope
         X, V = free(before, self.begins[:-1], t)
         V_after = free(after, self.begins[1:], t)[1]
-        load, speed = under_load(self.data, omega, xi, static, phase, t)
+        load, speed = under_load(data or self.data, omega, xi, static, phase, t)
         return np.stack([t, X + load, V + speed, V_after + speed])
 
     @np.errstate(all="ignore")  # where flights do not exist or do not meet
@@ -803,6 +807,9 @@ class Windows:
         W, slope = self.with_priors(weights, slope, self.common)
         free = self.free()
         self.states = states
+        trends, further = self.trends(states, inverse, left), None
+        if self.data.forced is not None:
+            further, W, slope, trends = self.with_noise(self.data.forced, now, W, slope, trends)
         colour = self.colour(left)
         if self.complete and colour > UNEXPLAINED:
             raise SingularError(
@@ -812,18 +819,66 @@ class Windows:
         return Flown(
             t, jumps, resolved, states[:, :2], inverse[:, :2, :2] * self.noise**2, turned[:, :2, free],
             self.common, free, W[np.ix_(free, free)], self.noise, colour,
-            np.setdiff1d([0, 1], free), turned[:, :2], W, slope, self.early_share(left),
-            self.trends(states, inverse, left),
+            np.setdiff1d([0, 1], free), turned[:, :2], W, slope, self.early_share(left), trends,
+            further,
         )  # fmt: skip
 
+    def with_noise(
+        self, forced: Forced, now: tuple[Any, ...], W: _Array, slope: _Array,
+        trends: tuple[_Array, _Array, _Array],
+    ) -> tuple[Any, ...]:  # fmt: skip
+        """The independent parts of the noise in the channel of a load of any form, with what each changes in the
+        states of flights; and the equations for the common parameters and for their trends with this noise."""
+        states, inverse = now[:2]
+        omega, xi, static = self.common[:3].tolist()
+        rows, q = self.basis(self.common), 2 + 2 * self.modes
+        by = self.by_common(self.common, states)
+        w, sizes = forced.of_noise(omega)
+        change = np.zeros((self.begins.size, q, w.size))
+        of_common, of_trends = np.zeros((2, self.common.size, w.size))
+        # the turns of consecutive samples
+        turns = np.exp(1j * self.step * np.outer(np.arange(PART), w[::2]))
+        each = static * forced.responses(w[::2], sizes[::2], self.data.order, omega, xi)
+        for i, a, b in zip(self.own.tolist(), *self.edges.tolist(), strict=True):
+            # products of the rows with the responses, and with the waves; and the same, times the time
+            products = np.zeros((2, rows.shape[0] - 1, w.size + q))
+            for begin in range(a, b, PART):
+                part = slice(begin, min(begin + PART, b))
+                t, place = self.t[self.used[part]], self.count[part] - self.count[begin]
+                here = each * np.exp(1j * w[::2] * t[0])
+                turned = (
+                    turns[place] if place[-1] < PART else np.exp(1j * np.outer(t - t[0], w[::2]))
+                )
+                wave = here * turned
+                both = np.empty((t.size, w.size + q))
+                both[:, : w.size : 2], both[:, 1 : w.size : 2] = wave.real, -wave.imag
+                both[:, w.size :] = rows[:q, part].T
+                products[0] += rows[:-1, part] @ both
+                products[1] += rows[:-1, part] @ (both * t[:, None])
+            change[i] = -inverse[i] @ products[0, :q, : w.size]
+            if self.trusted[i]:
+                left = products[..., : w.size] + products[..., w.size :] @ change[i]
+                of_common += by[i].T @ left[0]
+                of_trends += by[i].T @ left[1] / np.ptp(self.t)
+        # the step to the common parameters stays the same; values that are not free do not absorb the noise
+        own, free = of_common / self.noise**2, np.ix_(self.free(), self.free())
+        noisy, plain = W + own @ own.T, W[free]
+        share = np.linalg.solve(noisy, W).T
+        W = share @ W
+        W[free] = plain @ np.linalg.solve(noisy[free], plain)
+        moving, weight, shared = trends
+        less = weight / (weight + ((of_trends / self.noise**2) ** 2).sum(axis=1) + 1e-300)
+        trends = moving * less, weight * less, shared * less[:, None]
+        return (w, sizes, change[:, :2]), 0.5 * (W + W.T), share @ slope, trends
+
     def hindered(self) -> str:
-        """Why impacts are not resolved, the commonest reason first, and what would help with it."""
+        """Why impacts are not resolved, the most common reason first, and what would help."""
         pulse = 1e3 * (self.before + self.after)
         reasons = (
-            "beside a flight that no state describes, in which an impact may be hidden"
+            "next to a flight that does not fit the samples, in which an impact may be hidden"
             + ", or one whose slip is unknown" * (self.slips is not None),
-            f"beside a flight with too few samples outside of the pulses, which last {pulse:.2g} ms",
-            f"with a jump of the velocity below {CLEAR:g} standard errors",
+            f"next to a flight with too few samples outside the pulses, which last {pulse:.2g} ms",
+            f"with a velocity jump below {CLEAR:g} standard errors",
             "at a time that the flights do not determine",
             "with a pulse unlike the others, which may hide another impact",
         )
@@ -838,7 +893,7 @@ class Windows:
         if not order:
             return "a longer record would help"
         each = ", ".join(f"{self.lost[i]} {reasons[i]}" for i in order)
-        return f"not resolved are {each}; what would help most: {helps[order[0]]}"
+        return f"unresolved impacts: {each}; what would help most: {helps[order[0]]}"
 
     def early_share(self, left: _Array) -> float:
         """Variance of the residuals in the first quarters of flights over that in their second halves: 1 within
@@ -945,8 +1000,8 @@ def unfound_ringing(early: float) -> str:
     if early < RINGS:
         return ""
     return (
-        f"just after impacts the flights leave {early:.2g} times the variance that they leave later: something "
-        "rings that is not found as a mode; a higher sampling rate, or a known bandwidth, would help"
+        f"the variance of the residuals of the flights is {early:.2g} times as large just after impacts as later: "
+        "ringing was not detected as a mode; a higher sampling rate, or a known bandwidth, would help"
     )
 
 
@@ -966,6 +1021,8 @@ def under_load(
     data: Measured, omega: Any, xi: Any, static: Any, phase: Any, t: Any
 ) -> tuple[Any, Any]:
     """Displacement and velocity of the steady motion under the load; all arguments may have an imaginary part."""
+    if data.forced is not None:
+        return data.forced.at(omega, xi, static, phase, t)
     X, V = 0.0, 0.0
     for n, shape in zip(data.orders.tolist(), data.shape.tolist(), strict=True):
         w = n * data.Omega

@@ -70,7 +70,7 @@ def samples(found: Identification, record: int, *names: str) -> list[Any]:
 
 
 def walls(ax: Any, found: Identification, record: int, t: Any) -> None:
-    """Lines at the picked impacts within some times, in the colour of their wall."""
+    """Lines at the detected impacts within some times, in the colour of their wall."""
     times, sides = found._of(record, "picks", "time"), found._of(record, "picks", "side")
     if not t.size:
         return
@@ -87,6 +87,12 @@ def walls(ax: Any, found: Identification, record: int, t: Any) -> None:
             )
 
 
+def of_any_form(found: Identification, record: int) -> bool:
+    """Whether the load of a record is used as recorded, since it is not a sine: then it has no phase."""
+    fit = samples(found, record, "load_fit")[0]
+    return math.isnan(found._one("load_phase", record)) and bool(np.isfinite(fit).any())
+
+
 def draw_load(ax: Any, found: Identification, record: int) -> None:
     """The load and its fit."""
     t, load, load_fit = samples(found, record, "time", "load", "load_fit")
@@ -97,7 +103,7 @@ def draw_load(ax: Any, found: Identification, record: int) -> None:
         color=style.LOAD,
         lw=0.7,
         ls="--",
-        label=f"fit, {found._one('frequency', record):.6g} Hz",
+        label=f"{'used, mean' if of_any_form(found, record) else 'fit,'} {found._one('frequency', record):.6g} Hz",
     )
     ax.set_ylabel("load (N)")
     ax.set_xlabel("$t$ (s)")
@@ -105,7 +111,7 @@ def draw_load(ax: Any, found: Identification, record: int) -> None:
 
 
 def draw_record(ax: Any, found: Identification, record: int) -> None:
-    """The motion as recorded, with the picked impacts."""
+    """The motion as recorded, with the detected impacts."""
     t, motion = samples(found, record, "time", "motion")
     ax.plot(t, motion, color=style.PRIMARY, lw=0.7, label=found._one("quantity", record))
     walls(ax, found, record, t)
@@ -115,7 +121,7 @@ def draw_record(ax: Any, found: Identification, record: int) -> None:
 
 
 def draw_impacts(ax: Any, found: Identification, record: int) -> None:
-    """Load phases of all picked impacts, and the phases of the pattern."""
+    """Load phases of all detected impacts, and the phases of the pattern."""
     times, sides = found._of(record, "picks", "time"), found._of(record, "picks", "side")
     frequency, phase = found._one("frequency", record), found._one("load_phase", record)
     t = found._of(record, "samples", "time")
@@ -134,7 +140,8 @@ def draw_impacts(ax: Any, found: Identification, record: int) -> None:
         for angle, side in zip(fitted, walls_of, strict=True):
             ax.axhline(angle / (2 * math.pi) % 1, color=WALLS[side], lw=0.7, zorder=0)
     ax.set_ylim(-0.05, 1.05)  # marks of phases at both ends are not clipped
-    ax.set_ylabel("load phase/2$\\pi$")
+    any_form = of_any_form(found, record)
+    ax.set_ylabel("$ft$ mod 1" if any_form else "load phase/2$\\pi$")
     ax.set_xlabel("$t$ (s), whole record")
     legend(ax)
 

@@ -33,7 +33,7 @@ module vi_identify_study
       takes='one letter R or L for each of the impact_times', meaning='walls of the impacts'), &
       key_type('frequency', low=tiny_value, high=huge_value, may_miss=.true., &
       unit='Hz', &
-      meaning='load frequency; by default that of the load, or of the motion without a load'), &
+      meaning='load frequency; by default that of the load channel, or else of the motion'), &
       key_type('load_phase', only=with_times, may_miss=.true., unit='rad', &
       meaning='phase of the load at time 0, if it is known'), &
       key_type('channels', a_word, most=64, words=channel_words, never=with_times, &
@@ -66,16 +66,16 @@ module vi_identify_study
       key_type('mass', most=2, low=tiny_value, high=huge_value, may_miss=.true., &
       unit='kg', &
       takes='one number from 1e-12'//or_two, &
-      meaning='M, if it is known, and its standard error'), &
+      meaning='primary mass M, if it is known, and its standard error'), &
       key_type('stiffness', most=2, low=tiny_value, high=huge_value, may_miss=.true., &
       unit='N/m', takes='one number from 1e-12'//or_two, &
-      meaning='K, if it is known, and its standard error'), &
+      meaning='stiffness K, if it is known, and its standard error'), &
       key_type('damping', most=2, low=0.0_wp, high=huge_value, may_miss=.true., unit='N s/m', &
       takes='one number from 0'//or_two, &
-      meaning='C, if it is known, and its standard error'), &
+      meaning='damping coefficient C, if it is known, and its standard error'), &
       key_type('free_mass', most=2, low=tiny_value, high=huge_value, may_miss=.true., unit='kg', &
       takes='one number from 1e-12'//or_two, &
-      meaning='m, if it is known, and its standard error'), &
+      meaning='free mass m, if it is known, and its standard error'), &
       key_type('clearance', most=2, low=tiny_value, high=huge_value, may_miss=.true., &
       unit='m', takes='one number from 1e-12'//or_two, &
       meaning='d, the whole travel of m between the walls, if it is known, and its &
@@ -87,30 +87,31 @@ module vi_identify_study
       key_type('load_amplitude', most=2, low=tiny_value, high=huge_value, may_miss=.true., &
       unit='N', &
       takes='one number from 1e-12'//or_two, &
-      meaning='F0, if it is known, and its standard error; by default that of the load'), &
+      meaning='load amplitude F0, if it is known, and its standard error; by default that of the &
+      &load channel'), &
       key_type('fixed', a_word, most=4, words='xi mu R1 R2', may_miss=.true., &
       takes='some of ''xi'', ''mu'', ''R1'' and ''R2''', &
-      meaning='parameters of &system that are known; the others are where the fit starts'), &
+      meaning='parameters of &system that are known; the others are starting values of the fit'), &
       key_type('law', a_word, default='''constant''', &
       words='constant power powers knee knees table tables', &
       meaning='restitution at approach speed v: constant, R (v/v0)^-p, with a knee, or a table; &
       &plural: one for each wall'), &
       key_type('law_speed', low=tiny_value, high=huge_value, never='law=constant', &
-      may_miss=.true., unit='m/s', meaning='v0, at which R1 and R2 hold; by default the &
+      may_miss=.true., unit='m/s', meaning='speed v0 to which R1 and R2 apply; by default the &
       &geometric mean of the speeds of all impacts'), &
       key_type('law_exponent', low=-10.0_wp, high=10.0_wp, least=1, most=2, never='law=constant', &
       may_miss=.true., takes='one number, or two if each wall has its own', &
-      meaning='exponent p, if it is known; one, or of the right and of the left wall'), &
+      meaning='exponent p, if it is known; one, or one for the right and one for the left wall'), &
       key_type('law_knee', low=tiny_value, high=huge_value, least=1, most=2, never='law=constant', &
       may_miss=.true., unit='m/s', takes='one speed, or two with law = ''knees''', &
-      meaning='speed at which the power law begins, if it is known; one, or of the right and of &
-      &the left wall'), &
+      meaning='speed at which the power law begins, if it is known; one, or one for the right and &
+      &one for the left wall'), &
       key_type('law_knots', a_whole, low=2.0_wp, high=20.0_wp, may_miss=.true., &
       meaning='number of knots of a table, between the speeds of the impacts; by default 3'), &
       key_type('friction', a_word, never=with_times, may_miss=.true., &
       takes='''fit'', a fraction of F0 such as ''0.01'', or a force such as ''0.3 N''', &
-      meaning='dry friction of the free mass in its slot, known or fitted; by default there is &
-      &none, which is tested')]
+      meaning='dry friction of the free mass in its slot, known or fitted; by default none is &
+      &assumed, and this is tested')]
 
    type(column_type), parameter :: identify_columns(*) = [ &
       column_type('parameters', 'name', words, meaning='the parameter'), &
