@@ -51,7 +51,13 @@ def test_results_do_not_depend_on_the_number_of_threads():
     assert repr(vi.design(OSC, threads=1, **kwargs)) == repr(vi.design(OSC, threads=3, **kwargs))
 
 
-def test_the_search_is_as_good_as_brute_force():
+@pytest.fixture
+def unchecked(monkeypatch):
+    """Designs whose searches are not repeated with more units: levels refer to the units asked for."""
+    monkeypatch.setattr(confirmation, "refuted", lambda *_: "")
+
+
+def test_the_search_is_as_good_as_brute_force(unchecked):
     """On a grid of clearances, judged by the study `response`, no clearance is better by more than 1 %."""
     band = (1.0, 1.03)
     found = vi.design(
@@ -111,17 +117,17 @@ ROUGH_JOB = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("job", JOBS)
-def test_ten_designs_are_as_good_as_brute_force(job, runs_of_outcomes):
+def test_ten_designs_are_as_good_as_brute_force(job, runs_of_outcomes, unchecked, share):
     """Every seed gives the same level within 2 %, no point of a fine grid of the free parameters is better by more
     than 2 %, and it takes few runs."""
     osc, options = JOBS[job]
     runs_of_outcomes.clear()
     many = [
         vi.design(osc, rng=seed, **{"settling": 120, "keep": 16, "samples": 0, **options})
-        for seed in range(4)
+        for seed in range(max(2, share(4)))
     ]
     # the rig takes up to 330,000
-    assert sum(runs_of_outcomes) < 4 * 400_000
+    assert sum(runs_of_outcomes) < len(many) * 400_000
     levels = [found.level for found in many]
     assert max(levels) <= 1.02 * min(levels)
     assert all(found.converged for found in many)
@@ -137,8 +143,33 @@ def test_ten_designs_are_as_good_as_brute_force(job, runs_of_outcomes):
         assert all(other_level(pool, one, limit) > limit for one in lucky)
 
 
+@pytest.mark.slow
+def test_other_samples_do_not_contradict_a_level_that_has_converged(share):
+    """Of samples of another seed at most 1 % are more than 2 % above the level, within the errors of both shares.
+
+    Seeds that converge give the same level within 2 %.
+    """
+    # the searches of the first ones must be repeated with more units
+    jobs = sorted(JOBS, key=lambda job: job not in ("tolerances", "wide band"))
+    for job in jobs[: share(len(JOBS))]:
+        osc, options = JOBS[job]
+        many = [
+            vi.design(osc, rng=seed, **{"settling": 120, "keep": 16, "samples": 0, **options})
+            for seed in range(max(1, share(4)))
+        ]
+        for found in many:
+            assert (found.converged is False) == ("not converged" in found.verdict)
+            assert not (found.converged and found.contradicted)
+            good = found.confirm(10_000, rng=7).probability
+            assert found.contradicted or good > 0.99 - 3 * math.sqrt(2 * 0.01 * 0.99 / 10_000)
+        # the check does not contradict every level
+        assert job != "wide band" or any(found.contradicted is False for found in many)
+        levels = [found.level for found in many if found.converged]
+        assert not levels or max(levels) <= 1.02 * min(levels)
+
+
 @pytest.mark.parametrize("job", ["clearance and mass", "rig"])
-def test_candidates_do_not_win_by_luck(job):
+def test_candidates_do_not_win_by_luck(job, unchecked):
     """At the level found no unit of a design without tolerances has a bad attractor with a noticeable share, from
     initial states that the search does not know.
 
@@ -540,8 +571,8 @@ def test_a_design_is_converted_to_physical_units(tmp_path):
 ])  # fmt: skip
 def test_any_seed_gives_the_level_or_says_that_it_has_not_converged(job):
     """Each seed draws its own candidates; levels of searches that converged differ by at most 2 %."""
-    found = [vi.design(OSC, rng=seed, **{**QUICK, **job}) for seed in (0, 1, 2)]
-    assert len({one.candidates.tobytes() for one in found}) == 3
+    found = [vi.design(OSC, rng=seed, **{**QUICK, **job}) for seed in (0, 1)]
+    assert found[0].candidates.tobytes() != found[1].candidates.tobytes()
     levels = [one.level for one in found if one.converged]
     assert all(one.converged in (True, False) for one in found)
     assert not levels or max(levels) - min(levels) <= 0.02 * min(levels)
@@ -684,7 +715,8 @@ def test_ctrl_c_keeps_the_best_design(monkeypatch):
     assert f"interrupted with {len(found.candidates)} candidates judged" in repr(found)
 
 
-def test_ctrl_c_in_a_search_with_more_units_keeps_the_last_one(monkeypatch):
+@pytest.mark.parametrize("what", ["level", "limits"])
+def test_ctrl_c_in_a_search_with_more_units_keeps_the_last_one(monkeypatch, what):
     """Of the searches with more units, the last set that judged a candidate counts."""
     sets = []
 
@@ -695,7 +727,7 @@ def test_ctrl_c_in_a_search_with_more_units_keeps_the_last_one(monkeypatch):
         return sets[0]
 
     monkeypatch.setattr(confirmation, "search", interrupted)
-    monkeypatch.setattr(confirmation, "holds", lambda *_: False)
+    monkeypatch.setattr(confirmation, "refuted", lambda *_: what)
     job = {"r": (1.0, 1.02), "free": {"clearance": (20, 45)}, "limit": 2.0, "searches": 1}
     with pytest.raises(vi.StudyInterrupted) as caught:
         vi.design(OSC, **{**QUICK, **job, "samples": 1000})
@@ -703,4 +735,5 @@ def test_ctrl_c_in_a_search_with_more_units_keeps_the_last_one(monkeypatch):
     assert found.level == sets[0].level[sets[0].best]
     assert max(found.tried["runs"]) == max(sets[0].runs)
     assert not found.complete
-    assert "samples contradict the level" in repr(found)
+    assert f"samples contradict the {what}" in repr(found)
+    assert found.contradicted is (True if what == "level" else None)

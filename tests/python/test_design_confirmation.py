@@ -1,14 +1,19 @@
 """Shares of units that meet a limit, and their intervals, compared with binomial laws, known shares and basins."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import vibroimpact as vi
 from scipy import stats
 from shared_design import FEW, GOOD, OSC, QUICK
+from vibroimpact.designs import confirmation
+from vibroimpact.designs import search as designs_search
+from vibroimpact.designs.confirmation import confirmed
 from vibroimpact.designs.design import asked_by
-from vibroimpact.designs.problem import OscillatorHost, Problem
+from vibroimpact.designs.order import Order
+from vibroimpact.designs.problem import OscillatorHost, Outcome, Problem
 from vibroimpact.systems.distribution import interval, uncertain
 
 
@@ -108,7 +113,7 @@ def test_over_basins_each_attractor_counts_by_its_share():
         "free": {"clearance": (clearance - 1e-6, clearance + 1e-6)},
         "limit": limit,
     } | FEW
-    kwargs |= {"specimens": 1, "evaluations": 8, "samples": many}
+    kwargs |= {"specimens": 1, "evaluations": 8, "searches": 1, "samples": many}
     for over, states, expected in (
         ("basins", 3, share),
         ("worst", 1, share),
@@ -132,3 +137,176 @@ def test_a_later_confirmation_is_the_same():
     at_once = vi.design(OSC, **kwargs | {"samples": 100})
     later = vi.design(OSC, **kwargs | {"samples": 0}).confirm(100, rng=4)
     assert repr(later) == repr(at_once)
+
+
+#: Near these clearances most units between the frequencies of a search are far above its level.
+BETWEEN = {
+    "r": (1.0, 1.03), "free": {"clearance": (39.28, 39.3)}, "searches": 1,
+    **QUICK, "specimens": 1, "nodes": 7, "evaluations": 8,
+}  # fmt: skip
+
+
+def test_searches_whose_level_samples_contradict_are_repeated(monkeypatch):
+    """Samples of another seed confirm the level of the repeated searches; if none does, the verdict says so."""
+    found = vi.design(OSC, **BETWEEN)
+    assert found.contradicted is False
+    assert found.converged is None  # a single search
+    # within three standard errors of two shares
+    assert found.confirm(5000, rng=7).probability > 0.99 - 3 * math.sqrt(2 * 0.01 / 5000)
+    with monkeypatch.context() as patch:
+        patch.setattr(confirmation, "refuted", lambda *_: "")
+        first = vi.design(OSC, **BETWEEN)
+        assert first.confirm(1000, rng=7).probability < 0.95
+        assert first.level < found.level
+        patch.setattr(confirmation, "refuted", lambda *_: "level")
+        never = vi.design(OSC, **BETWEEN)
+    assert never.contradicted
+    assert never.converged is False
+    verdict = "; not converged: samples contradict the search; more nodes or states would help"
+    assert verdict in never.verdict
+
+
+@pytest.fixture
+def short(monkeypatch):
+    """Searches of few steps, with few runs from other initial states."""
+    for name, number in (("STEPS", 1), ("TURNS", 0), ("VERIFIED", 400)):
+        monkeypatch.setattr(designs_search, name, number)
+
+
+#: Searches of few load cycles.
+BRIEF = BETWEEN | {"nodes": 2, "settling": 20, "keep": 4}
+
+
+def test_repeated_searches_judge_candidates_by_the_previous_runs_and_others(monkeypatch, short):
+    """No unit, frequency or initial state is dropped: with fewer states, more attractors would not count. All
+    searches but the first of a repeated set start from points of their own."""
+    grids = []
+
+    def search_again(problem, order, progress, earlier):
+        found = designs_search.search(problem, order, progress, earlier)
+        grids.extend(each.grid for each in (earlier, found))
+        return found
+
+    def start(*args):
+        starts.append(even_start(*args))
+        return starts[-1]
+
+    starts, even_start = [], designs_search._even_start
+    monkeypatch.setattr(designs_search, "_even_start", start)
+    monkeypatch.setattr(confirmation, "search", search_again)
+    monkeypatch.setattr(confirmation, "refuted", lambda *_: "level")
+    for units, options in (1, {}), (2, {"tolerance": {"xi": (0.011, 0.012)}, "specimens": 2}):
+        grids.clear()
+        starts.clear()
+        vi.design(OSC, **{**BRIEF, "searches": 2, **options})
+        assert len(grids) == 4
+        for one, more in zip(grids[::2], grids[1::2], strict=True):
+            assert set(one.nodes) < set(more.nodes)
+            np.testing.assert_array_equal(more.shares[:, : one.shares.shape[1]], one.shares)
+            np.testing.assert_array_equal(more.places, one.places)
+        # two searches, and one in each repeated set, start from different points beside the centre
+        assert len({float(each[1, 0]) for each in starts}) == len(starts) == 4
+        assert grids[0].places.shape[1] > 2
+        assert (units > 1) == (grids[-1].shares.shape[1] == 4 * units)
+
+
+@pytest.mark.parametrize(("share", "good"), [(0.002, True), (0.02, False)])
+def test_a_check_allows_the_share_of_a_quantile(share, good):
+    """Of 10,000 samples 1 % may be more than 2 % above the level, wherever they are."""
+
+    class Known:
+        def outcome(self, values, r, load, places, progress, note):
+            # the same share of the units in every part of the band
+            return Outcome(np.where(values["xi"] > 1 - share, 1.03, 1.01), np.zeros(r.shape))
+
+    problem = Problem(
+        Known(), {"a": (0.0, 1.0)}, {"xi": uncertain((0.0, 1.0), "xi")}, (1.0, 1.2),
+        uncertain(1.0, "load"), 0.99, False,
+    )  # fmt: skip
+    order = Order("attenuation", None, 8, 1, 1, 2, 1, confirmation.FEW, 0)
+    found = "" if good else "level"
+    assert confirmation.refuted(problem, order, {"a": 0.5}, 1.0, False) == found
+    assert not confirmation.refuted(problem, order, {"a": 0.5}, 1.03, False)
+    # rarer attractors than half a per cent do not count
+    worst = replace(problem, quantile=1.0)
+    assert confirmation.refuted(worst, order, {"a": 0.5}, 1.0, False) == found
+    # the limits are those of the design, in each part of the band
+    limited = replace(order, limit=1.02)
+    found = "" if good else "limits"
+    assert confirmation.refuted(problem, limited, {"a": 0.5}, 1.03, True) == found
+    assert not confirmation.refuted(problem, limited, {"a": 0.5}, 1.03, False)
+
+
+@pytest.mark.parametrize(("bad", "found"), [(1, ""), (2, "limits")])
+def test_a_structure_is_checked_by_as_many_samples_as_confirm_it(bad, found):
+    """Of the few in a part of the band one may be beyond the limits, although one is too large a share."""
+    runs = []
+
+    class Structure:
+        def outcome(self, values, r, load, places, progress, note):
+            runs.append(len(r))
+            first = r < np.partition(r, bad)[bad]  # in the first part of the band
+            return Outcome(np.where(first, 2.0, 1.0), np.zeros(r.shape))
+
+    problem = Problem(
+        Structure(), {"a": (0.0, 1.0)}, {}, (1.0, 1.2), uncertain(1.0, "load"), 0.9, False
+    )
+    order = Order("attenuation", 1.5, 8, 1, 1, 2, 1, 80, 0)
+    assert confirmation.refuted(problem, order, {"a": 0.5}, math.inf, True) == found
+    assert runs == [80]
+    assert not confirmation.refuted(problem, replace(order, samples=0), {"a": 0.5}, math.inf, True)
+    assert runs == [80]
+
+
+def test_samples_beyond_limits_do_not_contradict_a_level(monkeypatch, short):
+    """Searches are repeated for them; the confirmation decides on limits. A level of structures is not checked."""
+
+    def search_again(*args):
+        sets.append(designs_search.search(*args))
+        return sets[-1]
+
+    sets = []
+    monkeypatch.setattr(confirmation, "search", search_again)
+    monkeypatch.setattr(
+        confirmation, "refuted", lambda *arguments: "limits" if arguments[-1] else ""
+    )
+    for contradicted, options in (False, {}), (None, {"tolerance": {"friction": (0.0, 1e-3)}}):
+        sets.clear()
+        found = vi.design(OSC, **{**BRIEF, "states": 1, "limit": 20.0, **options})
+        assert len(sets) == confirmation.ROUNDS
+        assert found.contradicted is contradicted
+        assert found.converged is None  # a single search
+
+
+def test_a_level_with_a_penalty_is_not_checked(monkeypatch):
+    """Where no candidate meets the limits, the level includes a penalty, and more searches would not help."""
+    monkeypatch.setattr(confirmation, "refuted", None)
+    found = vi.design(OSC, **{**BETWEEN, "limits": {"speed": 1e-3}})
+    assert found.excess > 1
+    assert found.contradicted is None
+    assert "; no candidate meets all limits: " in found.verdict
+
+
+def test_samples_show_whether_a_level_without_a_limit_holds(monkeypatch):
+    """Here the searches are not repeated with more units, and the verdict shows how many samples are worse."""
+    monkeypatch.setattr(confirmation, "refuted", lambda *_: "")
+    found = vi.design(
+        OSC, r=(1.0, 1.03), free={"clearance": (39.28, 39.3)}, searches=1,
+        **{**QUICK, "specimens": 1, "nodes": 7, "evaluations": 8, "samples": 200},
+    )  # fmt: skip
+    assert found.feasible is None
+    assert "of the search; " in found.verdict
+    assert "are at most 2 % worse; weakest part of the band: " in found.verdict
+    assert found.bands["probability"].min() < 0.5
+    # a limit at this level is the same question
+    problem, order = asked_by(OSC, found.keys | {"limit": 1.02 * found.level})
+    same, bands = confirmed(problem, order, found.values, 200, order.seed + 1, None)
+    assert same["probability"] == found.probability < 0.99
+    np.testing.assert_array_equal(bands["good"], found.bands["good"])
+    # with limits of other quantities, the samples refer to these
+    limited = vi.design(
+        OSC, r=(1.0, 1.03), free={"clearance": (39.28, 39.3)}, searches=1, limits={"displacement": 1e3},
+        **{**QUICK, "specimens": 1, "nodes": 2, "evaluations": 8, "samples": 10},
+    )  # fmt: skip
+    assert "; 100 % of 10 samples " in limited.verdict
+    assert " meet all limits; weakest part" in limited.verdict

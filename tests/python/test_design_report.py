@@ -63,7 +63,7 @@ def named():
     free = {f"height_{i}{LONG}": (1, 2) for i in range(6)}
     return vi.design(
         chain, r=(1.0, 1.02), free=free, tolerance={f"width{LONG}": (0.5, 0.6)}, limit=0.9,
-        limits={"displacement": 30.0, "rms": 20.0, "speed": 40.0}, **QUICK | {"samples": 10},
+        limits={"displacement": 30.0, "rms": 20.0, "speed": 40.0}, **QUICK | {"samples": 10, "searches": 1},
     )  # fmt: skip
 
 

@@ -783,6 +783,7 @@ def test_ctrl_c_keeps_what_uncertainty_and_limits_finished(monkeypatch):
     with pytest.raises(KeyboardInterrupt) as caught:
         vi.limit_probability(FIGURE6, 1.04, points, spread, limit, samples=20)
     assert not isinstance(caught.value, vi.StudyInterrupted)
+    assert "before the first of 20 samples of the first point was finished" in str(caught.value)
     pattern, r = vi.Pattern("RL", 1), [1.0, 1.02]
     stop_after("verdicts", 3)
     with pytest.raises(vi.StudyInterrupted) as caught:
@@ -798,3 +799,6 @@ def test_ctrl_c_keeps_what_uncertainty_and_limits_finished(monkeypatch):
     with pytest.raises(KeyboardInterrupt) as caught:
         vi.uncertainty(FIGURE6, pattern, r, [30.0, 60.0], spread, samples=8, bands=False)
     assert not isinstance(caught.value, vi.StudyInterrupted)
+    assert "before the first of 8 samples was finished, so that there is no result" in str(
+        caught.value
+    )

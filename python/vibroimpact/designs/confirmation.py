@@ -15,7 +15,7 @@ from ..results import door
 from ..systems.distribution import interval
 from .order import Order
 from .problem import Problem
-from .search import Archive, part_of, search
+from .search import AGREEMENT, RARE, Archive, part_of, search
 
 _Array = NDArray[np.float64]
 #: Confidence of all intervals, and number of parts of the band for which shares are stated.
@@ -64,11 +64,13 @@ class Samples:
         return cls(units, load, place, starts, np.clip(part, 0, len(edges) - 2))
 
     def judged(
-        self, problem: Problem, order: Order, some: slice, progress: door.Progress | None
-    ) -> tuple[_Array, NDArray[np.bool_]]:
-        """The target of some samples, and whether they are within all limits."""
+        self, problem: Problem, order: Order, some: slice, progress: door.Progress | None,
+        level: float | None = None,
+    ) -> tuple[_Array, NDArray[np.bool_]]:  # fmt: skip
+        """The target of some samples, and whether they are within all limits, and not above a level."""
         n, states = len(self.place[some]), self.starts.shape[2]
         limit = math.inf if order.limit is None else order.sign * order.limit
+        limit = limit if level is None else min(limit, level)
         # the runs of a unit are consecutive: the core keeps the data that depend only on the unit
         found = problem.host.outcome(
             {name: np.repeat(each[some], states) for name, each in self.units.items()},
@@ -86,28 +88,45 @@ def edges_of(problem: Problem) -> _Array:
     return np.linspace(first, last, (BANDS if first < last else 1) + 1)
 
 
-def holds(problem: Problem, order: Order, values: Mapping[str, float]) -> bool:
-    """Whether, in each part of the band, a few samples meet all limits as often as the quantile requires.
+def refuted(
+    problem: Problem, order: Order, values: Mapping[str, float], level: float, limited: bool
+) -> str:
+    """What up to `FEW` samples refute: "level" if in the whole band more than the quantile allows are more than
+    2 % worse than it; "limits" if a design is limited and too few are within all limits in some part of the
+    band; empty if neither.
 
-    The test ends as soon as too many samples of a part do not.
+    A share of `RARE` may always be worse: the search does not count rarer attractors. The test ends as soon as too
+    many samples are worse or beyond limits, or, without limits, when clearly few are worse. Structures, whose
+    samples take long, are checked by at most as many samples as confirm the design.
     """
-    samples = Samples.drawn(problem, order, values, FEW, np.random.default_rng(CHECK))
+    most = FEW if problem.quick else min(FEW, order.samples)
+    samples = Samples.drawn(problem, order, values, most, np.random.default_rng(CHECK))
     count = np.bincount(samples.part, minlength=len(edges_of(problem)) - 1)
-    bad = np.zeros(len(count), int)
-    for begin in range(0, FEW, FEW // 20):
-        some = slice(begin, begin + FEW // 20)
-        _, within = samples.judged(problem, order, some, None)
+    bad, worse = np.zeros(len(count), int), 0
+    level += AGREEMENT * abs(level)
+    for begin in range(0, most, FEW // 20):
+        some = slice(begin, min(begin + FEW // 20, most))
+        target, within = samples.judged(problem, order, some, None)
         bad += np.bincount(samples.part[some][~within], minlength=len(bad))
-        if np.any((count - bad) / np.maximum(1, count) < problem.quantile):
-            return False
-    return True
+        worse += int(np.count_nonzero(~(target <= level)))
+        allowed = max(1 - problem.quantile, RARE)
+        if worse > allowed * most:
+            return "level"
+        # fewer than allowed by three standard deviations of their number
+        few = allowed * some.stop
+        if not limited and worse <= few - 3 * math.sqrt(few):
+            return ""
+        # rounded up: of few samples, one is a larger share; what rounding adds is not
+        if limited and np.any(bad > np.ceil((1 - problem.quantile) * count - 1e-9)):
+            return "limits"
+    return ""
 
 
 def confirmed(
     problem: Problem, order: Order, values: Mapping[str, float], samples: int, seed: int,
-    progress: door.Progress | None,
+    progress: door.Progress | None, level: float | None = None,
 ) -> tuple[dict[str, Any], dict[str, Any]]:  # fmt: skip
-    """Columns of the tables `design` and `bands` from independent samples."""
+    """Columns of the tables `design` and `bands` from independent samples; those above a level count as bad."""
     rng = np.random.default_rng(seed)
     edges = edges_of(problem)
     parts = len(edges) - 1
@@ -117,7 +136,7 @@ def confirmed(
         n = min(CHUNK, samples - begin)
         drawn = Samples.drawn(problem, order, values, n, rng)
         target, within = drawn.judged(
-            problem, order, slice(n), part_of(progress, begin, n, samples)
+            problem, order, slice(n), part_of(progress, begin, n, samples), level
         )
         bad = ~np.isfinite(target)
         part = drawn.part
@@ -155,20 +174,33 @@ def firmer(
 ) -> tuple[Archive, Order]:
     """Repeat the searches with more units and frequencies, at first from their best candidates.
 
-    They had too few of these if the chosen candidate meets the limit in the search but not in enough samples.
-    After Ctrl-C the last candidates are returned of which one was judged by all runs.
+    They had too few of these if samples of the chosen candidate are worse than its level, or do not meet the
+    limits that it meets in the search, see `refuted`. Structures are checked for limits only: their samples take
+    long. After Ctrl-C the last candidates are returned of which one was judged by all runs.
     """
-    for turn in range(ROUNDS):
+    limit = math.inf if order.limit is None else order.sign * order.limit
+    for turn in range(ROUNDS + 1):
         best = archive.best
-        limit = math.inf if order.limit is None else order.sign * order.limit
-        if archive.level[best] > limit or (order.limit is None and not problem.limited):
+        level = archive.level[best]
+        # a level with a penalty is not one of units, so that samples cannot check it
+        if archive.excess[best] > 1:
+            break
+        met = level <= limit
+        # after the last set a confirmation tells whether the limits hold, and only the level is checked
+        limited = turn < ROUNDS and met and (order.limit is not None or problem.limited)
+        if not (limited or problem.quick):
             break
         chosen = dict(zip(problem.free, archive.values[best], strict=True))
         try:
-            if holds(problem, order, chosen):
+            near = level if problem.quick else math.inf
+            archive.refuted = refuted(problem, order, chosen, near, limited)
+            # samples beyond the limits may end the check of the level too early
+            if problem.quick and archive.refuted != "limits":
+                archive.contradicted = archive.refuted == "level"
+            # nothing better is known where no candidate meets the limit
+            if not archive.refuted or not met or turn == ROUNDS:
                 break
-            archive.contradicted = True
-            # the new sets contain the previous units and frequencies
+            # the new sets contain the previous units, frequencies and initial states
             more = replace(order, specimens=2 * order.specimens, nodes=2 * order.nodes - 1)
             found = search(problem, more, part_of(progress, turn, 1, ROUNDS), archive)
         except KeyboardInterrupt:

@@ -28,7 +28,7 @@ from ..systems.verbs import physical_arguments
 from .confirmation import CODE_OF, confirmed, firmer
 from .order import NAMES, Order, asked_by, numbers_of
 from .problem import OscillatorHost, Problem, parameters_of
-from .search import part_of, search, told
+from .search import AGREEMENT, part_of, search, told
 from .structure import asked_of
 
 if TYPE_CHECKING:
@@ -59,13 +59,20 @@ class Design(Noun, study="design", example=EXAMPLE):
         The quantity that was minimised (the damping: maximised), the limit, and the share of the units that must
         meet it.
     level : float
-        The quantile of the target over the units of the search, at the worst frequency.
+        The quantile of the target over the units of the search, at the worst of its frequencies. If a larger share
+        of 4,000 runs of these units from other initial states than stated at `states` of `design` is more than 2 %
+        above it, the corresponding quantile of these runs instead.
     excess : float
         The same quantile of the largest ratio of a quantity to its limit; above 1, no candidate met all limits.
     converged : bool or None
         Whether three of the independent searches ended at the best design: at its level within 2 % and its values
         within 2 % of their ranges, or at another design whose level differs by less than 0.2 %. None with fewer
-        than three searches. If samples contradicted the searches, this refers to levels by more units.
+        than three searches. False, whatever their number, if samples contradict the level even with more units,
+        see `contradicted`. Whether limits hold is stated by `feasible`.
+    contradicted : bool or None
+        Whether, of 10,000 samples of an oscillator in the whole band, a larger share than `quantile` allows (or
+        0.5 % if that is more) is more than 2 % worse than `level`. None without such samples: for a structure,
+        for friction or compliant walls, for the damping, if no candidate meets all `limits`, or after Ctrl-C.
     searches : dict of ndarray
         For each search: the number of its ``candidates``, and the best ``level``.
     worst : float
@@ -74,7 +81,8 @@ class Design(Noun, study="design", example=EXAMPLE):
         Number of samples of the confirmation, and number of samples whose simulation was abandoned; the latter
         count as violating the limits.
     probability : float
-        Share of the samples that meet all limits; NaN without samples.
+        Share of the samples that meet all limits; without limits, of those at most 2 % worse than `level`. NaN
+        without samples.
     interval : (float, float)
         The 95 % confidence interval of the probability (Clopper–Pearson).
     bands : dict of ndarray
@@ -144,7 +152,11 @@ class Design(Noun, study="design", example=EXAMPLE):
 
     @property
     def level(self) -> float:
-        """The quantile of the target over the units of the search, at the worst frequency."""
+        """The quantile of the target over the units of the search, at the worst frequency.
+
+        If too many of 4,000 runs from other initial states are more than 2 % above it, that of these runs, see the
+        class.
+        """
         level: float = self._one("level")
         return level
 
@@ -156,8 +168,16 @@ class Design(Noun, study="design", example=EXAMPLE):
 
     @property
     def converged(self) -> bool | None:
-        """Whether three of the independent searches ended at the best design; None if not known."""
+        """Whether three of the independent searches ended at the best design, see the class; None with fewer.
+
+        False if samples contradict the level, whatever the number of searches.
+        """
         return VERDICT[self._one("converged")]
+
+    @property
+    def contradicted(self) -> bool | None:
+        """Whether samples contradict the level, see the class; None if they do not check it."""
+        return VERDICT[self._one("contradicted")]
 
     @property
     def searches(self) -> dict[str, NDArray[Any]]:
@@ -187,7 +207,10 @@ class Design(Noun, study="design", example=EXAMPLE):
 
     @property
     def probability(self) -> float:
-        """Share of the samples within all limits, from 0 to 1; NaN without samples."""
+        """Share of the samples within all limits, from 0 to 1; NaN without samples.
+
+        Without limits it is the share of those that are at most 2 % worse than `level`.
+        """
         probability: float = self._one("probability")
         return probability
 
@@ -294,13 +317,16 @@ class Design(Noun, study="design", example=EXAMPLE):
         """The answer as a text."""
         above = ""
         if self.excess > 1:
-            above = (
-                f"; no candidate meets all limits: a figure is {self.excess:.4g} times its limit"
-            )
+            above = f"; no candidate meets all limits: the worst quantity is {self.excess:.4g} times its limit"
         share = f"{100 * self.quantile:.6g} % of the units"
         symbol = ">=" if self.target == "damping" else "<="
         osc = self.osc if self.case else None
-        if self.converged is False:
+        if self.contradicted:
+            above += (
+                "; not converged: samples contradict the search; more nodes or states would help, and more "
+                "specimens if units differ"
+            )
+        elif self.converged is False:
             levels = ", ".join(
                 value_text(osc, self.target, x, 4)
                 for x in sorted(self.searches["level"], reverse=symbol == ">=")
@@ -309,27 +335,42 @@ class Design(Noun, study="design", example=EXAMPLE):
                 "; not converged: fewer than three searches ended at this design; their levels: "
                 f"{levels}; more evaluations or searches would help"
             )
+        low, high = self.interval
+        sampled = (
+            f"{100 * self.probability:.4g} % of {self.samples} samples "
+            f"(95 % interval {100 * low:.4g} to {100 * high:.4g} %)"
+        )
+        weakest = self._weakest if self.samples else ""
         if self.limit is None:
             level = value_text(osc, self.target, self.level, 4)
-            return f"{self._target_text} {symbol} {level} for {share} of the search{above}"
+            found = f"{self._target_text} {symbol} {level} for {share} of the search"
+            if self.samples:
+                asked = self._asked or (asked_by(self.osc, self.keys) if self.case else None)
+                limited = asked[0].limited if asked else self.excess > 0
+                found += f"; {sampled} {'meet all limits' if limited else 'are at most 2 % worse'}"
+            return f"{found}{weakest}{above}"
         wanted = (
             f"{self._target_text} {symbol} {value_text(osc, self.target, self.limit)} for {share}"
         )
         if not self.samples:
             level = value_text(osc, self.target, self.level, 4)
             return f"{wanted}: {level} in the search, not confirmed by samples{above}"
-        low, high = self.interval
-        weak = int(np.nanargmin(self.bands["probability"]))
-        along = "amplitude" if self.target == "damping" else "r"
         met = self.level <= self.limit if symbol == "<=" else self.level >= self.limit
         failed = "does not hold" if met else "was not reached"
         answer = {True: "holds", False: failed, None: "is not decided"}
+        return f"{wanted} {answer[self.feasible]}: {sampled}{weakest}{above}"
+
+    @property
+    def _weakest(self) -> str:
+        """The part of the band with the smallest share of good samples, as a text."""
+        bands = self.bands
+        weak = int(np.nanargmin(bands["probability"]))
+        along = "amplitude" if self.target == "damping" else "r"
+        osc = self.osc if self.case else None
         return (
-            f"{wanted} {answer[self.feasible]}: {100 * self.probability:.4g} % of {self.samples} samples "
-            f"(95 % interval {100 * low:.4g} to {100 * high:.4g} %); weakest part of the band: "
-            f"{100 * self.bands['probability'][weak]:.4g} % "
-            f"({100 * self.bands['low'][weak]:.4g} to {100 * self.bands['high'][weak]:.4g} %) from "
-            f"{range_text(osc, along, self.bands['from'][weak], self.bands['to'][weak], 5)}{above}"
+            f"; weakest part of the band: {100 * bands['probability'][weak]:.4g} % "
+            f"({100 * bands['low'][weak]:.4g} to {100 * bands['high'][weak]:.4g} %) from "
+            f"{range_text(osc, along, bands['from'][weak], bands['to'][weak], 5)}"
         )
 
     @property
@@ -413,7 +454,12 @@ class Design(Noun, study="design", example=EXAMPLE):
             name: (tuple(table.dims), {key: item.decoded() for key, item in table.columns.items()})
             for name, table in self._result.tables.items()
         }
-        design, bands = confirmed(problem, order, self.values, samples, seed, progress)
+        level = order.sign * self.level
+        known = None
+        if order.limit is None and not problem.limited:
+            # without limits, the samples show whether the level of the search is that of other units
+            known = level + AGREEMENT * abs(level)
+        design, bands = confirmed(problem, order, self.values, samples, seed, progress, known)
         worst = max(order.sign * self.worst, order.sign * design["worst"])
         tables["design"] = (), tables["design"][1] | design | {"worst": order.sign * worst}
         tables["bands"] = ("part",), bands
@@ -505,7 +551,7 @@ def designed(problem: Problem, order: Order, case: str, progress: door.Progress 
             "level": order.sign * level, "excess": archive.excess[best],
             "worst": order.sign * archive.worst[best], "samples": 0, "failed": 0, "probability": math.nan,
             "low": math.nan, "high": math.nan, "feasible": CODE_OF[None],
-            "converged": CODE_OF[archive.agree(problem)],
+            "converged": CODE_OF[archive.converged(problem)], "contradicted": CODE_OF[archive.contradicted],
         }),
         "searches": (("search",), {
             "candidates": [many for many, _ in archive.searches],
@@ -533,8 +579,8 @@ def designed(problem: Problem, order: Order, case: str, progress: door.Progress 
             ) from None
     if archive.stopped:
         ended = f"interrupted with {int(archive.complete.sum())} candidates judged"
-        if archive.contradicted:
-            ended += ", before a search with more units: samples contradict the level"
+        if archive.refuted:
+            ended += f", before a search with more units: samples contradict the {archive.refuted}"
         raise StudyInterrupted(answered(case, tables, (problem, order), ended))
     return answered(case, tables, (problem, order))
 
@@ -615,23 +661,25 @@ def design(
     coordinate : int or str
         For a structure: the coordinate whose motion counts, or the name of one of its outputs.
     states : int
-        Number of initial states of each unit. In the search it is larger if there are few units and frequencies,
-        up to 200, of which the worst one does not count: a few would miss bad attractors. The best candidates of
-        an oscillator are verified by 4,000 further runs: if more of them are above the level than one in the
-        number of runs of the search at a frequency, and than 0.5 %, the level is raised.
+        Number of initial states of each unit. If there are few units and frequencies, the search uses more states,
+        up to 200, since a few would miss bad attractors; of 200 states, the worst one does not count. The best
+        candidates of an oscillator are verified by 4,000 further runs. The level is raised if the share of these
+        runs above it exceeds both 0.5 % and 1/N, where N is the number of runs of the search at a frequency.
     samples : int
         Number of samples of the confirmation, at least 10; 0 for none.
     evaluations : int
-        Number of first candidates of each global search, at least 8 for each free parameter; as long as the
+        Number of initial candidates of each global search, at least 8 for each free parameter; as long as the
         searches do not agree, it doubles after every third search.
     searches : int
-        Largest number of independent global searches, also of each further set where samples contradict the
-        result, of which there are up to two. They end when three of them find the best design; otherwise
-        `Design.converged` is False.
+        Largest number of independent global searches, which end when three of them find the best design; otherwise
+        `Design.converged` is False. If up to 10,000 samples (of structures at most `samples`) contradict the level
+        (`Design.contradicted`), or do not meet limits that the search meets, up to two further sets of searches
+        follow, each with at most this number, unless a limit was not reached: each set has twice as many
+        frequencies as the previous one and, with tolerances or an uncertain load, twice as many units.
     specimens, nodes : int
         Numbers of units and frequencies for which the best candidates are evaluated.
     settling, keep : int
-        Load cycles after which a simulation without a period counts as settled, and load cycles then examined.
+        Load cycles after which a simulation without a period counts as settled, and load cycles examined then.
     rng : int, numpy.random.Generator or None
         Seed of the searches and of the samples of the confirmation, or a generator from which a seed is drawn;
         None: another seed in each call. The seed that was used is in the case of the result.
@@ -660,9 +708,9 @@ def design(
     --------
     >>> import vibroimpact as vi
     >>> osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=0.75)
-    >>> found = vi.design(osc, r=(1.0, 1.02), free={"clearance": (20, 40)}, limit=0.55, samples=500)
-    >>> found.feasible, 20 < found.values["clearance"] < 40
-    (None, True)
+    >>> found = vi.design(osc, r=1.0, free={"clearance": (50, 78)}, limit=0.1, samples=500)
+    >>> found.feasible, round(found.values["clearance"])
+    (True, 78)
     """
     if not hasattr(free, "items"):
         raise ParameterTypeError(

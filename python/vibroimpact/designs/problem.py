@@ -302,7 +302,7 @@ class Problem:
 
 
 def spare_states(states: int) -> int:
-    """How many initial states of a unit may be above its figure: of 200 states one."""
+    """How many initial states of a unit may be above its figure: one of 200 states."""
     return states // 200
 
 

@@ -17,17 +17,17 @@ _Array = NDArray[np.float64]
 _Indices = NDArray[np.intp]
 #: Largest relative difference of the levels of two searches that agree, and largest difference of their designs,
 #: as a share of the ranges. Searches that end at different designs agree only if their levels differ by less than
-#: the last number: on a rough landscape levels are about the same by chance.
+#: the last number: with many local minima, levels may nearly agree by chance.
 AGREEMENT, NEAR, EQUAL = 0.02, 0.02, 0.002
 #: Relative gain below which a better candidate is not worth its evaluation.
 SETTLED = 5e-4
 #: The same before the descent, or if there are more than `MANY` runs; and half of the share within which a search
 #: that comes near the best level ends.
 ROUGHLY, MANY = 5e-3, 600
-#: Number of candidates around which a search goes on, and number of points tried in a step around each of them.
+#: Number of candidates around which a search continues, and number of points tried in a step around each of them.
 HEADS, TRIALS = 6, 6
 #: With fewer pairs of a frequency and a unit than this, each unit has more initial states, for twice as many runs
-#: in all, but at most `MOST`. Otherwise candidates win by luck: their runs miss a bad attractor beside a good one.
+#: in all, but at most `MOST`. Otherwise some candidates appear best by chance: their runs miss a bad attractor.
 LEAST, MOST = 280, 200
 #: Number of runs from other initial states by which the best candidates are verified, and the least share of the
 #: runs at a frequency that may be above the level.
@@ -57,8 +57,10 @@ class Archive:
         For each search: the number of its candidates, and the best level.
     stopped : bool
         Whether Ctrl-C ended the searches.
-    contradicted : bool
-        Whether samples contradict the level of the best candidate.
+    refuted : str
+        What samples of the best candidate contradict, "level" or "limits"; empty if neither or not drawn.
+    contradicted : bool or None
+        Whether these samples contradict the level; None if they do not check it.
     grid, targets : Grid, ndarray (nodes, units, states)
         Of the best candidate.
     """
@@ -71,7 +73,8 @@ class Archive:
     worst: list[float] = field(default_factory=list)
     searches: list[tuple[int, float]] = field(default_factory=list)
     stopped: bool = False
-    contradicted: bool = False
+    refuted: str = ""
+    contradicted: bool | None = None
     grid: Grid | None = None
     targets: _Array | None = None
 
@@ -100,11 +103,10 @@ class Archive:
             getattr(self, name).extend(map(float, numbers))
         self.searches.append((len(pool.values), float(found[1, best])))
 
-    def promising(self, number: int, width: _Array, most: int = HEADS) -> _Array:
-        """The best candidates (n, free) of a search, those evaluated for all runs first."""
-        some = self.of(number)
-        order = np.lexsort((np.array(self.level[some]), ~self.complete[some]))
-        return _apart(np.array(self.values[some])[order], width, most)
+    def promising(self, width: _Array, most: int = HEADS) -> _Array:
+        """The best candidates (n, free) of all searches, those evaluated for all runs first."""
+        order = np.lexsort((np.array(self.level), ~self.complete))
+        return _apart(np.array(self.values)[order], width, most)
 
     def of(self, number: int) -> slice:
         """The candidates of a search."""
@@ -123,11 +125,15 @@ class Archive:
         runs = np.array(self.runs)
         return np.asarray(runs == runs.max())
 
-    def agree(self, problem: Problem) -> bool | None:
-        """Whether three searches ended at the best design, see `alike`.
+    def converged(self, problem: Problem) -> bool | None:
+        """Whether three searches ended at the best design, see `alike`, and samples do not contradict its level.
 
-        None for fewer, since two searches may do so by chance.
+        False if they do, whatever the number of searches; otherwise None for fewer, since two may agree by chance.
         """
+        return False if self.contradicted else self.agree(problem)
+
+    def agree(self, problem: Problem) -> bool | None:
+        """Whether three searches ended at the best design; None for fewer."""
         if len(self.searches) < 3:
             return None
         ends = [self.best_of(number) for number in range(len(self.searches))]
@@ -225,22 +231,28 @@ def search(
     order : Order
         Units, frequencies and initial states for which candidates are evaluated, see `grid`.
     earlier : Archive, optional
-        Searches with other units: as many searches start from the best candidates of each of these, and further
-        ones anew.
+        Searches with other units: the first search starts from their best candidates. The others start anew, so
+        that at least two of the three that must agree are independent of earlier ones.
     """
-    fine = grid(problem, order.specimens, order.nodes, order.states)
-    archive, risk, other = Archive(), None, None
+    archive, risk, other, states = Archive(), None, None, order.states
+    if earlier is not None and earlier.grid is not None:
+        # with fewer states than these, more attractors would not count, see `elsewhere`
+        states = earlier.grid.places.shape[1]
+    fine = grid(problem, order.specimens, order.nodes, states)
     if earlier is not None and earlier.grid is not None and earlier.targets is not None:
         risk = foreseen(earlier.grid, earlier.targets, fine)
     for number in range(order.searches):
         pool = Pool(problem, fine, risk)
         pool.other = elsewhere(problem, fine, other.risk if other else None)
-        # the random numbers depend only on the seed of the order and the number of the search
-        rng = np.random.default_rng((order.seed, number))
+        # the random numbers depend only on the seed of the order and the number of the search; those of a repeated
+        # set also on its number of units, which differs from set to set
+        rng = np.random.default_rng(
+            (order.seed, number) if earlier is None else (order.seed, number, order.specimens)
+        )
         report = part_of(progress, number, 1, order.searches)
         try:
-            if earlier is not None and number < len(earlier.searches):
-                pool.add(earlier.promising(number, np.subtract(*problem.ends[::-1])))
+            if earlier is not None and not number:
+                pool.add(earlier.promising(np.subtract(*problem.ends[::-1])))
             else:
                 many = max(order.evaluations, 8 * len(problem.free))
                 pool.add(problem.at(_even_start(len(problem.free), many << number // 3, rng)))
@@ -312,7 +324,7 @@ def refined(
 ) -> None:  # fmt: skip
     """Find the best candidate of a pool, judged by all runs, and descend from it.
 
-    There is no descent if it is about the best one of other searches.
+    There is no descent if it is close to the best one of other searches.
     """
     told(progress, 0.6, "best candidates")
     here = verified(pool, ROUGHLY)
@@ -359,8 +371,8 @@ def _settled(pool: Pool) -> float:
 def verified(pool: Pool, share: float) -> int:
     """The best candidate, as `_least`, of those that are as good from other initial states.
 
-    Of many candidates that a bad attractor makes unreliable, some win by luck. Their levels become those from
-    these states.
+    If a bad attractor makes many candidates unreliable, some of them appear best by chance. Their levels become
+    those from these states.
     """
     while True:
         here = _least(pool, share)
@@ -395,13 +407,13 @@ def elsewhere(problem: Problem, grid: Grid, risk: _Array | None = None) -> Pool:
     """A pool for the same units and frequencies, but about `VERIFIED` runs from other initial states."""
     units, states = grid.shares.shape[1], -(-VERIFIED // (len(grid.nodes) * grid.shares.shape[1]))
     few = Pool(problem, grid)
-    # as rare as the grid can tell
+    # as rare as the grid can show
     many, rare = units * states - 1, max(RARE, 1 / (units * grid.places.shape[1]))
     if problem.weighted:
         spare = int(max(1 - problem.quantile, rare) * many)
     else:
         spare = few.spare * states + int(rare * many)
-    # the half keeps the quantile off the next run
+    # the half keeps the quantile away from the next run
     quantile = min(1.0, (many - spare - 0.5) / many) if spare else 1.0
     places = np.random.default_rng(2).uniform(-1, 1, (4, states))
     return Pool(

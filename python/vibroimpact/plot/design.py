@@ -115,12 +115,12 @@ def _lines(design: Design) -> list[str]:
     tried = design.tried["runs"]
     lines += _wrapped(
         f"Candidates: {len(tried)}, of which {len(design.candidates)} were judged by all {tried.max()} runs of "
-        "units, and the others until their levels were certainly worse."
+        "units, and the others only until their levels were certainly worse."
     )
     if design.samples:
         worst = value_text(osc, design.target, design.worst, 4)
         lines.append(
-            f"Worst of all samples: {worst}; simulations abandoned, counted as bad: {design.failed}."
+            f"Worst of all samples: {worst}; abandoned simulations, which count as bad: {design.failed}."
         )
     if design.sensitivity:
         slopes = [
@@ -129,18 +129,18 @@ def _lines(design: Design) -> list[str]:
             for name, slope in design.sensitivity.items()
         ]
         lines += _wrapped(
-            "Derivatives of the target of the worst unit by " + ", ".join(slopes) + "."
+            "Derivatives of the target of the worst unit with respect to " + ", ".join(slopes) + "."
         )
     return lines
 
 
 def _symbol(design: Design, name: str) -> str:
-    """The symbol of a parameter; those of a host that is a function have only their names."""
+    """The symbol of a parameter; parameters of a host that is a function have only names."""
     return SYMBOLS.get(name, name) if design.case else name
 
 
 def _slope_text(osc: Any, target: str, name: str, slope: float) -> str:
-    """A derivative of the target by a parameter, in their units."""
+    """A derivative of the target with respect to a parameter, in their units."""
     (scale, unit), (own, below) = shown_unit(osc, target), shown_unit(osc, name)
     above = unit.strip() or ("1" if below else "")
     per = f"/({below.strip()})" if "/" in below else f"/{below.strip()}" if below else ""
@@ -153,7 +153,7 @@ def _wrapped(text: str) -> list[str]:
 
 
 def _dimensions(design: Design, units: Units | None) -> list[str]:
-    """The free mass that a chosen mass ratio means."""
+    """The free mass that corresponds to a chosen mass ratio."""
     if units is None or "mu" not in design.values:
         return []
     mass = units.to(SI).M

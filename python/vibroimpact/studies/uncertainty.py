@@ -51,6 +51,8 @@ _Array = NDArray[np.float64]
 OF_MOTION = ("attenuation", "displacement", "multiplier")
 #: Quantities on an attractor that can be limited.
 OF_ATTRACTOR = ("attenuation", *FIGURES[:-1])
+#: The message of an interrupt before there is anything to keep.
+UNFINISHED = "stopped before the first of {} was finished, so that there is no result"
 #: The margin of the window of a zone with rest beyond the outermost points.
 MARGIN = 1e-9
 #: Number of samples that are simulated together; after Ctrl-C the finished ones are kept. The first ones are
@@ -303,6 +305,8 @@ def uncertainty(
         If an argument is not allowed.
     StudyInterrupted
         After Ctrl-C, if a sample was finished: its attribute `result` contains the finished samples.
+    KeyboardInterrupt
+        After Ctrl-C before that; the message says so.
 
     Examples
     --------
@@ -381,7 +385,7 @@ def uncertainty(
     except KeyboardInterrupt:
         if not done:
             # not that of a part, whose result is one sample or less
-            raise KeyboardInterrupt from None
+            raise KeyboardInterrupt(UNFINISHED.format(f"{count} samples")) from None
         stopped = True
     total /= done
     answer = Uncertainty(
@@ -553,6 +557,8 @@ def limit_probability(
     StudyInterrupted
         After Ctrl-C, if any samples were finished: its attribute `result` contains the finished points; if not
         even the first point was finished, it has this point with fewer samples.
+    KeyboardInterrupt
+        After Ctrl-C before that; the message says so.
 
     Examples
     --------
@@ -636,7 +642,7 @@ def limit_probability(
         if stopped:
             break
     if not answers:
-        raise KeyboardInterrupt
+        raise KeyboardInterrupt(UNFINISHED.format(f"{count} samples of the first point"))
     answers += [(np.nan, np.nan, np.nan, 0)] * (places_of[0].size - len(answers))
     table = np.array(answers, dtype=np.float64).T.reshape(4, *places_of[0].shape)
     found = LimitProbability(

@@ -117,7 +117,7 @@ module vi_design_study
       takes='a number > 0', meaning='greatest allowed approach speed of an impact'), &
       key_type('limit_multiplier', low=tiny_value, may_miss=.true., never='amplitude', &
       takes='a number > 0', meaning='greatest allowed modulus of the multipliers; a motion &
-      &without a period is above it'), &
+      &without a period exceeds it'), &
       key_type('limit_least_speed', low=tiny_value, may_miss=.true., never='amplitude', &
       unit='omega F0/K', takes='a number > 0', meaning='least allowed approach speed of an impact &
       &(margin from zero approach); 0 with rest'), &
@@ -132,9 +132,10 @@ module vi_design_study
       takes='0 or a whole number from 10 to 1e9', &
       meaning='independent samples of the confirmation; 0 for none'), &
       key_type('evaluations', a_whole, default='96', low=8.0_wp, high=1.0e6_wp, &
-      meaning='first candidates of each global search'), &
+      meaning='initial candidates of each global search'), &
       key_type('searches', a_whole, default='8', low=1.0_wp, high=1000.0_wp, &
-      meaning='most independent global searches; they end when three find one design'), &
+      meaning='largest number of independent global searches; they end when three find one &
+      &design'), &
       key_type('specimens', a_whole, default='16', low=1.0_wp, high=1.0e5_wp, &
       meaning='units by which the best candidates are judged'), &
       key_type('nodes', a_whole, default='9', low=2.0_wp, high=1.0e4_wp, &
@@ -143,7 +144,7 @@ module vi_design_study
       never='amplitude', &
       meaning='load cycles after which a simulation without a period counts as settled'), &
       key_type('keep', a_whole, default='32', low=1.0_wp, high=1.0e6_wp, never='amplitude', &
-      meaning='load cycles then examined'), &
+      meaning='load cycles examined afterwards'), &
       key_type('seed', a_whole, default='0', low=0.0_wp, high=2.0e9_wp, &
       meaning='seed of the searches and of the samples of the confirmation')]
 
@@ -171,21 +172,25 @@ module vi_design_study
       column_type('design', 'failed', wholes, listed=.false., &
       meaning='samples whose simulation was abandoned; they count as bad'), &
       column_type('design', 'probability', listed=.false., &
-      meaning='share of the samples within the limit and all limits'), &
+      meaning='share of the samples within all limits; without limits, of those at most 2 % &
+      &worse than the level'), &
       column_type('design', 'low', listed=.false., &
       meaning='lower end of its 95 % interval (Clopper-Pearson)'), &
       column_type('design', 'high', listed=.false., meaning='upper end'), &
       column_type('design', 'feasible', verdicts, listed=.false., meaning='whether the limit &
       &holds for the quantile of the units in every part of the band'), &
       column_type('design', 'converged', verdicts, listed=.false., &
-      meaning='whether three searches ended at the best design; not known with fewer'), &
+      meaning='whether three searches ended at the best design, not known with fewer; false, &
+      &whatever their number, if samples contradict its level'), &
+      column_type('design', 'contradicted', verdicts, listed=.false., meaning='whether samples &
+      &contradict its level; not known without such samples'), &
       column_type('searches', 'candidates', wholes, listed=.false., &
       meaning='candidates of a search'), &
       column_type('searches', 'level', unit='mixed', listed=.false., meaning='its best level'), &
       column_type('bands', 'from', listed=.false., meaning='lowest r of a part of the band'), &
       column_type('bands', 'to', listed=.false., meaning='highest r'), &
       column_type('bands', 'samples', wholes, listed=.false., meaning='samples in it'), &
-      column_type('bands', 'good', wholes, listed=.false., meaning='those within all limits'), &
+      column_type('bands', 'good', wholes, listed=.false., meaning='those counted as good'), &
       column_type('bands', 'probability', listed=.false., meaning='their share'), &
       column_type('bands', 'low', listed=.false., meaning='lower end of its interval, with a joint &
       &confidence of 95 % for all parts'), &
