@@ -84,7 +84,7 @@ module vi_case
       meaning='units of the table; by default those of &system, with mm for m, if it has mass, &
       &stiffness and force')]
 
-   !> The start of the first line of a result; the end of that line tells whether the file is an
+   !> The start of the first line of a result; the end of that line shows whether the file is an
    !! input. A structure has the units of its user, and an identified rig those of SI.
    character(*), parameter, public :: first_line = '# ! vibroimpact '//version// &
       '; lengths in F0/K, time in 1/omega, angles in radians; ', &

@@ -180,7 +180,7 @@ contains
 
    !> Names of groups for messages: '&motion, &simulate or &find'.
    pure subroutine join_groups(names, text)
-      !> Names of groups; one that stands there twice is named once.
+      !> Names of groups; one that occurs twice is named once.
       character(*), intent(in) :: names(:)
       !> The names in a sentence; empty if there are none.
       character(:), allocatable, intent(out) :: text

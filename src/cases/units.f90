@@ -260,6 +260,11 @@ contains
       if (.not. present(text) .and. own%bare == dimensionless) return
       call scale_of(unit, own, scale, wanted, is_angle, why)
       if (.not. present(text)) then
+         if (unit == 'omega' .and. seems_hertz(value, own)) then
+            why = 'a number without a unit is the ratio r, but this is about the natural frequency &
+               &in Hz: write a frequency with its unit, such as ''20 Hz'''
+            return
+         end if
          if (is_fixed(unit) .and. own%bare == in_units .and. .not. is_angle .and. len(why) == 0) &
             then
             ! such as a known mass in kg; a factor that differs from 1 by rounding alone is 1
@@ -288,6 +293,21 @@ contains
          value = value/scale
       end if
    end subroutine to_own_unit
+
+   !> Whether a frequency without a unit, which is a ratio, was almost certainly meant in Hz: it is
+   !! large, and about the natural frequency in Hz.
+   pure logical function seems_hertz(value, units)
+      !> The frequency.
+      real(wp), intent(in) :: value
+      !> M and K of the &system.
+      type(units_type), intent(in) :: units
+      real(wp) :: natural
+
+      seems_hertz = .false.
+      if (.not. (units%mass > 0 .and. units%stiffness > 0)) return
+      natural = sqrt(units%stiffness/units%mass)/(2*pi)
+      seems_hertz = value > 5 .and. value > natural/2 .and. value < 2*natural
+   end function seems_hertz
 
    !> Whether a number without a unit can be dimensionless or physical. A frequency is always a
    !! ratio to omega then, and a free mass one to M.

@@ -17,9 +17,9 @@ module vi_command
    character(89), parameter :: before(*) = [character(89) :: &
       'usage: vibroimpact-batch FILE.nml... [-o DIR]', &
       '', &
-      'Computes what namelist files ask for and writes each case to DIR/NAME.csv and, if it', &
-      'asks for a table, to DIR/NAME.txt (DIR is "results" unless given). A result is itself', &
-      'an input that reproduces it.', &
+      'Computes the cases of namelist files and writes each to DIR/NAME.csv and, if a table is', &
+      'requested, to DIR/NAME.txt (DIR is "results" unless given). A result is itself an input', &
+      'that reproduces it.', &
       'Groups: &system, or &structure with its parts, &output, and one for each case;', &
       'see inputs/README.md.']
    character(89), parameter :: after(*) = [character(89) :: &

@@ -293,7 +293,7 @@ contains
       end do
    end subroutine take_structure
 
-   !> Checks that a &gap or &load stands directly after its &structure.
+   !> Checks that a &gap or &load directly follows its &structure.
    pure subroutine check_place(groups, message)
       !> The group, and all before it.
       type(group_type), intent(in) :: groups(:)

@@ -98,7 +98,7 @@ contains
       type(pace_type), intent(inout) :: pace
       !> The event.
       type(reached_type), intent(out) :: reached
-      !> Kept by the caller, so that memory is not allocated anew for each flight.
+      !> Kept by the caller, so that memory is not allocated again for each flight.
       type(space_type), intent(inout) :: space
       !> Steps after which the search is interrupted; if absent, it never is. A search that goes on
       !! finds the event that it would have found without.

@@ -477,7 +477,7 @@ contains
       v = (turn*force - stiffness*drift)/divisor
    end subroutine steady_response
 
-   !> The derivative of the steady response of a pair by the frequency.
+   !> The derivative of the steady response of a pair with respect to the frequency.
    elemental subroutine steady_slope(stiffness, damping, frequency, drift, force, x, v)
       !> As in `steady_response`.
       real(wp), intent(in) :: stiffness, damping, frequency

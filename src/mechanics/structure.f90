@@ -36,8 +36,8 @@ module vi_structure
    !> What follows where coupled gaps close at one instant: a status, Newton's law at all of them at
    !! once, or impacts one after the other.
    integer, parameter, public :: refused = 0, by_newton = 1, in_sequence = 2
-   !> Factor with which these are added to the kind of the law of each gap, beside 10 times its
-   !! number of harmonics.
+   !> Factor with which these are added to the kind of the law of each gap, in addition to 10 times
+   !! its number of harmonics.
    integer, parameter, public :: law_unit = 10000
 
    !> A structure and its gaps.
@@ -225,7 +225,8 @@ contains
       end do
    end function new_structure
 
-   !> The opening of a gap at q = 0 and an instant, with its first two derivatives by time.
+   !> The opening of a gap at q = 0 and an instant, with its first two derivatives with respect to
+   !! time.
    pure function opening_at(structure, gap, phase, frequency) result(opening)
       !> The structure, and the number of the gap.
       type(structure_type), intent(in) :: structure
@@ -1268,7 +1269,7 @@ contains
       !> `stat%ok` or `stat%resonance`.
       integer, intent(out) :: status
       !> Largest factor of rounding errors between pairs that counts: with more, a load on a mode
-      !! cannot be told from one on another.
+      !! cannot be distinguished from one on another.
       real(wp), parameter :: most_turn = 1.0e3_wp
       complex(wp), dimension(size(sizes)) :: x, v
       real(wp), dimension(size(sizes)) :: of_x, of_v

@@ -45,9 +45,10 @@ module vi_gradient
    real(wp), parameter :: touching = 1.0e-9_wp
    !> Extremes that differ by no more than this share of their size count as equal.
    real(wp), parameter :: alike = 1.0e-10_wp
-   !> Derivatives by a parameter that differ by no more than this share of their size, and this one
-   !! of the terms in them, count as equal. Each parameter is judged alone: derivatives by the
-   !! restitution of a wall may be small beside others, and beside the number itself, and differ.
+   !> Derivatives with respect to a parameter that differ by no more than this share of their size,
+   !! and this one of the terms in them, count as equal. Each parameter is judged alone: derivatives
+   !! with respect to the restitution of a wall may be small compared with others, and with the
+   !! number itself, and still differ.
    real(wp), parameter :: same = 1.0e-6_wp, rounding = 1.0e-10_wp
    !> Cosine of the angle between the right and the left eigenvector below which a multiplier counts
    !! as a double one.

@@ -182,8 +182,8 @@ contains
       v(2) = -pair%stiffness*x(1) - 2*pair%damping*v(1)
    end subroutine pair_response
 
-   !> The derivatives of the response of a pair, and of its rate, by the logarithm of a factor of
-   !! all times.
+   !> The derivatives of the response of a pair, and of its rate, with respect to the logarithm of a
+   !! factor of all times.
    !!
    !! A longer period leaves more of a pair's motion at its end: the response changes by that to a
    !! jump by the rate just before the next jump.
@@ -226,7 +226,7 @@ contains
    pure subroutine drifting_response(drag, period, share, x, v, slope)
       !> c = 2 sigma, the period, and the part of it since the jump, 0 to 1.
       real(wp), intent(in) :: drag, period, share
-      !> The response, and the derivative of v by c T.
+      !> The response, and the derivative of v with respect to c T.
       real(wp), intent(out) :: x, v, slope
       integer, parameter :: terms = 15
       !> B_i/i! of the Bernoulli numbers B_0 to B_15.

@@ -21,7 +21,8 @@ module vi_structure_motion
    public :: impulse_of, new_equations, relative, residuals, since, solve_in_full, solve_linear, &
       state_after, transitions
 
-   !> The equations of a periodic motion with given gaps, and their derivatives by the times.
+   !> The equations of a periodic motion with given gaps, and their derivatives with respect to the
+   !! times.
    type, public :: equations_type
       !> The gaps of the impacts, and the times of the impacts in ascending order.
       integer, allocatable :: gaps(:)
@@ -170,7 +171,7 @@ contains
       integer, intent(in) :: gap
       !> The approach speed.
       real(wp), intent(in) :: speed
-      !> The impulse, and its derivative by the approach speed.
+      !> The impulse, and its derivative with respect to the approach speed.
       real(wp), intent(out) :: impulse, slope
       real(wp) :: restitution, by_speed
 
@@ -192,7 +193,7 @@ contains
       real(wp), intent(out) :: value(:)
       !> (2N + p) Their scales.
       real(wp), intent(out) :: scale(:)
-      !> (2N + p, 2N + p) Derivatives by the times, the speeds, the offsets.
+      !> (2N + p, 2N + p) Derivatives with respect to the times, the speeds, the offsets.
       real(wp), intent(out), optional :: jacobian(:, :)
       real(wp), dimension(size(speeds)) :: impulses, slopes, usual
       integer :: i, j, n

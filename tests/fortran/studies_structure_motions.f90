@@ -69,9 +69,9 @@ contains
       allocate (phases, source=motion%motion%phases)
       kinds = [(motion%events(i)%kind, i=1, size(phases))]
       call check_structure(structure, status)
-      call sequence_fault(structure, motion%gaps, kinds, text)
+      call sequence_fault(structure, motion%gaps, kinds, phases, text)
       call check(len(text) == 0, 'presumed: events that can follow each other')
-      call sequence_fault(structure, motion%gaps, cshift(kinds, 1), text)
+      call sequence_fault(structure, motion%gaps, cshift(kinds, 1), phases, text)
       call check(len(text) > 0, 'presumed: events that cannot')
       call presume(structure, load, motion%gaps, kinds, phases, 1, .false., found, status)
       call check(status == stat%ok .and. found%motion%residual < 1.0e-13_wp, &

@@ -50,6 +50,15 @@ def of_all_kinds(rng):
     return s, vi.Load(rng.uniform(0.5, 2), cosine=load, sine=load[::-1] * [[0], [1]])
 
 
+def with_stops_that_impacts_change(number):
+    """A structure, its load and motion, and whether a stop lets go or presses at the instant of each event."""
+    structure, load = of_all_kinds(np.random.default_rng([1, number]))
+    motion = vi.exact(structure, load, vi.simulate(structure, load, cycles=600, discard=500))
+    follows = np.isin(motion.kinds[1:], ["let_go", "press"]) & (np.diff(motion.phases) == 0)
+    assert follows.any()
+    return structure, load, motion, follows
+
+
 def sticking(structure, rate):
     """The directions in which friction sticks at a state between events."""
     rows = [p.direction for p in structure.friction if abs(p.direction @ rate - p.speed) < 1e-9]

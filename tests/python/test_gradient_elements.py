@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import vibroimpact as vi
 from shared_structures import with_elements
+from test_elements_audit import with_stops_that_impacts_change
 
 CASES = with_elements()
 QUANTITIES = ("phases", "speeds", "impulses", "q", "q_dot")
@@ -137,3 +138,36 @@ def test_what_has_no_derivative():
         motion.gradient(["frequency"])
     with pytest.raises(vi.ParameterError, match="it changes nothing in this structure"):
         settled(structure, load).gradient(["contact"])
+
+
+@pytest.mark.parametrize("number", [364, 424, 501])
+def test_stops_that_impacts_change(number):
+    """An impact that makes a stop let go or press moves that change with itself."""
+    structure, load, motion, follows = with_stops_that_impacts_change(number)
+    gradient = motion.gradient(["frequency"])
+    slopes = gradient["phases", "frequency"]
+    after = np.flatnonzero(follows)
+    assert slopes[after + 1] == pytest.approx(slopes[after], abs=1e-12)
+    step = 1e-6
+    loads = [changed(structure, load, "frequency", sign * step)[1] for sign in (1, -1)]
+    high, low = (vi.exact(structure, other, motion) for other in loads)
+    assert slopes == pytest.approx((high.phases - low.phases) / (2 * step), abs=2e-7)
+    speeds = (high.speeds - low.speeds) / (2 * step)
+    assert gradient["speeds", "frequency"] == pytest.approx(speeds, abs=2e-7)
+
+
+def test_simultaneous_changes_of_stops_that_are_not_coupled():
+    """A stiffness moves only the events of its own stop, also where another stop changes at the same instant."""
+    stop = vi.Stop([1], 0.5, 20, 1, release="force")
+    alone = settled(vi.Structure([1], [0.1], [1], [stop]), vi.Load(0.8, cosine=[1]))
+    stops = [replace(stop, direction=row) for row in np.eye(2)]
+    structure = vi.Structure(np.eye(2), 0.1 * np.eye(2), np.eye(2), stops)
+    load = vi.Load(0.8, cosine=[1, 1])
+    both = vi.exact(structure, load, vi.simulate(structure, load, cycles=200))
+    assert np.diff(both.phases)[::2] == pytest.approx(0, abs=1e-12)
+    gradient = both.gradient(["contact_0", "contact_1"])
+    expected = alone.gradient(["contact"])["phases", "contact"]
+    for i in (0, 1):
+        slopes = gradient["phases", f"contact_{i}"]
+        assert slopes[both.gaps == i] == pytest.approx(expected, abs=1e-12)
+        assert slopes[both.gaps != i] == pytest.approx(0, abs=1e-12)

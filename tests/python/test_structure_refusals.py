@@ -91,7 +91,7 @@ def test_help_describes_both_systems(name):
     assert "_structure" not in text
     first = "motion" if name in ("branch", "zone") else "structure"
     of = "a motion of a structure" if first == "motion" else "a structure"
-    assert text.split("\n\n")[1].startswith(f"Of {of}: ``{name}({first}, ")
+    assert text.split("\n\n")[1].startswith(f"For {of}: ``{name}({first}, ")
     assert not hasattr(vi, f"{name}_structure")
 
 

@@ -230,16 +230,18 @@ def period_of(motion: Motion) -> tuple[Trajectory, NDArray[np.int64]]:
         run = motion._run()
         # the impact at the end of the period is the first one
         return run, np.roll(np.flatnonzero(run.events["kind"] == "impact"), 1)
-    if len(motion.rests):
-        raise ParameterError(
-            f"{motion!r}: must have no rests to have derivatives, since it has stops or friction"
-        )
     run = motion._from_flight()
-    if len(run.events) != len(motion.phases):
+    listed = np.flatnonzero(~np.isin(run.events["kind"], ["stick", "release"]))
+    if len(listed) != len(motion.phases):
         raise_status(NOT_EXACT)
     since = np.mod(motion.phases - run.start * motion.load.frequency, 2 * np.pi * motion.cycles)
     hits = np.empty(len(since), np.int64)
-    hits[np.argsort(since, kind="stable")] = np.arange(len(since))
+    # simultaneous events of different elements may be in another order
+    order = np.argsort(since, kind="stable")
+    mine, theirs = (
+        np.argsort(gaps, kind="stable") for gaps in (motion.gaps[order], run.events["gap"][listed])
+    )
+    hits[order[mine]] = listed[theirs]
     if (run.events["gap"][hits] != motion.gaps).any():
         raise_status(NOT_EXACT)
     return run, hits
@@ -274,10 +276,6 @@ def trajectory_gradient(run: Trajectory, parameters: Any) -> Gradient:
         raise ParameterError(f"{run!r}: must be complete to have derivatives")
     if run.structure.simultaneous:
         _refuse_meetings(run)
-    if not run.structure._is_rigid and (run._resting() or (run.events["kind"] == "stick").any()):
-        raise ParameterError(
-            f"{run!r}: must have no rests to have derivatives, since it has stops or friction"
-        )
     structure, load, n, count = run.structure, run.load, run.structure.coordinates, len(run.events)
     own = ("start", *(f"q_{i}" for i in range(n)), *(f"q_dot_{i}" for i in range(n)))
     initial = own

@@ -24,6 +24,7 @@ from .periodic import (
     gap_pattern,
     impact_restitution,
     motion_from_phases,
+    motion_with_events,
     periodic,
 )
 from .trajectory import FULL, Trajectory, core_arrays, end_of, letters_of, not_periodic
@@ -90,6 +91,10 @@ def exact_structure(
     checks.instance(structure, "structure", Structure)
     elastic = not structure._is_rigid
     if isinstance(guess, Motion):
+        if not guess.consistent and guess.request and guess.request.get("kinds"):
+            # a simulation could not begin where presumed events leave a closed gap
+            check_load(structure, load, frequency=True, stops=True)
+            return motion_with_events(structure, load, **{**guess.request, "kind": "exact"})
         if elastic:
             check_load(structure, load, frequency=True, stops=True)
             start, state = guess._run()._between_events()

@@ -40,7 +40,7 @@ from ..results.systems import (
 )
 from ..results.tables import Result, Table, made, runs
 from ..systems.oscillator import Oscillator, Pattern
-from ..systems.structure import Load, Structure
+from ..systems.structure import Gap, Load, Structure
 from ..systems.units import argument, place_text, range_text, time_of, units_to_show
 from .quantities import Quantities, oscillator_quantities
 from .trajectory import (
@@ -338,11 +338,13 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
     @property
     def _has_meetings(self) -> bool:
         """For a structure: whether there are simultaneous impacts."""
-        if not self.of_structure or not len(self.phases):
+        if not self.of_structure:
             return False
-        whole = 2 * np.pi * self.cycles
-        after = np.append(self.phases[1:], self.phases[0] + whole)
-        return bool((after - self.phases < AT_ONCE).any())
+        # what happens to stops and friction is no impact
+        rigid = np.array([isinstance(part, Gap) for part in self.structure._parts])
+        phases = self.phases[rigid[self.gaps]]
+        after = np.append(phases[1:], phases[:1] + 2 * np.pi * self.cycles)
+        return bool((after - phases < AT_ONCE).any())
 
     @property
     def _is_settled(self) -> bool:
@@ -894,7 +896,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         if not self.of_structure or self.structure._is_rigid:
             return ("impact",) * len(self.phases)
         if self.request and self.request.get("kinds"):
-            return tuple(self.request["kinds"])
+            return tuple(k for k in self.request["kinds"] if k not in ("stick", "release"))
         events = self._from_flight().events
         whole = 2 * np.pi * self.cycles
         found = []

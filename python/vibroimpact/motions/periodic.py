@@ -54,12 +54,8 @@ def periodic_structure(
     """As `periodic`, for a structure."""
     checks.truth(full, "full")
     checks.instance(structure, "structure", Structure)
-    if not structure._is_rigid:
+    if not structure._is_rigid or kinds is not None:
         return motion_from_events(structure, load, phases, gaps, cycles, full, kinds)
-    if kinds is not None:
-        raise ParameterError(
-            f"kinds = {kinds!r}: must be left out, since without stops or friction all events are impacts"
-        )
     numbers, phases, cycles = gap_pattern(structure, load, phases, gaps, cycles)
     for i in np.unique(numbers).tolist():
         if not isinstance(structure.gaps[i].restitution, float):
@@ -75,32 +71,33 @@ def periodic_structure(
 def motion_from_events(
     structure: Structure, load: Load, phases: Any, gaps: Any, cycles: int, full: bool, kinds: Any
 ) -> Motion:
-    """The motion of a structure with stops or friction from the instants of its events."""
-    numbers, phases, cycles = gap_pattern(structure, load, phases, gaps, cycles, stops=True)
-    if full:
-        raise ParameterError(
-            f"full = {full!r}: must be left out with stops or friction, where the state is always unknown"
-        )
+    """The motion of a structure with stops, friction or rests from the instants of its events."""
     wanted = (
-        "one of impact, touch, leave, let_go, press, halt, slip_up and slip_down for each event, "
-        "since the structure has stops or friction"
+        "one of impact, stick, release, touch, leave, let_go, press, halt, slip_up and slip_down for "
+        "each event"
     )
+    if structure._is_rigid:
+        wanted += ", or left out if all are impacts"
     try:
         words = [str(kind) for kind in kinds]
     except TypeError:
         raise ParameterError(f"kinds = {checks.shown(kinds)}: must be {wanted}") from None
+    numbers, phases, cycles = gap_pattern(structure, load, phases, gaps, cycles, words)
+    if full:
+        raise ParameterError(
+            f"full = {full!r}: must be left out with kinds, where the state is always unknown"
+        )
     if isinstance(kinds, str) or len(words) != len(numbers):
         raise ParameterError(f"kinds = {checks.shown(kinds)}: must be {wanted}")
-    return motion_with_events(structure, load, numbers, phases, cycles, words)
+    return motion_with_events(structure, load, numbers.tolist(), phases.tolist(), cycles, words)
 
 
 def motion_with_events(
-    structure: Structure, load: Load, gaps: NDArray[np.int32], phases: _Array, cycles: int, kinds: list[str]
+    structure: Structure, load: Load, gaps: list[int], phases: list[float], cycles: int, kinds: list[str],
+    kind: str = "periodic",
 ) -> Motion:  # fmt: skip
-    """The motion from the core, for known kinds, places and instants of events."""
-    keys = {
-        "kind": "periodic", "cycles": cycles, "gaps": gaps.tolist(), "phases": phases.tolist(), "kinds": kinds
-    }  # fmt: skip
+    """The motion from the core, for known kinds, places and instants of events, or near them."""
+    keys = {"kind": kind, "cycles": cycles, "gaps": gaps, "phases": phases, "kinds": kinds}
     found = door.run_groups(
         MotionSet, [*structure._groups(), *load._groups()], keys, True, little=True
     )
@@ -109,13 +106,18 @@ def motion_with_events(
 
 
 def gap_pattern(
-    structure: Any, load: Any, phases: Any, gaps: Any, cycles: Any, stops: bool = False
+    structure: Any,
+    load: Any,
+    phases: Any,
+    gaps: Any,
+    cycles: Any,
+    kinds: Sequence[str] | None = None,
 ) -> tuple[NDArray[np.int32], _Array, int]:
-    """Checks the arguments that describe a motion of a structure, and that the structure has stops only if they
-    are allowed."""
-    check_load(structure, load, frequency=True, stops=stops)
+    """Checks the arguments that describe a motion of a structure, which may have stops if the kinds of its events
+    are given."""
+    check_load(structure, load, frequency=True, stops=kinds is not None)
     cycles = checks.integer(cycles, "cycles", 1, 10_000)
-    wanted = "gap numbers from 0, one for each impact, 1 to 1000 of them"
+    wanted = "numbers of gaps, stops or friction from 0, one for each event, 1 to 1000 of them"
     array = np.array(checks.real_array(gaps, "gaps", wanted))
     many = len(structure._parts)
     if array.ndim != 1 or not 1 <= array.size <= 1000 or (array != np.round(array)).any():
@@ -125,15 +127,17 @@ def gap_pattern(
             f"gaps = {checks.shown(gaps)}: must be {wanted}, each below {many} as the structure has {many} gaps"
         )
     numbers = array.astype(np.int32)
-    wanted = "finite load phases, one for each impact, increasing, within less than a period of each other"
+    wanted = "finite load phases, one for each event, not decreasing, within less than a period of each other"
     phases = np.array(checks.real_array(phases, "phases", wanted), dtype=np.float64)
     if phases.shape != numbers.shape or not np.isfinite(phases).all():
         raise ParameterError(f"phases = {checks.shown(phases.tolist())}: must be {wanted}")
     order = np.argsort(phases, kind="stable")
     if (order != np.arange(len(phases))).any() or phases[-1] - phases[0] >= 2 * np.pi * cycles:
         raise ParameterError(f"phases = {checks.shown(phases.tolist())}: must be {wanted}")
-    same = np.flatnonzero((np.diff(phases) == 0) & (np.diff(numbers) == 0))
-    if same.size:
+    same: list[int] = np.flatnonzero((np.diff(phases) == 0) & (np.diff(numbers) == 0)).tolist()
+    # a rest begins with the impact on its gap
+    same = [i for i in same if kinds is None or "stick" not in kinds[i + 1 : i + 2]]
+    if same:
         raise ParameterError(
             f"phases = {checks.shown(phases.tolist())}: must differ for impacts on the same gap, but "
             f"{same[0]} and {same[0] + 1} are simultaneous on gap {numbers[same[0]]}"
@@ -210,10 +214,12 @@ def periodic(
     motion both give the same result; for other phases they minimise different residuals. The system is
     overdetermined (DGELS), and the motion is consistent only if its `residual` is at the level of rounding.
 
-    With stops or friction, phases and gaps are those of all events, and `kinds` has a word for each event:
-    'impact' for a gap; 'touch', 'leave', 'let_go' and 'press' for a stop; 'halt', 'slip_up' and 'slip_down' for
-    friction, whose numbers follow those of gaps and stops. Multipliers are NaN unless the motion is consistent; it
-    is admissible if a simulation has the same events.
+    With stops, friction or rests, phases and gaps are those of all events, and `kinds` has a word for each event:
+    'impact', 'stick' and 'release' for a gap; 'touch', 'leave', 'let_go' and 'press' for a stop; 'halt',
+    'slip_up' and 'slip_down' for friction, whose numbers follow those of gaps and stops. A rest begins ('stick')
+    at the instant of an impact on its gap, whose R is 0: before a rest on a gap with R above 0 there are
+    infinitely many impacts. Multipliers are NaN unless the motion is consistent; it is admissible if a simulation
+    has the same events.
 
     Parameters
     ----------
@@ -235,7 +241,7 @@ def periodic(
     full : bool
         For a structure: whether the state after the first impact is a further unknown.
     kinds : sequence of str, optional
-        For a structure with stops or friction: the kind of each event.
+        For a structure with stops, friction or rests: the kind of each event.
     restitution : array_like (N,), optional
         Coefficient of restitution of each impact; by default that of the wall.
     precision : {"double", "single"}

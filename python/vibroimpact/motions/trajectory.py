@@ -366,9 +366,13 @@ class Trajectory(Solution, study="simulate", formerly="StructureTrajectory"):
         )  # fmt: skip
 
     def _between_events(self) -> tuple[float, tuple[_Array, _Array]]:
-        """For a structure: a time in the middle of the longest flight, and the state there."""
+        """For a structure: a time in the middle of the longest flight, in which nothing rests if possible, and
+        the state there."""
         times = np.concatenate([[self.start], self.events["time"], [self.end]])
-        longest = int(np.diff(times).argmax())
+        kinds = self.events["kind"]
+        changes = np.select([kinds == "stick", kinds == "release"], [1, -1], 0)
+        resting = np.cumsum(np.append(len(self._resting()), changes)) > 0
+        longest = int((np.diff(times) * np.where(resting & ~resting.all(), 0.0, 1.0)).argmax())
         middle = float(times[longest : longest + 2].mean())
         q, rate = self.sample([middle])
         return middle, (q[:, 0], rate[:, 0])
@@ -930,7 +934,8 @@ def simulate_structure(
             f"cycles = {cycles!r}, duration = {duration!r}: exactly one must be given"
         )
     wanted = "a number >= 0"
-    discard = checks.to_float(discard, "discard", wanted)
+    of_cycles = "a number of load cycles >= 0"
+    discard = checks.to_float(discard, "discard", wanted if cycles is None else of_cycles)
     before = discard
     if duration is None:
         if not isinstance(load, Load) or not load.frequency:

@@ -320,9 +320,7 @@ class Oscillator:
         elif clearance is not None:
             raise ParameterError(f"clearance = {clearance!r}, d = {d!r}: exactly one must be given")
         elif self.M is None or self.K is None:
-            raise ParameterError(
-                f"d = {d!r}: must be left out for an oscillator that does not know M and K"
-            )
+            raise ParameterError(f"d = {d!r}: must be left out for an oscillator without M and K")
         else:
             own = own_number(d, "d", self.unit_names or SI)
             half, M, K = 0.5 * positive(own, "d", given=d), self.M, self.K
@@ -602,7 +600,7 @@ class Point:
             If M, K and F0 are not known.
         """
         if self.osc.M is None or self.osc.K is None or self.osc.F0 is None:
-            raise ParameterError(f"{self.osc!r}: must know M, K and F0 to have scales")
+            raise ParameterError(f"{self.osc!r}: must have M, K and F0, which determine the scales")
         return {
             "length": self.osc.F0 / self.osc.K, "time": math.sqrt(self.osc.M / self.osc.K),
             "force": self.osc.F0, "mass": self.osc.M,

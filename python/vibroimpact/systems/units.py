@@ -840,7 +840,7 @@ def chosen_units(result: Any, system: Any, units: Units | str | None) -> Units:
     known = units_of_system(system)
     if known is None and not hasattr(system, "F0"):
         raise ParameterTypeError(
-            f"result = {result!r}: must be a result of an Oscillator; a Structure has the units of its user"
+            f"result = {result!r}: must be a result of an Oscillator; a Structure uses the units that you choose"
         )
     if isinstance(units, Units):
         return units

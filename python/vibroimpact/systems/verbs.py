@@ -45,7 +45,7 @@ def usage(name: str, kind: type | None, of_structure: Callable[..., Any]) -> str
     """A sentence of the docstring with the signature of a function for structures."""
     of = "a motion of a structure" if kind else "a structure"
     shown = plain_signature([*inspect.signature(of_structure).parameters.values()])
-    return f"Of {of}: ``{name}{shown}``."
+    return f"For {of}: ``{name}{shown}``."
 
 
 def usage_of_point(name: str, of_point: list[inspect.Parameter], no_point: str = "") -> str:
@@ -54,7 +54,7 @@ def usage_of_point(name: str, of_point: list[inspect.Parameter], no_point: str =
         return f"A point (`Oscillator.at`) is not accepted; {no_point}."
     first = inspect.Parameter("point", inspect.Parameter.POSITIONAL_OR_KEYWORD)
     shown = plain_signature([first, *of_point])
-    return f"Of a point (`Oscillator.at`): ``{name}{shown}``."
+    return f"For a point (`Oscillator.at`): ``{name}{shown}``."
 
 
 def with_forms(doc: str | None, forms: str) -> str:
@@ -66,7 +66,7 @@ def with_forms(doc: str | None, forms: str) -> str:
 
 def has_forms(paragraph: str) -> bool:
     """Whether a paragraph of a docstring shows the further forms of call."""
-    return paragraph.startswith(("Of a ", "A point (`Oscillator.at`)"))
+    return paragraph.startswith(("For a ", "A point (`Oscillator.at`)"))
 
 
 def plain_signature(parameters: list[inspect.Parameter]) -> inspect.Signature:
@@ -130,7 +130,7 @@ def every_system(
                 )
             for key, value in given.items():
                 if isinstance(value, Point) and (value is not first or no_point):
-                    wanted = no_point or "an oscillator at a point is the first argument"
+                    wanted = no_point or "a point can only be the first argument"
                     if no_point and (value._has_elements or isinstance(value.amplitude, Load)):
                         # its osc lacks the friction, the stops or the load
                         wanted = (
@@ -155,7 +155,7 @@ def every_system(
                     note = ", which is for structures" if key in others else ""
                     raise TypeError(
                         f"{name}() got an unexpected keyword argument {key!r}{note}; "
-                        f"of an oscillator the arguments are {', '.join(parameters)}"
+                        f"for an oscillator the arguments are {', '.join(parameters)}"
                     )
             return of_oscillator(*args, **kwargs)
 
@@ -167,7 +167,7 @@ def every_system(
                 own.bind(*args, **kwargs)
             except TypeError as error:
                 raise TypeError(
-                    f"{name}(): {error}; of a structure the arguments are {', '.join(own.parameters)}"
+                    f"{name}(): {error}; for a structure the arguments are {', '.join(own.parameters)}"
                 ) from None
             return of_structure(*args, **kwargs)
 
@@ -322,7 +322,7 @@ def listed_names(names: Iterable[str]) -> str:
 
 
 def physical_arguments(function: Callable[Given, Found]) -> Callable[Given, Found]:
-    """A decorator: frequencies, lengths and loads may have units if the oscillator knows its units."""
+    """A decorator: frequencies, lengths and loads may have units if those of the oscillator are known."""
     signature = inspect.signature(function).parameters
     names = list(signature)
     takes_points = hasattr(function, "takes_points")
@@ -352,10 +352,8 @@ def physical_arguments(function: Callable[Given, Found]) -> Callable[Given, Foun
         parts = inspect.cleandoc(function.__doc__ or "").split("\n\n")
         # after the summary and the further forms of call
         place = 2 if len(parts) > 1 and has_forms(parts[1]) else 1
-        note = (
-            f"With units, such as {EXAMPLES}, of an oscillator with known M, K and F0: {with_units}"
-        )
-        note += f"; of its structure (`Oscillator.structure`): {more}." if more else "."
+        note = f"With units, such as {EXAMPLES}, for an oscillator with known M, K and F0: {with_units}"
+        note += f"; for its structure (`Oscillator.structure`): {more}." if more else "."
         function.__doc__ = "\n\n".join([*parts[:place], note, *parts[place:]]) + "\n"
 
     @functools.wraps(function)

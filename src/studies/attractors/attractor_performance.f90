@@ -1,8 +1,8 @@
 !> How well many systems perform: what a design limits, on the attractor of each initial state.
 !!
-!! A simulation that almost repeats itself is refined to the periodic motion beside it; the figures
-!! are those of the closed form over its period. Where no period is found they are those over the
-!! last load cycles.
+!! A simulation that almost repeats itself is refined to the nearby periodic motion; the figures are
+!! those of the closed form over its period. Where no period is found they are those over the last
+!! load cycles.
 module vi_attractor_performance
    use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64

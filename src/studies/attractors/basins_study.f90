@@ -713,7 +713,7 @@ contains
       integer, allocatable :: counts(:), kinds(:), new(:)
       integer :: i, j, n
 
-      ! attractors that were not told apart are one of each kind
+      ! attractors that were not distinguished are one of each kind
       allocate (kinds(0:size(other_names) - 1 + maxval([0, outcomes%group])))
       kinds = [(i, i=0, size(kinds) - 1)]
       labels = outcomes%label

@@ -40,7 +40,7 @@ module vi_settled_states
       !> The place of its motion in the list; 0 if there is none, or if it is not stable.
       integer :: label = 0
       !> The kind of a motion that is not periodic, with the status `stat%no_period`; otherwise 0.
-      !! Its attractor among those that are not periodic; 0 if these were not told apart.
+      !! Its attractor among those that are not periodic; 0 if these were not distinguished.
       integer :: kind = 0, group = 0
       !> As of `settle_on`, and `stat%not_stable`.
       integer :: status = stat%not_computed
@@ -474,7 +474,7 @@ contains
 
    !> Follows a state on which nothing is decided yet: its motion is chaotic if the largest exponent
    !! is positive by its error, and quasi-periodic if that is zero by its error and no stable motion
-   !! is near. A negative one tells that it settles.
+   !! is near. If it is negative, the motion settles.
    !!
    !! There is no kind until the motion has gone on for as long as transients may last; the slowest
    !! vibration may be one with a gap at rest.

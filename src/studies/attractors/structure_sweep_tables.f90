@@ -193,7 +193,7 @@ contains
          if (allocated(motion)) then
             select type (motion)
             type is (simulated_structure_type)
-               ! after a failure anew
+               ! again after a failure
                if (status == stat%ok) then
                   call state_now(motion%run, motion%state, here(:n), here(n + 1:))
                   ! a vibration that has decayed below the range of a simulation has ended

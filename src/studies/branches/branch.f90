@@ -475,8 +475,8 @@ contains
       logical, intent(in) :: crossed(:)
       !> Index of the touch.
       integer, intent(in) :: j
-      !> A touch this near to an end of its flight, as a share of it, is told from the impact there
-      !! by a distance of `far` at least, any other touch by `near`.
+      !> A touch this near to an end of its flight, as a share of it, is distinguished from the
+      !! impact there by a distance of `far` at least, any other touch by `near`.
       real(wp), parameter :: beside = 1.0e-3_wp, far = 1.0e-3_wp, near = 1.0e-6_wp
       integer :: behind, i, n
       real(wp) :: share

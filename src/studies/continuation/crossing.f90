@@ -114,7 +114,8 @@ contains
       !> Whether there is one.
       logical, intent(out) :: found
       integer, parameter :: most_places = 12
-      !> What is nearer to an end of the step than this share of it is not told from that end.
+      !> What is nearer to an end of the step than this share of it is not distinguished from that
+      !! end.
       real(wp), parameter :: margin = 0.02_wp
       type(place_type) :: place
       real(wp), dimension(2) :: at, value, rate

@@ -407,8 +407,8 @@ contains
 
       associate (i => touch%index, gaps => member%equations%gaps)
          call least_gap(member%regime, member%x_after(:, i), member%v_after(:, i), &
-            member%equations%times(i), flight_duration(member, i), gaps(i), &
-            gaps(modulo(i, size(gaps)) + 1), units_of(family, member), touch, gap)
+            member%equations%times(i), flight_duration(member, i), gaps(i:i), &
+            [gaps(modulo(i, size(gaps)) + 1)], units_of(family, member), touch, gap)
       end associate
    end subroutine least_gap_of
 

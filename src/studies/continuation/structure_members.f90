@@ -272,7 +272,7 @@ contains
       type(member_type), intent(in) :: member
       !> Residuals, as many as there are unknowns.
       real(wp), intent(out) :: value(:)
-      !> (unknowns, unknowns) Derivative of residual j by unknown i, if wanted.
+      !> (unknowns, unknowns) Derivative of residual j with respect to unknown i, if wanted.
       real(wp), intent(out), optional :: jacobian(:, :)
       real(wp), dimension(2*size(member%speeds) + size(member%offsets)) :: whole, scale
       real(wp), dimension(size(whole), size(whole)) :: by

@@ -1,4 +1,4 @@
-!> Families of motions of a structure with rests, or with stops and friction: the equations of
+!> Families of motions of a structure with rests, stops and friction: the equations of
 !! vi_structure_rests, and the conditions that can bound them.
 !!
 !! Besides those of motions without rest these are: a rest vanishes, because its accumulation just
@@ -21,6 +21,7 @@ module vi_structure_resting_family
       stick_begins, stick_vanishes, zero_approach
    use vi_orbit, only: n_parameters
    use vi_spectrum, only: outside_circle, spectrum_type
+   use vi_structure, only: factor_along
    use vi_structure_family, only: numbers_of
    use vi_structure_rests, only: course_type, first, follow_period, follows_itself, monodromy, &
       release,       rests_type, segment_type, switch, unit_of_row
@@ -123,7 +124,7 @@ contains
          if (conditions(j)%kind /= edge) call value_in(family, point(:m), course, conditions(j), &
             b(1, m + j))
       end do
-      ! derivatives by unknowns first: their parameters are those of the period
+      ! derivatives with respect to unknowns first: their parameters are those of the period
       do j = 1, size(conditions)
          if (conditions(j)%kind /= edge) call by_unknowns(family, point(:m), c(:size(shares)), &
             conditions(j), course, a(:m, m + j))
@@ -139,9 +140,9 @@ contains
    !!
    !! For points that are no motions, a condition can be anything between motions: if a stiff stop
    !! is touched at a phase at which it is still open by a small distance, or has yielded, its force
-   !! jumps by the stiffness times that, and derivatives by single unknowns are so large that
-   !! differences are too coarse for them. At the nearest motion a condition depends only on the
-   !! component of a change along the motions, and differences are taken in these directions.
+   !! jumps by the stiffness times that, and derivatives with respect to single unknowns are so
+   !! large that differences are too coarse for them. At the nearest motion a condition depends only
+   !! on the component of a change along the motions, and differences are taken in these directions.
    pure subroutine along_motions(family, coordinates, conditions, point, course, b, a, good)
       !> The family.
       class(structure_resting_type), intent(in) :: family
@@ -287,8 +288,9 @@ contains
       good = .true.
    end subroutine orthogonal_basis
 
-   !> The derivatives of a condition by the parameters, by central differences, or one-sided ones
-   !! where there are periods on one side only, as at the least or greatest value of a parameter.
+   !> The derivatives of a condition with respect to the parameters, by central differences, or
+   !! one-sided ones where there are periods on one side only, as at the least or greatest value of
+   !! a parameter.
    pure subroutine by_parameters(family, coordinates, condition, point, course, slope)
       !> The family.
       class(structure_resting_type), intent(in) :: family
@@ -322,7 +324,7 @@ contains
       end do
    end subroutine by_parameters
 
-   !> The derivatives of a condition by the unknowns, by central differences.
+   !> The derivatives of a condition with respect to the unknowns, by central differences.
    pure subroutine by_unknowns(family, unknowns, shares, condition, course, slope)
       !> The family.
       class(structure_resting_type), intent(in) :: family
@@ -377,7 +379,7 @@ contains
       do i = 1, n
          found(3 + i) = condition_type(zero_approach, i)
          if (family%rests%kinds(i) == switch) found(3 + i)%kind = stick_begins
-         ! not of a zone under a load, which would follow what rounding makes of multipliers beside
+         ! not of a zone under a load, which would follow what rounding makes of multipliers near
          ! such a point
          if (family%every_crossing .or. family%rests%free) then
             if (halts_or_slips(family, i)) found(3 + i) = condition_type(event_vanishes, i)
@@ -629,6 +631,7 @@ contains
       associate (s => family%rests)
          if (.not. allocated(s%rows)) return
          kind = events_meet
+         if (s%kinds(symbol) == first) kind = rest_vanishes
          next = modulo(symbol, size(s%kinds)) + 1
          if (s%kinds(symbol) /= switch .or. s%kinds(next) /= switch) return
          gap = s%gaps(symbol)
@@ -701,13 +704,15 @@ contains
             if (allocated(family%rests%rows)) then
                associate (next => modulo(part%symbol, size(family%rests%kinds)) + 1)
                   call least_gap(course%run%regimes(part%regime), part%x, part%v, part%time, &
-                     part%duration, part%begins, part%ends, units_of(family, course, part), here, &
-                     least, family%rests%rows(next)*family%rests%walls(next))
+                     part%duration, along(family, course, part, part%begins), along(family, &
+                     course, part, part%ends), units_of(family, course, part), here, least, &
+                     merge(family%rests%rows(next)*family%rests%walls(next), 0, &
+                     part%number == 0))
                end associate
             else
                call least_gap(course%run%regimes(part%regime), part%x, part%v, part%time, &
-                  part%duration, part%begins, part%ends, units_of(family, course, part), here, &
-                  least)
+                  part%duration, [part%begins], [part%ends], units_of(family, course, part), &
+                  here, least)
             end if
             if (least < value) then
                value = least
@@ -722,6 +727,32 @@ contains
          end associate
       end do
    end subroutine least_of_symbol
+
+   !> What is at its limit where a flight begins or ends: in bounces of an accumulation and after a
+   !! release also the friction along the gap, whose speed is that of the gap.
+   pure function along(family, course, part, number) result(numbers)
+      !> The family.
+      class(structure_resting_type), intent(in) :: family
+      !> The period.
+      type(course_type), intent(in) :: course
+      !> The flight or rest.
+      type(segment_type), intent(in) :: part
+      !> The gap, stop or friction that it begins or ends with; 0 if there is none.
+      integer, intent(in) :: number
+      integer, allocatable :: numbers(:)
+      integer :: gap, j
+
+      numbers = [number]
+      if (all(family%rests%kinds(part%symbol) /= [first, release])) return
+      gap = number
+      ! where friction turns in a bounce, the gap is open by as little as rounding
+      if (part%number > 0) gap = family%rests%gaps(part%symbol)
+      if (gap == 0) return
+      associate (structure => course%run%structure)
+         if (structure%has_friction) numbers = [gap, pack([(j, j=1, size(structure%openings))], &
+            [(abs(factor_along(structure, j, gap)) > 0, j=1, size(structure%openings))])]
+      end associate
+   end function along
 
    !> The least contact force of a rest, or, of a gap that is released at its end, the least ratio
    !! of its force to the time that is left.

@@ -1,5 +1,5 @@
-!> One period of a motion of a structure with rests, or with stops and friction, for given load
-!! phases of its events.
+!> One period of a motion of a structure with rests, stops and friction, for given load phases of
+!! its events.
 !!
 !! The period begins just after a release, or with stops and friction just after any event. A symbol
 !! is an impact; the first of impacts that accumulate on one gap, with all that follow and the rest
@@ -12,6 +12,7 @@
 !! So the equations stay smooth where a gap is touched during a flight, where an approach speed
 !! falls to zero and where a contact force touches zero before its release. An accumulation that
 !! just fails to complete is still treated as complete, at the impact that comes nearest to that.
+!! Friction along the gap that accumulates turns in each bounce, and is simulated with it.
 !! Between two switches of one row its mean rate is zero instead of its second value: so a contact,
 !! or a flight between two contacts, that becomes infinitely short and then negative is followed as
 !! well. If all events are switches of one row, it is at its limit after the longest interval.
@@ -29,15 +30,15 @@ module vi_structure_rests
    use vi_modes, only: advance
    use vi_rest_family, only: critical
    use vi_status, only: stat
-   use vi_structure, only: check_structure, new_regime, opening_at, regime_type, renew_regime, &
-      restitution_of, state_of, structure_type, to_pairs
+   use vi_structure, only: check_structure, factor_along, new_regime, opening_at, regime_type, &
+      renew_regime, restitution_of, state_of, structure_type, to_pairs
    use vi_structure_map, only: accelerations, apply_flight, from_coordinates, to_coordinates
    use vi_structure_motion, only: impulse_of
    use vi_structure_path, only: change_again, changed, keeps_gaps, keeps_matrices, &
       structure_path_type
    use vi_structure_return, only: closed_type
-   use vi_structure_run, only: find_regime, impact_event, run_event_type, run_state_type, &
-      run_type, simulate_structure, stick_event, whole_periods
+   use vi_structure_run, only: find_regime, halt_event, impact_event, run_event_type, &
+      run_state_type, run_type, simulate_structure, stick_event, whole_periods
    use vi_structure_variation, only: project, tangent_type, through_event
    implicit none (type, external)
    private
@@ -54,7 +55,7 @@ module vi_structure_rests
    type, public :: known_type
       type(run_type) :: run
       !> (0:N) and (N) As in `course_type`; not set if the matrices change.
-      integer, allocatable :: after(:), stuck(:)
+      integer, allocatable :: after(:), stuck(:), bounces(:)
    end type known_type
 
    !> What the motions of a family with rests, or with stops and friction, have in common.
@@ -70,6 +71,8 @@ module vi_structure_rests
       !! its friction as the last element, else nothing.
       integer, allocatable :: rows(:), walls(:)
       type(closed_type), allocatable :: stuck(:)
+      !> (N) With stops and friction: what is closed after the first impact of an accumulation.
+      type(closed_type), allocatable :: bounces(:)
       !> Units of length and of speed.
       real(wp) :: length = 1, speed = 1
       !> The gap of the event that begins the period: that of the last symbol, or its image.
@@ -99,11 +102,12 @@ module vi_structure_rests
 
    !> A period.
    type, public :: course_type
-      !> The structure under its load at these parameters, the regime after each symbol (0:N), and
-      !! that of friction that sticks there.
+      !> The structure under its load at these parameters, the regime after each symbol (0:N), that
+      !! of friction that sticks there, and that of the bounces of an accumulation, if they change
+      !! it.
       real(wp), allocatable :: shares(:)
       type(run_type) :: run
-      integer, allocatable :: after(:), stuck(:)
+      integer, allocatable :: after(:), stuck(:), bounces(:)
       !> (2n + N) Residuals: positions and velocities, gaps and forces, in units of the family; and
       !! the derivative (i, j) of residual j by unknown i. The last i is the load phase of the last
       !! symbol at the end of the period alone, where the time of the state at the end is kept.
@@ -191,7 +195,7 @@ contains
       real(wp), intent(in) :: unknowns(:)
       !> Each parameter, as a share of the way between its bounds.
       real(wp), intent(in) :: shares(:)
-      !> Whether the derivatives by the unknowns are wanted.
+      !> Whether the derivatives with respect to the unknowns are wanted.
       logical, intent(in) :: sloped
       !> In: a period at any parameters, or none. Out: the period.
       type(course_type), intent(inout) :: course
@@ -393,6 +397,7 @@ contains
          course%run = s%known%run
          allocate (course%after(0:size(s%kinds)), source=s%known%after)
          allocate (course%stuck(size(s%kinds)), source=s%known%stuck)
+         allocate (course%bounces(size(s%kinds)), source=s%known%bounces)
       end if
       if (.not. (allocated(course%after) .and. keeps_gaps(s%path))) then
          call first_regimes(s, shares, simulates, course, good)
@@ -405,7 +410,7 @@ contains
          run%period = two_pi/run%load%frequency
          do i = 1, size(run%regimes)
             if (.not. allocated(run%regimes(i)%closed)) exit
-            if (i > maxval([course%after, course%stuck])) then
+            if (i > maxval([course%after, course%stuck, course%bounces])) then
                ! met within an accumulation
                deallocate (run%regimes(i)%closed)
                cycle
@@ -417,7 +422,7 @@ contains
             good = status == stat%ok
             if (.not. good) exit
          end do
-         if (.not. good) deallocate (course%after, course%stuck)
+         if (.not. good) deallocate (course%after, course%stuck, course%bounces)
       end associate
    end subroutine set_regimes
 
@@ -436,6 +441,7 @@ contains
       s%known%run = course%run
       allocate (s%known%after(0:size(s%kinds)), source=course%after)
       allocate (s%known%stuck(size(s%kinds)), source=course%stuck)
+      allocate (s%known%bounces(size(s%kinds)), source=course%bounces)
    end subroutine keep_regimes
 
    !> The same without any regimes so far.
@@ -449,10 +455,11 @@ contains
       type(course_type), intent(inout) :: course
       !> False if there are none.
       logical, intent(out) :: good
-      integer :: after(0:size(s%kinds)), stuck(size(s%kinds)), i, status
+      integer :: after(0:size(s%kinds)), i, status
+      integer, dimension(size(s%kinds)) :: bounces, stuck
 
       good = .false.
-      if (allocated(course%after)) deallocate (course%after, course%stuck)
+      if (allocated(course%after)) deallocate (course%after, course%stuck, course%bounces)
       associate (run => course%run)
          call changed(s%path, shares, run%structure, run%load)
          if (.not. run%load%frequency > 0) return
@@ -466,17 +473,21 @@ contains
          call find_regime(run, s%closed(0)%set, after(0), status, simulates, .true.)
          if (status /= stat%ok) return
          stuck = 0
+         bounces = 0
          do i = 1, size(s%kinds)
             call find_regime(run, s%closed(i)%set, after(i), status, simulates, .true.)
             if (status /= stat%ok) return
             if (.not. allocated(s%stuck)) cycle
             if (size(s%stuck(i)%set) > 0) call find_regime(run, s%stuck(i)%set, stuck(i), &
                status, simulates, .true.)
+            if (status == stat%ok .and. s%kinds(i) == first) call find_regime(run, &
+               s%bounces(i)%set, bounces(i), status, simulates, .true.)
             if (status /= stat%ok) return
          end do
       end associate
       allocate (course%after(0:size(s%kinds)), source=after)
       allocate (course%stuck(size(s%kinds)), source=stuck)
+      allocate (course%bounces(size(s%kinds)), source=bounces)
       good = .true.
    end subroutine first_regimes
 
@@ -491,7 +502,8 @@ contains
          if (size(s%closed(i)%set) == 0) cycle
          if (.not. any_before(s%closed(i)%set, i)) n = n + 1
       end do
-      if (allocated(s%stuck)) n = n + count([(size(s%stuck(i)%set) > 0, i=1, size(s%stuck))])
+      if (allocated(s%stuck)) n = n + count(s%kinds == first) + count([(size(s%stuck(i)%set) > 0, &
+         i=1, size(s%stuck))])
    contains
       !> Whether a set is also one before.
       pure logical function any_before(set, i)
@@ -572,6 +584,7 @@ contains
                by = matmul(regime%position(row, :), here%d(:size(x), :)) + matmul( &
                   regime%velocity(row, :), here%d(size(x) + 1:, :))
                by(column) = by(column) + d(1)/frequency
+               if (symbol == size(s%kinds)) by(columns) = d(1)/frequency
                course%slopes(:, equation) = by/unit
             end if
             call measure_rest(s, symbol, phase, course)
@@ -619,7 +632,11 @@ contains
             end associate
          end if
       end associate
-      if (s%kinds(symbol) /= first) here%regime = course%after(symbol)
+      if (s%kinds(symbol) /= first) then
+         here%regime = course%after(symbol)
+      else if (course%bounces(symbol) > 0) then
+         here%regime = course%bounces(symbol)
+      end if
       associate (regime => course%run%regimes(here%regime), frequency => &
          course%run%load%frequency)
          deallocate (here%x, here%v, here%d)
@@ -930,14 +947,18 @@ contains
       type(run_state_type) :: state
       type(run_event_type), allocatable :: events(:)
       type(tangent_type) :: tangent
-      real(wp), allocatable, dimension(:) :: lower, upper
-      real(wp) :: cost, end_time, least, opening(0:2), speed, unused
-      integer :: best, gap, i, n, number, status
+      logical :: cut
+      real(wp), allocatable, dimension(:, :) :: lower, upper
+      real(wp) :: cost, end_time, excess, least, opening(0:2), speed, unused
+      integer :: best, bounces(2), gap, i, n, number, status
 
       good = .false.
       gap = s%gaps(symbol)
       if (departure < 0) return
       number = here%regime
+      bounces = number
+      excess = 1
+      least = huge(1.0_wp)
       allocate (events(0:64))
       associate (run => course%run, after => course%after(symbol))
          state%cycle = whole_periods(run, here%phase/run%load%frequency)
@@ -952,21 +973,28 @@ contains
          best = 0
          n = 0
          if (departure > 0) then
+            call find_turned(run, number, gap, bounces(2), status)
+            if (status /= stat%ok) return
             ! other gaps are examined later
-            upper = run%regimes(number)%upper
-            lower = run%regimes(number)%lower
-            call watch_one(run%structure, gap, run%regimes(number))
+            allocate (upper(size(run%regimes(number)%upper), 2), source=0.0_wp)
+            allocate (lower, source=upper)
+            do i = 1, merge(1, 2, bounces(2) == number)
+               upper(:, i) = run%regimes(bounces(i))%upper
+               lower(:, i) = run%regimes(bounces(i))%lower
+               call watch_one(run%structure, gap, run%regimes(bounces(i)))
+            end do
             state%leaving = leaving_type(run%structure%channel(gap), run%structure%wall(gap), &
                departure)
-            least = huge(1.0_wp)
             do
-               call cost_of(run, events(n), gap, merge(departure, 0.0_wp, n == 0), cost)
-               if (cost < least) then
-                  least = cost
-                  best = n
+               if (events(n)%kind == impact_event) then
+                  call cost_of(run, events(n), gap, merge(departure, 0.0_wp, n == 0), cost)
+                  if (cost < least) then
+                     least = cost
+                     best = n
+                  end if
+                  ! it was nearly completed, and now the bounces become longer again
+                  if (least <= coarse*s%length .and. 1.0e-3_wp*cost > least) exit
                end if
-               ! it was nearly completed, and now the bounces become longer again
-               if (least <= coarse*s%length .and. 1.0e-3_wp*cost > least) exit
                if (n == most_bounces .or. seconds(events(0), events(n)) > s%cycles*run%period) exit
                if (n == ubound(events, 1)) call grow(events)
                end_time = state%elapsed
@@ -978,14 +1006,23 @@ contains
                   best = n
                   exit
                end if
+               if (events(n)%kind > halt_event .and. bounces(2) /= number) then
+                  ! friction along the gap turns in each bounce
+                  if (events(n)%regime == bounces(2)) excess = min(excess, excess_at(run, gap, &
+                     events(n)))
+                  cycle
+               end if
                if (events(n)%kind /= impact_event .or. events(n)%gap /= gap) exit
             end do
-            run%regimes(number)%upper = upper
-            run%regimes(number)%lower = lower
+            do i = 1, merge(1, 2, bounces(2) == number)
+               run%regimes(bounces(i))%upper = upper(:, i)
+               run%regimes(bounces(i))%lower = lower(:, i)
+            end do
             if (events(best)%kind /= stick_event .and. .not. least <= coarse*s%length) return
          end if
          n = best
-         if (events(n)%kind /= stick_event) then
+         cut = events(n)%kind /= stick_event
+         if (cut) then
             ! the rest begins at once
             if (n == ubound(events, 1)) call grow(events)
             n = n + 1
@@ -1024,17 +1061,28 @@ contains
             allocate (here%d(2*size(events(n)%x), 0))
          end if
          do i = 1, n - 1
-            call add_segment(course, here, i, seconds(events(i - 1), events(i)), gap)
+            call add_segment(course, here, i, seconds(events(i - 1), events(i)), events(i)%gap)
             call go_to(run, events(i), here)
+            here%begins = events(i)%gap
          end do
+         here%begins = gap
          ! what remains of the accumulation is no flight of its own
          call go_to(run, events(n), here)
-         here%regime = after
          course%begins(symbol) = here%phase
+         if (bounces(2) /= number) then
+            ! friction holds before it is completed, or would hold the last of the bounces
+            if (cut) excess = -(least/s%length)**(1.0_wp/3)
+            if (.not. cut) excess = min(excess, excess_at(run, gap, events(n)))
+            course%rests(symbol) = excess
+            good = .true.
+            return
+         end if
          ! the last departure speed, over that of the critical accumulation: see `measure_rest`
          speed = 0
          if (n > 1 .or. departure > 0) then
-            i = n - 1
+            do i = n - 1, 1, -1
+               if (events(i)%kind == impact_event) exit
+            end do
             if (i == 0) then
                speed = departure
             else
@@ -1090,6 +1138,65 @@ contains
       end subroutine grow
    end subroutine settle_down
 
+   !> The regime in the second part of a bounce: friction along the gap slips to the other side.
+   pure subroutine find_turned(run, number, gap, other, status)
+      !> In and out: a regime may be added.
+      type(run_type), intent(inout) :: run
+      !> The regime after an impact, and the gap.
+      integer, intent(in) :: number, gap
+      !> The regime; the same one without such friction.
+      integer, intent(out) :: other
+      !> `stat%ok`, or as in `new_regime`.
+      integer, intent(out) :: status
+      integer, allocatable :: set(:)
+      integer :: j
+
+      status = stat%ok
+      other = number
+      if (.not. rubs_along(run%structure, gap)) return
+      allocate (set, source=run%regimes(number)%closed)
+      do j = 1, size(run%structure%openings)
+         if (.not. abs(factor_along(run%structure, j, gap)) > 0) cycle
+         if (any(set == -j)) then
+            set = pack(set, set /= -j)
+         else
+            set = [pack(set, set < -j), -j, pack(set, set > -j)]
+         end if
+      end do
+      call find_regime(run, set, other, status)
+   end subroutine find_turned
+
+   !> By how much the force that closes a gap is above what friction along it can hold, as a share
+   !! of both: where friction turns in the bounces of an accumulation, and where the rest begins.
+   pure real(wp) function excess_at(run, gap, event) result(excess)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> The gap.
+      integer, intent(in) :: gap
+      !> The event.
+      type(run_event_type), intent(in) :: event
+      real(wp) :: d(0:3), force, levels(2)
+      integer :: j, rest
+
+      associate (structure => run%structure, regime => run%regimes(event%regime))
+         levels = 0
+         do j = 1, size(structure%openings)
+            levels = levels + abs(factor_along(structure, j, gap))*structure%laws(j)%numbers(:2)
+         end do
+         rest = findloc(regime%resting, gap, dim=1)
+         if (rest > 0) then
+            call row_derivatives(regime, event%x, event%v, run%load%frequency*event%elapsed, &
+               structure%channels + rest, d)
+            force = d(0) - levels(2)
+         else
+            call closing_of(run, event, gap, force)
+            force = structure%effective(gap)*force + levels(1)
+         end if
+         excess = force - levels(2)
+         if (abs(excess) > 0) excess = excess/(abs(force) + levels(2))
+      end associate
+   end function excess_at
+
    !> Moves the place to an event.
    pure subroutine go_to(run, event, here)
       !> The run.
@@ -1100,6 +1207,7 @@ contains
       type(here_type), intent(inout) :: here
 
       here%phase = (real(event%cycle, wp)*run%period + event%elapsed)*run%load%frequency
+      here%regime = event%regime
       here%x = event%x
       here%v = event%v
    end subroutine go_to
@@ -1121,7 +1229,7 @@ contains
       closing = run%structure%wall(gap)*d(2)
    end subroutine closing_of
 
-   !> Ignores all gaps but one, and the contact forces.
+   !> Ignores all gaps but one and the friction along it, and the contact forces.
    pure subroutine watch_one(structure, gap, regime)
       !> The structure.
       type(structure_type), intent(in) :: structure
@@ -1132,13 +1240,19 @@ contains
       integer :: row
 
       do row = 1, size(regime%upper)
-         if (row /= structure%channel(gap) .or. structure%wall(gap) < 0) then
-            if (regime%upper_gap(row) /= gap) regime%upper(row) = huge(1.0_wp)
-         end if
-         if (row /= structure%channel(gap) .or. structure%wall(gap) > 0) then
-            if (regime%lower_gap(row) /= gap) regime%lower(row) = -huge(1.0_wp)
-         end if
+         if (.not. is_watched(regime%upper_gap(row))) regime%upper(row) = huge(1.0_wp)
+         if (.not. is_watched(regime%lower_gap(row))) regime%lower(row) = -huge(1.0_wp)
       end do
+   contains
+      !> Whether a limit is that of the gap, or of friction along it.
+      pure logical function is_watched(number)
+         !> What the limit concerns; negative for a force, and 0 where there is none.
+         integer, intent(in) :: number
+
+         is_watched = number == gap
+         if (number > 0 .and. structure%has_friction) is_watched = is_watched .or. &
+            abs(factor_along(structure, number, gap)) > 0
+      end function is_watched
    end subroutine watch_one
 
    !> The measure of the rest that ends with a release.
@@ -1169,6 +1283,8 @@ contains
             course%rests(i) = duration
             return
          end if
+         ! friction along the gap has its own measure
+         if (rubs_along(course%run%structure, s%gaps(symbol))) return
          call critical(restitution, limit, power)
          if (.not. duration > 0) then
             course%rests(i) = -abs(duration)**power
@@ -1177,6 +1293,19 @@ contains
          end if
       end associate
    end subroutine measure_rest
+
+   !> Whether friction acts along a gap.
+   pure logical function rubs_along(structure, gap)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> The gap.
+      integer, intent(in) :: gap
+      integer :: j
+
+      rubs_along = structure%has_friction
+      if (rubs_along) rubs_along = any([(abs(factor_along(structure, j, gap)) > 0, j=1, &
+         size(structure%openings))])
+   end function rubs_along
 
    !> The derivative of the map of a period at fixed times, in units of the family.
    pure subroutine monodromy(s, course, p, good)
@@ -1200,8 +1329,8 @@ contains
       do i = 1, n
          p(i, i) = p(i, i) + 1
       end do
-      ! accelerations do not jump at a release
-      if (s%kinds(m) == release) m = m - 1
+      ! accelerations do not jump at a release without friction
+      if (s%kinds(m) == release .and. .not. rubs_along(course%run%structure, s%gaps(m))) m = m - 1
       moves = pack([(i, i=1, m)], .not. [(is_vanishing(s, course, i), i=1, m)])
       m = size(moves)
       if (m == 0) return

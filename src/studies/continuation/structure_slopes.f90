@@ -23,7 +23,7 @@ module vi_structure_slopes
 
 contains
 
-   !> The derivatives of the equations by a parameter.
+   !> The derivatives of the equations with respect to a parameter.
    pure subroutine equations_by_parameter(s, family, unknowns, shares, member, k, slope, good)
       !> The structure.
       type(structure_members_type), intent(in) :: s
@@ -35,7 +35,7 @@ contains
       type(member_type), intent(in) :: member
       !> Number of the parameter.
       integer, intent(in) :: k
-      !> (unknowns) The derivatives by its share.
+      !> (unknowns) The derivatives with respect to its share.
       real(wp), intent(out) :: slope(:)
       !> False if there are no such motions nearby.
       logical, intent(out) :: good
@@ -62,7 +62,7 @@ contains
       real(wp), intent(in) :: unknowns(:), shares(:)
       !> Number of the parameter.
       integer, intent(in) :: k
-      !> (unknowns) The derivatives by its share.
+      !> (unknowns) The derivatives with respect to its share.
       real(wp), intent(out) :: slope(:)
       !> False if there are no such motions nearby.
       logical, intent(out) :: good
@@ -134,7 +134,7 @@ contains
       end associate
    end subroutine in_closed_form
 
-   !> The derivatives of the responses by the logarithm of a factor of all times.
+   !> The derivatives of the responses with respect to the logarithm of a factor of all times.
    pure subroutine stretched(member, response)
       !> The member.
       type(member_type), intent(in) :: member

@@ -16,8 +16,8 @@ module vi_structure_start
    use vi_responses, only: offset_pairs
    use vi_status, only: stat
    use vi_spectrum, only: spectrum_type
-   use vi_structure, only: check_structure, load_type, new_regime, regime_type, state_of, &
-      structure_type, to_pairs
+   use vi_structure, only: check_structure, factor_along, load_type, new_regime, regime_type, &
+      restitution_of, state_of, structure_type, to_pairs
    use vi_structure_assess, only: assess_multipliers, structure_verdicts_type
    use vi_structure_extremes, only: coordinate_extremes, extend_extremes
    use vi_structure_together, only: are_multiple, multipliers_beside, set_together, whole_family, &
@@ -34,7 +34,8 @@ module vi_structure_start
    use vi_structure_motion, only: new_equations, relative, residuals
    use vi_structure_period, only: describe_structure_motion, structure_motion_type
    use vi_structure_return, only: closed_type, settled_type
-   use vi_structure_run, only: impact_event, slip_down_event, slip_up_event
+   use vi_structure_run, only: impact_event, release_event, slip_down_event, slip_up_event, &
+      stick_event
    use vi_text, only: counted, whole_text => whole
    implicit none (type, external)
    private
@@ -46,6 +47,9 @@ module vi_structure_start
    !> Where a bound is a resonance, motions end this share of the range before it. They are
    !! continuous there, but their equations are not.
    real(wp), parameter :: inset = 1.0e-6_wp
+   !> Flights within an accumulation that are shorter, over the shortest time scale, are followed by
+   !! simulation.
+   real(wp), parameter :: short = 0.3_wp
 
 contains
 
@@ -238,15 +242,19 @@ contains
             return
          end if
          if (allocated(start%events)) then
-            call read_events(s, start, min(most_impacts, most - 2 - 2*n), unknowns, message)
+            call new_regime(s%path%structure, load, [integer :: ], regime, status)
+            call read_events(s, start, size(changes) > 1, regime%unit*load%frequency, &
+               min(most_impacts, most - 2 - 2*n), unknowns, message)
             if (len(message) > 0) return
             call set_repetitions(family, [unknowns(2*n + 1:), unknowns(2*n + 1) + 2*pi*s%cycles], &
                mirrored, message)
             if (len(message) > 0) return
-            start%gaps = s%gaps
+            start%gaps = pack(s%gaps, s%kinds /= release)
+            start%resting = pack(s%gaps, s%kinds == release)
             ! phases from the event that begins the period
             if (s%free) unknowns(2*n + 1:) = unknowns(2*n + 1:) - unknowns(2*n + 1)
-            if (half .and. size(family%repetitions) == 0) call take_half(family, unknowns)
+            if (half .and. size(family%repetitions) + size(start%resting) == 0) call &
+               take_half(family, unknowns)
             ! the end of what is followed is unknown
             if (s%free) unknowns(2*n + 1) = s%whole_turn()
             call finish_resting(family, unknowns, changes, curve, point)
@@ -353,12 +361,16 @@ contains
    end subroutine finish_resting
 
    !> The events of a motion with stops or friction, in order from after the one that is followed
-   !! by the longest flight in which nothing sticks.
-   subroutine read_events(s, start, most_symbols, unknowns, message)
+   !! by the longest flight in which nothing rests or sticks.
+   subroutine read_events(s, start, is_surface, scale, most_symbols, unknowns, message)
       !> In and out: the family; symbols and what is closed after them are set.
       type(rests_type), intent(inout) :: s
-      !> In and out: the motion; the sequence of its events is set.
+      !> In and out: the motion; without rests the sequence of its events is set.
       type(settled_type), intent(inout) :: start
+      !> Whether more than one parameter changes.
+      logical, intent(in) :: is_surface
+      !> The shortest time scale, as a load phase (rad).
+      real(wp), intent(in) :: scale
       !> Most symbols.
       integer, intent(in) :: most_symbols
       !> The unknowns of the motion.
@@ -367,45 +379,62 @@ contains
       character(:), allocatable, intent(out) :: message
       !> Events nearer than this (rad) are at one instant.
       real(wp), parameter :: instant = 1.0e-8_wp
-      integer, allocatable :: order(:), all_events(:)
+      integer, allocatable :: order(:), all_events(:), ends(:)
       real(wp), allocatable :: phases(:), flights(:)
       logical, allocatable :: free(:)
+      real(wp) :: first_phase, whole
       integer :: begin, i, j, m
 
       message = ''
+      whole = 2*pi*s%cycles
       associate (events => start%events, structure => s%path%structure)
-         if (size(start%resting) > 0) message = 'a gap rests in a structure with &
-            &stops or friction; such motions cannot be followed'
-         ! what changes at one instant together is told one by one
+         ! changes at one instant are reported one by one
          order = pack([(i, i=1, size(events))], [.not. is_repeated(1, size(events)), &
             (.not. is_repeated(i, i - 1), i=2, size(events))])
+         m = size(order)
+         phases = [((real(events(order(i))%cycle - events(order(1))%cycle, wp)*2*pi + &
+            events(order(i))%elapsed*s%path%load%frequency), i=1, m)]
+         flights = [phases(2:), phases(1) + whole] - phases
+         free = [(.not. any(holds(start%closed(order(i))%set)), i=1, m)]
+         if (.not. any(free)) free = [(.not. any(holds(start%closed(order(i))%set) .and. .not. &
+            structure%rubs(abs(start%closed(order(i))%set))), i=1, m)]
+         begin = maxloc(flights, dim=1, mask=free)
+         order = cshift(order, begin)
+         first_phase = phases(begin)
+         phases = [phases(begin + 1:), phases(:begin) + whole]
+         call find_accumulations(s, start, scale, most_symbols, order, phases, ends, message)
+         if (len(message) > 0) return
          m = size(order)
          if (m > most_symbols) message = 'the motion has '//counted(m, 'event')//'; at most '// &
             whole_text(most_symbols)//' can be followed'
          if (any(start%limits(1, order) == 0)) message = 'a jump of a force makes friction stick &
             &or slip; such motions cannot be followed'
          if (len(message) > 0) return
-         phases = [((real(events(order(i))%cycle - events(order(1))%cycle, wp)*2*pi + &
-            events(order(i))%elapsed*s%path%load%frequency), i=1, m)]
-         flights = [phases(2:), phases(1) + 2*pi*s%cycles] - phases
+         ! an accumulation ends where the rest begins
+         flights = [phases(2:), phases(1) + whole] - [(phases(i) + phase_between(order(i), &
+            ends(i)), i=1, m)]
          if (any(flights < instant)) then
             message = 'two events occur at the same instant; such motions with stops or friction &
                &cannot be followed'
             return
          end if
-         free = [(.not. any(sticks(start%closed(order(i))%set)), i=1, m)]
-         if (.not. any(free)) free = .true.
-         begin = maxloc(flights, dim=1, mask=free)
-         order = cshift(order, begin)
-         phases = [phases(begin), phases(begin + 1:), phases(:begin - 1) + 2*pi*s%cycles]
+         phases = [first_phase, phases(:m - 1)]
          phases = phases - 2*pi*floor(phases(1)/(2*pi))
          s%kinds = merge(single, switch, events(order)%kind == impact_event)
+         where (events(order)%kind == release_event) s%kinds = release
+         where (ends /= order) s%kinds = first
          s%gaps = events(order)%gap
          s%rows = start%limits(1, order)
          s%walls = start%limits(2, order)
-         allocate (s%closed(0:m), s%stuck(m))
-         s%closed(0) = start%closed(order(m))
-         s%closed(1:) = start%closed(order)
+         allocate (s%closed(0:m), s%stuck(m), s%bounces(m))
+         s%closed(0) = start%closed(ends(m))
+         s%closed(1:) = start%closed(ends)
+         s%bounces(:) = start%closed(order)
+         if (is_surface .and. any([(s%kinds(i) == first .and. rubs_in_bounces(i), i=1, m)])) then
+            message = 'impacts accumulate on a gap along which friction acts; of such motions &
+               &branches can be followed, but no zones and charts'
+            return
+         end if
          do i = 1, m
             allocate (s%stuck(i)%set(0))
             associate (event => events(order(i)), set => s%closed(i)%set)
@@ -417,6 +446,7 @@ contains
          end do
          s%first_gap = s%gaps(m)
          unknowns = [events(order(m))%q/s%length, events(order(m))%rate/s%speed, phases]
+         if (size(start%resting) > 0) return
          all_events = cshift([(i, i=1, size(events))], order(1) - 1)
          allocate (start%sequence(3, size(events)))
          do i = 1, size(events)
@@ -437,15 +467,107 @@ contains
          end associate
       end function is_repeated
 
-      !> Which of what is closed is friction that sticks.
-      pure function sticks(set)
+      !> Whether friction turns in the bounces of an accumulation.
+      pure logical function rubs_in_bounces(symbol)
+         !> The symbol.
+         integer, intent(in) :: symbol
+         real(wp) :: restitution, slope
+         integer :: j
+
+         call restitution_of(s%path%structure, s%gaps(symbol), 0.0_wp, restitution, slope)
+         rubs_in_bounces = restitution > 0 .and. any([(abs(factor_along(s%path%structure, j, &
+            s%gaps(symbol))) > 0, j=1, size(s%path%structure%openings))])
+      end function rubs_in_bounces
+
+      !> Which of what is closed is a gap that rests or friction that sticks.
+      pure function holds(set)
          !> What is closed.
          integer, intent(in) :: set(:)
-         logical :: sticks(size(set))
+         logical :: holds(size(set))
 
-         sticks = set > 0 .and. s%path%structure%rubs(abs(set))
-      end function sticks
+         holds = set > 0 .and. .not. s%path%structure%elastic(abs(set))
+      end function holds
+
+      !> The load phase (rad) from one event to another one at its instant or after it.
+      pure real(wp) function phase_between(from, to) result(phase)
+         !> Numbers of the events.
+         integer, intent(in) :: from, to
+
+         associate (events => start%events)
+            phase = real(events(to)%cycle - events(from)%cycle, wp)*2*pi + (events(to)%elapsed &
+               - events(from)%elapsed)*s%path%load%frequency
+            if (to < from) phase = phase + whole
+         end associate
+      end function phase_between
    end subroutine read_events
+
+   !> Leaves out the events within accumulations: of each the first impact remains.
+   subroutine find_accumulations(s, start, scale, most_symbols, order, phases, ends, message)
+      !> The family.
+      type(rests_type), intent(in) :: s
+      !> The motion.
+      type(settled_type), intent(in) :: start
+      !> As of `read_events`.
+      real(wp), intent(in) :: scale
+      integer, intent(in) :: most_symbols
+      !> In and out: numbers of events in order, and their load phases (rad).
+      integer, allocatable, intent(inout) :: order(:)
+      real(wp), allocatable, intent(inout) :: phases(:)
+      !> The events at which accumulations end in rest; of other events themselves.
+      integer, allocatable, intent(out) :: ends(:)
+      !> What is wrong; empty if nothing is.
+      character(:), allocatable, intent(inout) :: message
+      integer, allocatable :: impacts(:)
+      logical :: left(size(order))
+      integer :: i, k
+      real(wp) :: threshold
+
+      threshold = short
+      do
+         left = .true.
+         ends = order
+         do i = 1, size(order)
+            if (start%events(order(i))%kind /= stick_event) cycle
+            allocate (impacts(0))
+            do k = i - 1, 1, -1
+               if (.not. is_bounce(order(k), start%events(order(i))%gap)) exit
+               if (start%events(order(k))%kind == impact_event) impacts = [k, impacts]
+            end do
+            if (size(impacts) == 0) then
+               message = 'an event of another gap, a stop or friction occurs during an &
+                  &accumulation; such motions cannot be followed'
+               return
+            end if
+            k = size(impacts)
+            do while (k > 1)
+               if (phases(impacts(k)) - phases(impacts(k - 1)) >= threshold*scale) exit
+               k = k - 1
+            end do
+            ! one impact at least comes before
+            if (k == 1 .and. size(impacts) > 1) k = 2
+            ends(impacts(k)) = order(i)
+            left(impacts(k) + 1:i) = .false.
+            deallocate (impacts)
+         end do
+         if (count(left) <= most_symbols .or. threshold > 1.0e3_wp) exit
+         threshold = 2*threshold
+      end do
+      order = pack(order, left)
+      phases = pack(phases, left)
+      ends = pack(ends, left)
+   contains
+      !> Whether an event is an impact on a gap, or friction along it turns.
+      pure logical function is_bounce(number, gap)
+         !> The event, and the gap.
+         integer, intent(in) :: number, gap
+
+         associate (event => start%events(number))
+            is_bounce = event%kind == impact_event .and. event%gap == gap
+            if (event%kind == slip_up_event .or. event%kind == slip_down_event) is_bounce = &
+               abs(factor_along(s%path%structure, event%gap, gap)) > 0
+         end associate
+      end function is_bounce
+   end subroutine find_accumulations
 
    !> The ways in which motions with rests can repeat themselves, or be their own mirror images,
    !! half a period later.
@@ -512,9 +634,6 @@ contains
       character(:), allocatable, intent(out) :: message
       !> Events nearer than this (rad) are at one instant.
       real(wp), parameter :: instant = 1.0e-8_wp
-      !> Flights within an accumulation that are shorter, over the shortest time scale, are followed
-      !! by simulation.
-      real(wp), parameter :: short = 0.3_wp
       real(wp), allocatable :: at(:)
       integer, allocatable :: kind(:), gap(:), number(:), order(:), left(:), resting(:)
       real(wp) :: longest, threshold, whole
@@ -814,7 +933,7 @@ contains
       type(course_type) :: course
       type(condition_type) :: found(family%condition_count())
       type(spectrum_type) :: spectrum
-      real(wp) :: values(size(found)), unit(2*size(extremes, 1))
+      real(wp) :: last, values(size(found)), unit(2*size(extremes, 1))
       real(wp), allocatable :: speeds(:)
       integer, allocatable :: impacts(:)
       integer :: i, j, k, m, n
@@ -853,19 +972,22 @@ contains
             end associate
          end do
          k = 0
+         last = s%end_of_turn(unknowns)
          do i = 1, m
             if (s%kinds(i) /= release) cycle
             k = k + 1
-            rests(2, k) = unknowns(2*n + 1 + modulo(i, m)) + merge(2*pi*s%cycles, 0.0_wp, i == m)
+            rests(2, k) = merge(last, unknowns(2*n + 1 + modulo(i, m)), i == m)
             do j = 1, m
                associate (before => modulo(i - j - 1, m) + 1)
                   if (s%kinds(before) /= first .or. s%gaps(before) /= s%gaps(i)) cycle
                   rests(1, k) = course%begins(before)
-                  if (before > i) rests(:, k) = [rests(1, k), rests(2, k) + 2*pi*s%cycles]
+                  if (before > i) rests(2, k) = rests(2, k) + last - s%begin_of(unknowns)
                   exit
                end associate
             end do
          end do
+         ! of a self-excited motion shares of the period
+         if (s%free) rests = (s%whole_turn()/last)*rests
          associate (verdicts => motion%verdicts)
             verdicts%consistent = consistency(motion%residual, exact_acceptance)
             call family%set_conditions(unknowns, c, values, found, spectrum)

@@ -25,8 +25,8 @@ contains
       type(regime_type), intent(in) :: regime
       !> (m) The pairs at the beginning, the time there, and the duration.
       real(wp), intent(in) :: x(:), v(:), time, duration
-      !> The gaps in contact at the beginning and at the end; 0 if there is none.
-      integer, intent(in) :: begins, ends
+      !> What is at its limit at the beginning and at the end: gaps, and the friction along them.
+      integer, intent(in) :: begins(:), ends(:)
       !> (rows) The unit of each.
       real(wp), intent(in) :: units(:)
       !> In and out: the channel, with the sign of the wall, and the share of the duration are set.
@@ -67,7 +67,7 @@ contains
                   ! a force that rises to the limit at which it ends the flight is below it as
                   ! long as the flight has a duration
                   if ((here%side /= last .or. wall*rate(row, 0) < 0) .and. (holds .or. &
-                     number /= begins)) then
+                     all(begins /= number))) then
                      value = gap_at(regime, units(row), here%side, y(row, 0))
                      here%share = 0
                      if (value < gap) then
@@ -77,7 +77,7 @@ contains
                   end if
                end if
                ! an impact leaves its wall; without restitution its speed is 0, up to rounding
-               if (k == 0 .and. number == begins) cycle
+               if (k == 0 .and. any(begins == number)) cycle
                if (k < nodes) then
                   ! the gap has a minimum between two nodes
                   if (wall*rate(row, k) > 0 .and. wall*rate(row, k + 1) <= 0) then
@@ -98,7 +98,7 @@ contains
                   cycle
                end if
                ! the next impact comes first: before it all other gaps are open
-               if (number == ends .and. .not. holds) cycle
+               if (any(ends == number) .and. .not. holds) cycle
                if (present(last)) then
                   if (here%side == last) cycle
                end if

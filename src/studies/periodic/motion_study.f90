@@ -185,19 +185,21 @@ module vi_motion_study
       meaning='load cycles in a period; 1 if it is left out; with kind = ''settled'' the number &
       &that repeats best'), &
       key_type('gaps', a_whole, most=most_impacts, low=0.0_wp, never=settled, why=simulated, &
-      takes='the number of a gap, from 0, for each impact, 1 to 1000 of them', &
-      meaning='gaps of the impacts in order; with stops or friction those of all events'), &
+      takes='the number of a gap, stop or friction, from 0, for each event, 1 to 1000 of them', &
+      meaning='gaps of the impacts in order; with kinds the gap, stop or friction of each event'), &
       key_type('kinds', a_word, most=most_impacts, may_miss=.true., never=settled, why=simulated, &
-      words='impact touch leave let_go press halt slip_up slip_down', &
-      takes='the kind of each event in gaps: impact of a gap; touch, leave, let_go, press of a &
-      &stop; halt, slip_up, slip_down of friction, numbered after gaps and stops', &
-      meaning='with stops or friction: what happens in each event'), &
+      words='impact stick release touch leave let_go press halt slip_up slip_down', &
+      takes='the kind of each event in gaps: impact, stick, release of a gap; touch, leave, &
+      &let_go, press of a stop; halt, slip_up, slip_down of friction, numbered after gaps and &
+      &stops', &
+      meaning='with stops, friction or rests: what happens in each event'), &
       key_type('phases', most=most_impacts, or='phases_over_pi', never=settled, why=simulated, &
-      takes='one number for each impact, increasing, within less than a period of each other', &
-      unit='rad', meaning='load phases of the impacts'), &
+      takes='one number for each event, not decreasing, within less than a period of each other', &
+      unit='rad', meaning='load phases of the impacts, or of the events in kinds'), &
       key_type('phases_over_pi', most=most_impacts, or='phases', never=settled, why=simulated, &
-      takes='one number for each impact, increasing, within less than a period of each other', &
-      is='phases', factor=pi, unit='pi rad', meaning='load phases of the impacts in units of pi'), &
+      takes='one number for each event, not decreasing, within less than a period of each other', &
+      is='phases', factor=pi, unit='pi rad', &
+      meaning='load phases of the impacts, or of the events in kinds, in units of pi'), &
       key_type('settling', a_whole, default='300', low=0.0_wp, high=1.0e6_wp, only=settled, &
       meaning='load cycles simulated first'), &
       key_type('max_cycles', a_whole, default='16', low=1.0_wp, high=100.0_wp, only=settled, &
@@ -666,15 +668,16 @@ contains
       type(values_type), intent(inout) :: group
       type(structure_type) :: structure
       type(load_type) :: load
-      character(9), parameter :: words_of_friction(3) = [character(9) :: 'halt', 'slip_up', &
-         'slip_down']
+      character(*), parameter :: of_friction = ' halt slip_up slip_down'
       character(:), allocatable :: text
       integer :: first, i, status
 
       if (.not. has_elements(case)) then
-         if (group%has('kinds')) call group%refuse('kinds', &
-            'all events are impacts without a &stop or a &friction; leave it out')
-         return
+         if (.not. group%has('kinds')) return
+         if (all([(group%word('kinds', i) == 'impact', i=1, group%count_words('kinds'))])) then
+            call group%refuse('kinds', 'all events are impacts; leave it out')
+            return
+         end if
       end if
       associate (phases => group%numbers('phases'), n => size(group%numbers('gaps')))
          if (.not. group%has('kinds')) then
@@ -685,13 +688,12 @@ contains
             first = 1
             do i = 2, n
                if (phases(i) > phases(i - 1)) first = i
-               if (i == first) cycle
-               if (any(words_of_friction == group%word('kinds', i)) .and. any([words_of_friction, &
-                  'impact   '] == group%word('kinds', i - 1))) cycle
-               if (group%word('kinds', first) == 'impact' .and. any([words_of_friction, &
-                  'let_go   ', 'press    '] == group%word('kinds', i))) cycle
-               call group%refuse('phases', 'of simultaneous events, all after the first must be of &
-                  &friction, or let_go or press after an impact')
+               if (i == first .or. is_one('release slip_up slip_down', i)) cycle
+               if (is_one(of_friction, i) .and. is_one('impact'//of_friction, i - 1)) cycle
+               if (is_one('impact', first) .and. is_one('stick let_go press'//of_friction, i)) cycle
+               if (is_one('release', first) .and. is_one(of_friction, i)) cycle
+               call group%refuse('phases', 'of simultaneous events, all after the first must be &
+                  &release, slip_up, slip_down or halt, or stick, let_go or press after an impact')
             end do
          end if
       end associate
@@ -700,8 +702,22 @@ contains
       call check_structure(structure, status)
       ! a fault of the structure is found when it is used
       if (status /= stat%ok) return
-      call sequence_fault(structure, nint(group%numbers('gaps')) + 1, kinds_in(group), text)
+      call sequence_fault(structure, nint(group%numbers('gaps')) + 1, kinds_in(group), &
+         group%numbers('phases'), text)
       if (len(text) > 0) call group%refuse('kinds', text)
+
+   contains
+
+      !> Whether the kind of an event is one of the words of a text.
+      pure logical function is_one(words, event)
+         !> The words, with a space between two.
+         character(*), intent(in) :: words
+         !> The event, from 1.
+         integer, intent(in) :: event
+
+         is_one = index(' '//words//' ', ' '//trim(group%word('kinds', event))//' ') > 0
+      end function is_one
+
    end subroutine check_kinds
 
    !> The kinds of the events of a group.
@@ -731,7 +747,7 @@ contains
       is_free = group%has('duration') .or. group%has('period')
    end function is_free
 
-   !> Whether a structure has stops or friction beside its gaps.
+   !> Whether a structure has stops or friction in addition to its gaps.
    pure logical function has_elements(case)
       !> The case.
       type(case_type), intent(in) :: case
@@ -844,7 +860,7 @@ contains
          call settle(structure, load, group%number('start'), group%numbers('q'), &
             group%numbers('q_dot'), group%whole_number('settling'), &
             group%whole_number('max_cycles'), cycles, found, status, progress)
-      else if (has_elements(case)) then
+      else if (group%has('kinds')) then
          call presume(structure, load, nint(group%numbers('gaps')) + 1, kinds_in(group), &
             group%numbers('phases'), group%whole_number('cycles'), refined .or. &
             group%is('kind', 'exact'), found, status, progress)

@@ -1,10 +1,12 @@
-!> Periodic motions of a structure with stops or friction from presumed instants of their events.
+!> Periodic motions of a structure with stops, friction or rests from presumed instants of their
+!! events.
 !!
 !! Given the events and their instants, the regimes follow, and all else is linear. Unknown are the
 !! state just before the first event and the approach speeds of impacts on gaps. Equations: at each
 !! event the function that brings it about is at its limit, each approach speed is that of the
 !! motion, and the period closes. DGELS solves them; the residual measures how far the instants are
-!! from those of a motion.
+!! from those of a motion. A rest begins at the instant of an impact with R = 0: before one with R
+!! above 0 there are infinitely many impacts.
 module vi_presumed_events
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
@@ -15,13 +17,14 @@ module vi_presumed_events
    use vi_modes, only: advance
    use vi_motion, only: no, unknown, yes
    use vi_status, only: stat
-   use vi_structure, only: load_type, opening_at, regime_type, restitution_of, state_of, &
-      structure_type, to_pairs
+   use vi_structure, only: factor_along, load_type, opening_at, regime_type, restitution_of, &
+      state_of, structure_type, to_pairs
    use vi_structure_map, only: apply_flight, from_coordinates, to_coordinates
-   use vi_structure_return, only: keep_period, most_events, one_cycle, settle, settled_type
-   use vi_structure_run, only: event_kinds, find_regime, halt_event, impact_event, leave_event, &
-      let_go_event, new_run, press_event, run_event_type, run_state_type, run_type, &
-      slip_down_event, slip_up_event, start_at, touch_event
+   use vi_structure_return, only: closed_type, keep_period, most_events, one_cycle, settle, &
+      settled_type
+   use vi_structure_run, only: event_kinds, find_regime, halt_event, impact_event, is_listed, &
+      leave_event, let_go_event, new_run, press_event, release_event, run_event_type, &
+      run_state_type, run_type, slip_down_event, slip_up_event, start_at, stick_event, touch_event
    use vi_structure_trajectory, only: pass_label
    use vi_structure_variation, only: derivative_of_run
    use vi_text, only: whole
@@ -63,19 +66,29 @@ contains
    end function kinds_of
 
    !> Why events cannot follow each other in a period; empty if they can.
-   pure subroutine sequence_fault(structure, gaps, kinds, text)
+   pure subroutine sequence_fault(structure, gaps, kinds, phases, text)
       !> The structure, checked.
       type(structure_type), intent(in) :: structure
       !> (N) The gap, stop or friction of each event, and its kind.
       integer, intent(in) :: gaps(:), kinds(:)
+      !> (N) Their load phases, increasing.
+      real(wp), intent(in) :: phases(:)
       !> The reason.
       character(:), allocatable, intent(out) :: text
       integer, allocatable :: closed(:)
-      integer :: i
+      integer :: i, k
       logical :: good
 
       text = ''
       call set_at_start(structure, gaps, kinds, closed)
+      do i = 1, size(gaps)
+         if (kinds(i) /= stick_event) cycle
+         if (structure%elastic(gaps(i)) .or. structure%rubs(gaps(i))) cycle
+         if (.not. structure%restitution(gaps(i)) > 0) cycle
+         text = 'a rest begins on gap '//whole(gaps(i) - 1)//', whose restitution is above 0: &
+            &infinitely many impacts come before it; use exact or kind = ''settled'''
+         return
+      end do
       do i = 1, size(structure%openings)
          if (.not. structure%rubs(i) .or. any(gaps == i)) cycle
          if (abs(structure%laws(i)%numbers(3)) > 0) cycle
@@ -87,7 +100,16 @@ contains
             other => any(closed == -gaps(i)))
             select case (kinds(i))
             case (impact_event)
-               good = .not. (structure%elastic(j) .or. structure%rubs(j))
+               good = .not. (structure%elastic(j) .or. structure%rubs(j) .or. before)
+               if (good) good = .not. any([(any(closed == structure%coupled(k)), k= &
+                  structure%coupled_begins(j), structure%coupled_begins(j + 1) - 1)])
+            case (stick_event)
+               ! only the impact on it comes before it at its instant, and what that changes
+               good = .not. (structure%elastic(j) .or. structure%rubs(j) .or. before) .and. i > 1
+               if (good) good = any(kinds(:i - 1) == impact_event .and. gaps(:i - 1) == j .and. &
+                  phases(:i - 1) >= phases(i))
+            case (release_event)
+               good = .not. (structure%elastic(j) .or. structure%rubs(j)) .and. before
             case (touch_event)
                good = structure%elastic(j) .and. .not. (before .or. other)
             case (leave_event)
@@ -105,8 +127,8 @@ contains
             case default
                good = .false.
             end select
-            if (.not. good) text = 'event number '//whole(i)//' is impossible for element '// &
-               whole(j - 1)//' after the events before it in the period'
+            if (.not. good) text = 'event number '//whole(i)//' cannot occur at element '// &
+               whole(j - 1)//' after the preceding events of the period'
             if (.not. good) return
             call pass_label([kinds(i), j], closed)
          end associate
@@ -158,6 +180,7 @@ contains
       type(run_event_type), allocatable :: events(:)
       type(run_state_type) :: begun, last
       type(equations_type) :: equations
+      integer, allocatable :: causes(:)
       real(wp), allocatable :: u(:), p(:, :)
       real(wp) :: largest, residual, time
       integer :: after, n
@@ -165,12 +188,12 @@ contains
       call new_run(structure, load, run, status)
       if (status /= stat%ok) return
       n = size(run%structure%mass, 1)
-      call place_events(run, gaps, kinds, phases, events, begun, status)
+      call place_events(run, gaps, kinds, phases, events, causes, begun, status)
       if (status /= stat%ok) return
       last = begun
       last%cycle = last%cycle + cycles
       allocate (u(2*n + count(kinds == impact_event)), source=0.0_wp)
-      call set_equations(run, begun, events, last, equations)
+      call set_equations(run, begun, events, causes, last, equations)
       call solve_scaled(run, equations, u, residual, status)
       if (status /= stat%ok) return
       call fill_states(run, begun, events, last, u)
@@ -194,7 +217,8 @@ contains
       end if
       call keep_period(run, begun, events, last, p, largest, .false., found)
       ! as they were given, but that simulations begin at times from 0 on
-      found%motion%phases = phases + two_pi*max(0, ceiling(-phases(1)/two_pi))
+      found%motion%phases = pack(phases, is_listed(events)) &
+         + two_pi*max(0, ceiling(-phases(1)/two_pi))
       associate (verdicts => found%motion%verdicts)
          if (verdicts%consistent == yes) then
             call simulate_events(run, begun, events, last, verdicts%admissible)
@@ -205,7 +229,7 @@ contains
    end subroutine presume
 
    !> The events without their states, and the place before the first one.
-   subroutine place_events(run, gaps, kinds, phases, events, begun, status)
+   subroutine place_events(run, gaps, kinds, phases, events, causes, begun, status)
       !> In and out: regimes are added.
       type(run_type), intent(inout) :: run
       !> As in `presume`.
@@ -213,18 +237,22 @@ contains
       real(wp), intent(in) :: phases(:)
       !> (N) Kinds, gaps, regimes and times.
       type(run_event_type), allocatable, intent(out) :: events(:)
+      !> (N) As of `cause_of`.
+      integer, allocatable, intent(out) :: causes(:)
       !> Regime and time just before the first one.
       type(run_state_type), intent(out) :: begun
       !> `stat%ok`, or as in `new_regime`.
       integer, intent(out) :: status
       integer, allocatable :: closed(:)
+      type(closed_type), allocatable :: after(:)
       real(wp) :: first, turns
-      integer :: i, j
+      integer :: i, j, last
 
-      allocate (events(size(gaps)))
+      allocate (events(size(gaps)), causes(size(gaps)), after(size(gaps)))
       call set_at_start(run%structure, gaps, kinds, closed)
       call find_regime(run, closed, begun%regime, status)
       first = two_pi*max(0, ceiling(-phases(1)/two_pi))
+      last = begun%regime
       do i = 1, size(gaps)
          if (status /= stat%ok) return
          turns = (phases(i) + first)/two_pi
@@ -234,42 +262,97 @@ contains
          events(i)%kind = kinds(i)
          events(i)%gap = gaps(i)
          call pass_label([kinds(i), gaps(i)], closed)
+         after(i)%set = closed
+         causes(i) = cause_of(run%structure, run%regimes(last), events, i)
          call find_regime(run, closed, events(i)%regime, status)
-         if (status /= stat%ok .or. .not. follows(events, i)) cycle
-         ! an impact already leads to what its impulse changes
-         do j = i - 1, 1, -1
-            events(j)%regime = events(i)%regime
-            if (events(j)%kind == impact_event) exit
+         last = events(i)%regime
+         if (causes(i) == 0 .or. kinds(i) == stick_event) cycle
+         ! an event already leads to what it brings about
+         do j = causes(i), i - 1
+            if (status /= stat%ok) return
+            call pass_label([kinds(i), gaps(i)], after(j)%set)
+            call find_regime(run, after(j)%set, events(j)%regime, status)
          end do
       end do
       begun%cycle = events(1)%cycle
       begun%elapsed = events(1)%elapsed
    end subroutine place_events
 
-   !> Whether friction or the force of a stop changes at an event because an impact at the same
-   !! instant changes its speed.
-   pure logical function follows(events, i)
+   !> The event that brings about another one at its instant, which then has no equation: a rest
+   !! begins after an impact on its gap, friction and the force of a stop change with the speeds
+   !! that an impact changes, friction that sticks slips and a gap is released where a force jumps.
+   !! 0 if there is none.
+   pure integer function cause_of(structure, before, events, i) result(cause)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> The regime before the event.
+      type(regime_type), intent(in) :: before
       !> The events, and the number of one.
       type(run_event_type), intent(in) :: events(:)
       integer, intent(in) :: i
+      integer, allocatable :: linked(:)
       integer :: j
+      logical :: yields
 
-      follows = .false.
-      if (events(i)%kind < let_go_event) return
+      cause = 0
+      if (any(events(i)%kind == [impact_event, touch_event, leave_event])) return
+      yields = any(before%held == events(i)%gap) .and. events(i)%kind /= halt_event
+      allocate (linked, source=linked_with(structure, events(i)%gap, [before%held, &
+         pack(events(:i - 1)%gap, events(:i - 1)%cycle == events(i)%cycle .and. &
+         events(:i - 1)%elapsed >= events(i)%elapsed)]))
       do j = i - 1, 1, -1
          if (events(j)%cycle /= events(i)%cycle .or. events(j)%elapsed < events(i)%elapsed) return
-         follows = events(j)%kind == impact_event
-         if (follows) return
+         select case (events(j)%kind)
+         case (impact_event)
+            if (events(i)%kind /= stick_event .or. events(j)%gap == events(i)%gap) cause = j
+         case (release_event)
+            if (events(i)%kind >= slip_up_event) then
+               if (abs(factor_along(structure, events(i)%gap, events(j)%gap)) > 0) cause = j
+            end if
+         case default
+         end select
+         ! the first of them brings about the others that it acts on
+         if (yields .and. any(linked == events(j)%gap)) cause = j
+         if (cause > 0 .and. .not. yields) return
       end do
-   end function follows
+   end function cause_of
+
+   !> The elements of which forces act on what holds one of them: on each other by the masses, one
+   !! through another.
+   pure function linked_with(structure, first, elements) result(linked)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> The one, and those that are held or change at an instant.
+      integer, intent(in) :: first, elements(:)
+      integer, allocatable :: linked(:)
+      !> Share of the terms of a product that counts as rounding.
+      real(wp), parameter :: rounding = 1.0e-9_wp
+      integer :: i, k
+
+      allocate (linked, source=[first])
+      i = 1
+      do while (i <= size(linked))
+         do k = 1, size(elements)
+            if (any(linked == elements(k))) cycle
+            associate (direction => structure%directions(:, elements(k)), &
+               kick => structure%mobility(:, linked(i)))
+               if (abs(dot_product(direction, kick)) > rounding*dot_product(abs(direction), &
+                  abs(kick))) linked = [linked, elements(k)]
+            end associate
+         end do
+         i = i + 1
+      end do
+   end function linked_with
 
    !> The equations of all events, and that the period closes.
-   subroutine set_equations(run, begun, events, last, equations)
+   subroutine set_equations(run, begun, events, causes, last, equations)
       !> The run, with the regimes.
       type(run_type), intent(in) :: run
       !> The place before the first event, the events, and the place a period later.
       type(run_state_type), intent(in) :: begun, last
       type(run_event_type), intent(in) :: events(:)
+      !> (N) As of `cause_of`.
+      integer, intent(in) :: causes(:)
       !> The equations.
       type(equations_type), intent(out) :: equations
       type(affine_type) :: at
@@ -281,7 +364,7 @@ contains
       n = size(start, 1)/2
       hits = count(events%kind == impact_event)
       unknowns = 2*n + hits
-      rows = count([(.not. follows(events, i), i=1, size(events))]) + hits + 2*n
+      rows = count(causes == 0) + hits + 2*n
       allocate (equations%a(rows, unknowns), equations%right(rows), equations%extra(rows), &
          source=0.0_wp)
       allocate (p(2*n, unknowns), q(n), rate(n), source=0.0_wp)
@@ -300,7 +383,11 @@ contains
             events(i)%elapsed), at)
          cycle = events(i)%cycle
          elapsed = events(i)%elapsed
-         if (follows(events, i)) cycle
+         if (causes(i) > 0) then
+            call change_regime(run, regime, events(i), at)
+            regime = events(i)%regime
+            cycle
+         end if
          if (events(i)%kind == impact_event) hits = hits + 1
          call add_event(run, regime, events(i), 2*n + hits, at, equations)
          regime = events(i)%regime
@@ -329,9 +416,12 @@ contains
       type(affine_type), intent(inout) :: at
       !> In and out: the equations.
       type(equations_type), intent(inout) :: equations
+      !> Share of the largest terms that a coefficient can have that counts as rounding.
+      real(wp), parameter :: rounding = 64*epsilon(1.0_wp)
       real(wp), allocatable :: p(:, :)
       real(wp), dimension(size(run%structure%mass, 1)) :: q, rate
-      real(wp) :: d(0:3), impulse, limit, phase, restitution, slope
+      real(wp) :: coefficients(size(at%d, 2)), d(0:3)
+      real(wp) :: impulse, largest, limit, phase, restitution, slope
       integer :: m, n, row, wall
 
       n = size(q)
@@ -340,8 +430,18 @@ contains
          m = size(at%x)
          call find_limit(structure, regime, event, row, wall, limit)
          call row_derivatives(regime, at%x, at%v, phase, row, d)
-         call add(equations, matmul(regime%position(row, :), at%d(:m, :)) &
-            + matmul(regime%velocity(row, :), at%d(m + 1:, :)), limit - d(0), abs(limit))
+         largest = abs(limit)
+         coefficients = matmul(regime%position(row, :), at%d(:m, :)) &
+            + matmul(regime%velocity(row, :), at%d(m + 1:, :))
+         ! after an impact with R = 0 what moves with its gap does not depend on the unknowns
+         where (abs(coefficients) <= rounding*(sum(abs(regime%position(row, :)))* &
+            maxval(abs(at%d(:m, :)), 1) + sum(abs(regime%velocity(row, :)))* &
+            maxval(abs(at%d(m + 1:, :)), 1))) coefficients = 0
+         if (.not. maxval(abs(coefficients)) > 0) largest = largest &
+            + dot_product(abs(regime%position(row, :)), abs(at%x)) &
+            + dot_product(abs(regime%velocity(row, :)), abs(at%v)) &
+            + abs(regime%rows%offset(row)) + sum(regime%rows%ripple_size(row, :))
+         call add(equations, coefficients, limit - d(0), largest)
          allocate (p(2*n, size(at%d, 2)))
          call to_coordinates(regime, at%d, p)
          call state_of(regime, phase, at%x, at%v, q, rate)
@@ -359,6 +459,27 @@ contains
       end associate
       call enter_affine(run, event%regime, phase, p, q, rate, at)
    end subroutine add_event
+
+   !> Changes the regime at an event that another one brings about.
+   pure subroutine change_regime(run, number, event, at)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> The regime before the event, and the event.
+      integer, intent(in) :: number
+      type(run_event_type), intent(in) :: event
+      !> In: just before it. Out: just after it.
+      type(affine_type), intent(inout) :: at
+      real(wp), allocatable :: p(:, :)
+      real(wp), dimension(size(run%structure%mass, 1)) :: q, rate
+      real(wp) :: phase
+
+      if (event%regime == number) return
+      phase = run%load%frequency*event%elapsed
+      allocate (p(2*size(q), size(at%d, 2)))
+      call to_coordinates(run%regimes(number), at%d, p)
+      call state_of(run%regimes(number), phase, at%x, at%v, q, rate)
+      call enter_affine(run, event%regime, phase, p, q, rate, at)
+   end subroutine change_regime
 
    !> Adds an equation.
    pure subroutine add(equations, coefficients, right, extra)
@@ -401,6 +522,10 @@ contains
             wall = -1
          case (press_event)
             row = structure%push(j)
+         case (release_event)
+            ! the force of the wall
+            row = structure%channels + findloc(regime%resting, j, dim=1)
+            wall = -1
          case default
             if (any(regime%held == j)) then
                ! what holds it is at the stick level
@@ -591,7 +716,7 @@ contains
       type(run_state_type), intent(in) :: last
       !> The event before it.
       integer, intent(out) :: after
-      !> The time, and (n) the state.
+      !> The time from the beginning of the load cycle of that event, and (n) the state.
       real(wp), intent(out) :: time, q(:), rate(:)
       real(wp), allocatable :: x(:), v(:)
       real(wp) :: flight, longest
@@ -638,7 +763,8 @@ contains
       !> How far instants may be from the presumed ones, as a share of a period.
       real(wp), parameter :: near = 1.0e-6_wp
       real(wp) :: whole
-      integer :: after, i, n, status
+      logical, allocatable :: taken(:)
+      integer :: after, i, j, n, status
 
       verdict = no
       ! met from behind
@@ -655,16 +781,22 @@ contains
       if (status /= stat%ok) return
       verdict = merge(yes, no, n == size(events))
       if (verdict == no) return
-      if (any(passed(:n)%kind /= cshift(events%kind, after)) .or. any(passed(:n)%gap /= &
-         cshift(events%gap, after))) verdict = no
       whole = run%period*real(last%cycle - begun%cycle, wp)
+      allocate (taken(n), source=.false.)
       do i = 1, n
-         associate (event => events(modulo(after + i - 1, n) + 1))
-            time = real(passed(i)%cycle - event%cycle, wp)*run%period + (passed(i)%elapsed &
-               - event%elapsed)
-         end associate
-         if (abs(time - whole*anint(time/whole)) > near*whole) verdict = no
+         ! the order of simultaneous events may be another one
+         do j = 1, n
+            if (taken(j) .or. events(j)%kind /= passed(i)%kind .or. events(j)%gap /= &
+               passed(i)%gap) cycle
+            ! the simulation begins in cycle 0, that of the event before it
+            time = real(passed(i)%cycle + events(after)%cycle - events(j)%cycle, wp)*run%period &
+               + (passed(i)%elapsed - events(j)%elapsed)
+            if (abs(time - whole*anint(time/whole)) > near*whole) cycle
+            taken(j) = .true.
+            exit
+         end do
       end do
+      verdict = merge(yes, no, all(taken))
    end subroutine simulate_events
 
 end module vi_presumed_events

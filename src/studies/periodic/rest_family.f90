@@ -704,7 +704,7 @@ contains
       !> In: the next contact, as in `next_hop`. Out: the next impact.
       real(wp), intent(inout) :: time, x, x_dot, speed
       !> Largest depth of such a touch, over the clearance; of one that is not deep; and of one that
-      !! is not told from a mere touch.
+      !! is not distinguished from a mere touch.
       real(wp), parameter :: deepest = 0.05_wp, shallow = 1.0e-3_wp, none = 1.0e-9_wp
       !> First and longest step of the search for its end (over the shortest time scale), and growth
       !! of the steps.

@@ -21,9 +21,9 @@ module vi_structure_return
    use vi_structure_assess, only: assess_multipliers
    use vi_structure_period, only: exact, periodic_structure, structure_motion_type
    use vi_structure_map, only: accelerations
-   use vi_structure_run, only: impact_event, is_listed, new_run, release_event, run_event_type, &
-      run_state_type, run_type, simulate_structure, start_at, state_now, stick_event, time_of, &
-      whole_periods
+   use vi_structure_run, only: at_once, impact_event, is_listed, new_run, release_event, &
+      run_event_type, run_state_type, run_type, simulate_structure, start_at, state_now, &
+      stick_event, time_of, whole_periods
    use vi_structure_variation, only: derivative_of_run, limit_of, start_tangent, tangent_type, &
       through_event
    implicit none (type, external)
@@ -458,7 +458,7 @@ contains
    end function sticks_throughout
 
    !> Whether a motion without impacts has settled: near the steady motion of its regime, where what
-   !! has no stiffness stands still, as friction does that sticks without a belt.
+   !! has no stiffness is at rest, as is friction that sticks without a belt.
    pure logical function is_steady(run, state, scale)
       !> The run.
       type(run_type), intent(in) :: run
@@ -1074,7 +1074,8 @@ contains
             duration = real(last%cycle - events(i)%cycle, wp)*run%period + (last%elapsed &
                - events(i)%elapsed)
          end if
-         if (duration > 0) call examine_rest(run%regimes(events(i)%regime), &
+         ! what is released next may be released by rounding later
+         if (.not. at_once(run, duration)) call examine_rest(run%regimes(events(i)%regime), &
             run%structure%channels, run%load%frequency*events(i)%elapsed, events(i)%x, &
             events(i)%v, duration, push, complete)
       end do

@@ -340,7 +340,7 @@ contains
       bytes = 0
       if (case%model /= of_structure) return
       call record_of(case, samples, weights)
-      ! the record stands in the case, the load and the run, and in the result
+      ! the case, the load, the run and the result each have a copy of the record
       bytes = 400.0_wp*real(case%coordinates, wp)**2 + 24.0_wp*size(samples, 2)* &
          (case%coordinates + size(samples, 1))
    end function simulate_memory

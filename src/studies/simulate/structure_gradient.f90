@@ -71,7 +71,7 @@ module vi_structure_gradient
    !> What is carried.
    type :: carried_type
       !> (2n + 3, events) Time or phase, approach speed, impulse, and state just after each event;
-      !! (2n + 3, 2n, events) their derivatives by the state at the start.
+      !! (2n + 3, 2n, events) their derivatives with respect to the state at the start.
       complex(wp), allocatable :: values(:, :), slopes(:, :, :)
       !> (2n) State at the end at a fixed time, its derivatives (2n, 2n) and its rate; (2n) the rate
       !! at the start.
@@ -83,7 +83,7 @@ module vi_structure_gradient
 
 contains
 
-   !> A structure and a load with the derivatives by a parameter as imaginary parts.
+   !> A structure and a load with the derivatives with respect to a parameter as imaginary parts.
    pure subroutine new_system(structure, load, by, load_by, record_by, by_phase, system, status)
       !> The structure, checked, and its load.
       type(structure_type), intent(in) :: structure
@@ -346,7 +346,7 @@ contains
       end do
    end subroutine set_growth
 
-   !> The impulse of an impact, and its derivative by the approach speed.
+   !> The impulse of an impact, and its derivative with respect to the approach speed.
    pure subroutine strike(system, gap, speed, impulse, slope)
       !> The system.
       type(system_type), intent(in) :: system
@@ -388,45 +388,53 @@ contains
    !! accumulation on it.
    !!
    !! The rest of its gap is closed by impulses at this instant, and dashpots resist that motion.
-   pure subroutine stop_on(system, resting, gap, load, state, matrix, status)
+   pure subroutine stop_on(system, closed, gap, load, state, matrix, status)
       !> The system.
       type(system_type), intent(in) :: system
-      !> The gaps that rest from now on, and the one that began to.
-      integer, intent(in) :: resting(:), gap
+      !> What is closed from now on, and the gap that began to rest.
+      integer, intent(in) :: closed(:), gap
       !> The coordinates of the load at this instant.
       complex(wp), intent(in) :: load(:)
       !> (2n) and (2n, 2n) In and out.
       complex(wp), intent(inout) :: state(:), matrix(:, :)
       !> `stat%ok` or `stat%singular`.
       integer, intent(out) :: status
-      complex(wp), allocatable, dimension(:, :) :: kicks, parts, rows, sides
+      complex(wp), allocatable, dimension(:, :) :: damping, kicks, parts, rows
       complex(wp) :: carried(size(state)/2), closing(size(matrix, 2))
-      integer :: c, n
+      integer, allocatable :: held(:)
+      integer :: i, n
 
       n = size(state)/2
-      call set_contacts(system, resting, rows, kicks)
-      carried = system%effective(gap)*matmul(system%by_force, matmul(system%damping, &
+      allocate (damping, source=system%damping)
+      do i = 1, size(closed)
+         if (closed(i) < 0) cycle
+         if (system%structure%elastic(closed(i))) damping = damping + system%numbers(2, &
+            closed(i))*outer(system%directions(:, closed(i)), system%directions(:, closed(i)))
+      end do
+      carried = system%effective(gap)*matmul(system%by_force, matmul(damping, &
          system%mobility(:, gap)))
       closing = matmul(system%directions(:, gap), matrix(:n, :))
       state(n + 1:) = state(n + 1:) + carried*(sum(system%directions(:, gap)*state(:n)) &
          - sum(system%walls(:, gap, 0)*load))
       matrix(n + 1:, :) = matrix(n + 1:, :) + outer(carried, closing)
-      ! positions and velocities, and the changes of both, side by side
-      c = size(matrix, 2)
-      allocate (sides(n, 2 + 2*c))
-      sides(:, 1) = state(:n)
-      sides(:, 2) = state(n + 1:)
-      sides(:, 3:2 + c) = matrix(:n, :)
-      sides(:, 3 + c:) = matrix(n + 1:, :)
-      allocate (parts, source=matmul(rows, sides))
-      parts(:, 1) = parts(:, 1) - matmul(load, system%walls(:, resting, 0))
-      parts(:, 2) = parts(:, 2) - matmul(load, system%walls(:, resting, 1))
+      ! velocities, and next to them their changes; friction that sticks holds them alone
+      allocate (held, source=held_of(system%structure, closed))
+      call set_contacts(system, held, rows, kicks)
+      allocate (parts, source=matmul(rows, reshape([state(n + 1:), matrix(n + 1:, :)], [n, 1 &
+         + size(matrix, 2)])))
+      parts(:, 1) = parts(:, 1) - merge(system%numbers(3, held), matmul(load, system%walls(:, &
+         held, 1)), system%structure%rubs(held))
       call solve_complex(matmul(rows, kicks), parts, status)
-      sides = sides - matmul(kicks, parts)
-      state(:n) = sides(:, 1)
-      state(n + 1:) = sides(:, 2)
-      matrix(:n, :) = sides(:, 3:2 + c)
-      matrix(n + 1:, :) = sides(:, 3 + c:)
+      if (status /= stat%ok) return
+      state(n + 1:) = state(n + 1:) - matmul(kicks, parts(:, 1))
+      matrix(n + 1:, :) = matrix(n + 1:, :) - matmul(kicks, parts(:, 2:))
+      held = pack(held, .not. system%structure%rubs(held))
+      call set_contacts(system, held, rows, kicks)
+      parts = matmul(rows, reshape([state(:n), matrix(:n, :)], [n, 1 + size(matrix, 2)]))
+      parts(:, 1) = parts(:, 1) - matmul(load, system%walls(:, held, 0))
+      call solve_complex(matmul(rows, kicks), parts, status)
+      state(:n) = state(:n) - matmul(kicks, parts(:, 1))
+      matrix(:n, :) = matrix(:n, :) - matmul(kicks, parts(:, 2:))
    end subroutine stop_on
 
    !> Whether an impact and one on another gap are at one instant and act on each other, by the
@@ -495,7 +503,7 @@ contains
       type(events_type), intent(in) :: events
       !> (2n) The state at the start.
       complex(wp), intent(in) :: start(:)
-      !> 2n, or 0 if no derivatives by the start are wanted.
+      !> 2n, or 0 if no derivatives with respect to the start are wanted.
       integer, intent(in) :: columns
       !> What is carried.
       type(carried_type), intent(out) :: carried
@@ -508,9 +516,9 @@ contains
       complex(wp), dimension(columns) :: row, by_start, by_speed, left_by, struck_by
       complex(wp) :: impulse, slope, speed
       real(wp) :: clock, closing, end, high, later, left, low, parting, residual, size_of, struck, &
-         struck_later, touched(size(system%openings))
+         struck_later, instants(size(system%openings)), touched(size(system%openings))
       integer, allocatable :: closed(:)
-      integer :: gap, i, interval, kind, left_gap, n, number
+      integer :: freed, gap, i, interval, kind, left_gap, n, number
       logical :: forced
 
       n = size(start)/2
@@ -529,6 +537,7 @@ contains
       end do
       carried%good = number
       touched = 0
+      instants = -huge(struck)
       struck = -huge(struck)
       struck_later = 0
       struck_by = 0
@@ -556,8 +565,8 @@ contains
          else if (kind == stick_event) then
             ! small changes rest from the last impact on
             call pass_label([kind, gap], closed)
-            call stop_on(system, held_of(system%structure, closed), gap, load_at(system, &
-               low*system%pace%re, 0), carried%state, carried%matrix, status)
+            call stop_on(system, closed, gap, load_at(system, low*system%pace%re, 0), &
+               carried%state, carried%matrix, status)
             if (status /= stat%ok) return
          end if
          moved = 0*start
@@ -613,9 +622,14 @@ contains
             if (kind /= release_event) size_of = sum(abs(condition(:2*n))*events%sizes) &
                + sum(abs(condition(2*n + 1:)*whole(2*n + 1:)))
             forced = abs(real(sum(condition*whole))) > exact*size_of .and. (kind == release_event &
-               .or. kind >= halt_event)
-            if (kind >= halt_event .and. .not. abs(struck - clock) > 0) forced = .true.
-            if (forced) then
+               .or. kind >= let_go_event)
+            freed = 0
+            if (kind >= halt_event) freed = freed_by(system%structure, gap, instants, clock)
+            if (freed > 0) then
+               forced = .true.
+               later = touched(freed)
+               row = touched_by(:, freed)
+            else if (forced) then
                ! what holds it, or its speed, jumped at another event or at the end of a record
                later = 0
                row = 0*row
@@ -644,9 +658,12 @@ contains
          matrix = matrix + outer(after(:2*n), row)
          carried%values(1, i) = clock + i_unit*later
          carried%slopes(1, :, i) = row
-         if (kind == impact_event) then
+         if (kind == impact_event .or. kind == release_event) then
             touched(gap) = later
             touched_by(:, gap) = row
+            instants(gap) = clock
+         end if
+         if (kind == impact_event) then
             speed = sum(system%directions(:, gap)*whole(n + 1:2*n)) &
                - sum(system%walls(:, gap, 1)*whole(2*n + 1:))
             by_speed = matmul(system%directions(:, gap), matrix(n + 1:, :)) &
@@ -664,7 +681,9 @@ contains
             carried%slopes(2, :, i) = sign(1.0_wp, speed%re)*(matmul(system%directions(:, gap), &
                matrix(n + 1:, :)) - sum(system%walls(:, gap, 1)*after(2*n + 1:))*row)
          end if
-         if (kind == impact_event .or. (kind > release_event .and. .not. forced)) then
+         ! the force of friction along a gap may jump when that is released
+         if (kind == impact_event .or. (kind == release_event .and. system%structure%has_friction) &
+            .or. (kind > release_event .and. .not. forced)) then
             struck = clock
             struck_later = later
             struck_by = row
@@ -679,6 +698,7 @@ contains
             whole(:2*n) = cmplx(recorded, aimag(whole(:2*n)), wp)
          end associate
          if (kind /= stick_event .and. kind > 0) call pass_label([kind, gap], closed)
+         if (kind == impact_event) call slip_at_once(system%structure, events, i, closed)
          call set_rate(system, closed, interval, rate, contact, status)
          if (status /= stat%ok) return
          after = matmul(rate, whole)
@@ -695,6 +715,57 @@ contains
          carried%state = whole(:2*n) - i_unit*later*after(:2*n)
       end do
    end subroutine carry_changes
+
+   !> A gap of which an impact or the release at an instant changes how friction slips; 0 if there
+   !! is none. Uncoupled friction that changes at that instant, too, is at a limit of its own.
+   pure integer function freed_by(structure, number, instants, clock) result(gap)
+      !> The structure, and the number of the friction.
+      type(structure_type), intent(in) :: structure
+      integer, intent(in) :: number
+      !> (gaps) When each was hit or released last, and the instant.
+      real(wp), intent(in) :: instants(:), clock
+      integer :: j
+
+      gap = 0
+      do j = 1, size(instants)
+         if (abs(instants(j) - clock) > 0) cycle
+         if (moves(structure, j, number)) gap = j
+      end do
+   end function freed_by
+
+   !> Whether an impulse on a gap changes the speed of friction.
+   pure logical function moves(structure, gap, number)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> The numbers of the gap and the friction.
+      integer, intent(in) :: gap, number
+
+      associate (direction => structure%directions(:, number), kick => structure%mobility(:, gap))
+         moves = abs(dot_product(direction, kick)) > touching*dot_product(abs(direction), abs(kick))
+      end associate
+   end function moves
+
+   !> Lets friction slip that stuck before an impact and has a speed after it: a rest may begin
+   !! before that event is reported.
+   pure subroutine slip_at_once(structure, events, i, closed)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> The motion, and the number of the impact.
+      type(events_type), intent(in) :: events
+      integer, intent(in) :: i
+      !> In and out: what is closed.
+      integer, allocatable, intent(inout) :: closed(:)
+      integer :: j
+
+      do j = i + 2, size(events%labels, 2)
+         if (events%starts(1, j) > events%starts(1, i + 1)) return
+         associate (kind => events%labels(1, j), number => events%labels(2, j))
+            if (kind < slip_up_event .or. all(closed /= number)) cycle
+            if (moves(structure, events%labels(2, i + 1), number)) call pass_label( &
+               events%labels(:, j), closed)
+         end associate
+      end do
+   end subroutine slip_at_once
 
    !> The function of the state and the load that is 0 at an event.
    pure subroutine set_condition(system, closed, label, contact, condition)
@@ -742,7 +813,7 @@ contains
       end associate
    end subroutine set_condition
 
-   !> The derivatives of a simulated motion by its start and by parameters.
+   !> The derivatives of a simulated motion with respect to its start and to parameters.
    pure subroutine gradient_arrays(structure, load, entries, by_entries, by_record, by_start, &
       events, values, finals, matrices, slopes, rates, opens, good, code, status)
       !> The structure and its load.

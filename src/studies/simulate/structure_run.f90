@@ -20,8 +20,8 @@ module vi_structure_run
    implicit none (type, external)
    private
 
-   public :: find_regime, is_far, is_listed, longest_natural_period, new_run, simulate_structure, &
-      start_at, state_now, time_of, whole_periods
+   public :: at_once, find_regime, is_far, is_listed, longest_natural_period, new_run, &
+      simulate_structure, start_at, state_now, time_of, whole_periods
 
    !> Kinds of events. A gap: an impact, and the start and the end of a rest. A stop: it is touched
    !! and left; one that cannot pull lets go while it is closed, and presses again. Friction halts,
@@ -65,8 +65,8 @@ module vi_structure_run
       !> The regime, and its pairs.
       integer :: regime = 1
       real(wp), allocatable :: x(:), v(:)
-      !> Whether contacts have to be judged anew; gaps that touch without a speed at this instant,
-      !! and the one of them that was released because its force fell to 0, or 0.
+      !> Whether contacts must be judged again; gaps that touch without a speed at this instant, and
+      !! the one of them that was released because its force fell to 0, or 0.
       logical :: unsettled = .false.
       integer, allocatable :: touching(:)
       integer :: released = 0
@@ -85,7 +85,7 @@ module vi_structure_run
       !! speed; the lengths of the cells of the previous search.
       type(leaving_type) :: leaving
       type(leaving_type), allocatable :: partings(:)
-      !> Room for one of these, kept so that memory is not allocated anew for each event.
+      !> Room for one of these, kept so that memory is not allocated again for each event.
       type(leaving_type), allocatable :: spare(:)
       !> Passages met so far, and (harmonics) room for e^(i h phase).
       type(passage_type), allocatable :: passages(:)
@@ -366,6 +366,17 @@ contains
       if (run%load%frequency > 0) time = max(time, run%period)
    end function time_of_motion
 
+   !> Whether an event follows another one by nothing but rounding of times, so that it is at the
+   !! same instant: what left its limit without a speed there has not left it by more than rounding.
+   pure logical function at_once(run, time)
+      !> The run.
+      type(run_type), intent(in) :: run
+      !> The time between them.
+      real(wp), intent(in) :: time
+
+      at_once = time <= 128*epsilon(1.0_wp)*time_of_motion(run)
+   end function at_once
+
    !> Finds which gaps that touch without a speed rest, and puts a state into their regime.
    !!
    !! A gap that rests must push: the first derivative of its force that is not 0, from the force
@@ -438,6 +449,9 @@ contains
                      call leading_term(regime, state%x, state%v, phase, structure%channels &
                         + findloc(regime%resting, gap, dim=1), orders(i) + 1, orders(i), sense)
                   end do
+               else if (is_stuck(structure, regime%held, gap)) then
+                  ! its opening has no derivative but rounding
+                  wrong = gap
                else
                   call leading_term(regime, state%x, state%v, phase, structure%channel(gap), &
                      merge(3, 2, gap == state%released), orders(i), sense)
@@ -448,6 +462,19 @@ contains
          end do
       end associate
    end subroutine find_wrong
+
+   !> Whether friction that sticks keeps a gap as it is.
+   pure logical function is_stuck(structure, held, gap)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> What is held, as in `regime_type`, and the gap, which is not.
+      integer, intent(in) :: held(:), gap
+      integer :: i
+
+      is_stuck = structure%has_friction
+      if (is_stuck) is_stuck = any([(abs(factor_along(structure, held(i), gap)) > 0, i=1, &
+         size(held))])
+   end function is_stuck
 
    !> Puts a state into the regime of closed gaps.
    pure subroutine enter(run, closed, phase, q, rate, state, status)
@@ -518,7 +545,7 @@ contains
          < huge(1.0_wp)
    end function has_limit
 
-   !> Judges anew which gaps rest after a jump of forces or speeds, and makes one change.
+   !> Judges again which gaps rest after a jump of forces or speeds, and makes one change.
    !!
    !! Each change is an event; the next call makes the next one, if there is any. After the last one
    !! the rows that leave their limits without a speed are listed: gaps that part, and forces that
@@ -628,21 +655,37 @@ contains
       call move_alloc(leaving, state%partings)
    end subroutine list_partings
 
-   !> What stops and friction leave at this instant.
+   !> What stops and friction leave at this instant, in the regime of the state.
    pure function partings_of_elements(run, state) result(partings)
       !> The run.
       type(run_type), intent(in) :: run
       !> The state.
       type(run_state_type), intent(in) :: state
       type(leaving_type), allocatable :: partings(:)
-      integer :: i
+      logical, allocatable :: leaves(:)
+      real(wp) :: d(0:3)
+      integer :: i, sense
 
       allocate (partings(0))
       if (.not. allocated(state%partings)) return
-      associate (regime => run%regimes(state%regime))
+      associate (regime => run%regimes(state%regime), phase => run%load%frequency*state%elapsed)
          partings = pack(state%partings, [(is_own_row(run, regime, state%partings(i)%row, &
             state%partings(i)%wall), i=1, size(state%partings))])
+         allocate (leaves(size(partings)), source=.true.)
+         do i = 1, size(partings)
+            associate (one => partings(i))
+               if (.not. run%structure%rubs(gap_of(regime, one%row, one%wall))) cycle
+               ! a gap that rests or is released at this instant changes how it begins to slip
+               call leading_term(regime, state%x, state%v, phase, one%row, 1, one%order, sense)
+               leaves(i) = .not. sense*one%wall > 0
+               one%speed = 0
+               if (one%order /= 1) cycle
+               call row_derivatives(regime, state%x, state%v, phase, one%row, d)
+               one%speed = abs(d(1))
+            end associate
+         end do
       end associate
+      partings = pack(partings, leaves)
    end function partings_of_elements
 
    !> Gaps that part with a speed after impacts of coupled gaps at this instant.
@@ -775,7 +818,7 @@ contains
       if (all(state%pending /= number)) state%pending = [state%pending, number]
    end subroutine tell_later
 
-   !> Notes that a gap touches without a speed, so that contacts are judged anew.
+   !> Notes that a gap touches without a speed, so that contacts are judged again.
    pure subroutine touch(state, gap)
       !> In and out: the state.
       type(run_state_type), intent(inout) :: state
@@ -872,7 +915,7 @@ contains
       force = d(0)
    end function holding_force
 
-   !> Reports friction that changed at this instant as an event, and decides anew which friction
+   !> Reports friction that changed at this instant as an event, and decides again which friction
    !! sticks.
    !!
    !! A force of a load, a stop or other friction that jumps may exceed the stick level.
@@ -1010,7 +1053,7 @@ contains
 
       number = gap_of(run%regimes(state%regime), reached%row, reached%wall)
       call move(run, state, reached%time)
-      if (reached%time > 0) call leave_instant(state)
+      if (.not. at_once(run, reached%time)) call leave_instant(state)
       phase = run%load%frequency*state%elapsed
       call state_now(run, state, state%q, state%rate)
       allocate (before, source=run%regimes(state%regime)%closed)
@@ -1060,7 +1103,7 @@ contains
          halted = [number, pack(halted, halted /= number)]
       end associate
       call move(run, state, reached%time)
-      if (reached%time > 0) call leave_instant(state)
+      if (.not. at_once(run, reached%time)) call leave_instant(state)
       phase = run%load%frequency*state%elapsed
       call leading_term(run%regimes(state%regime), state%x, state%v, phase, reached%row, 1, order, &
          sense)
@@ -1101,11 +1144,13 @@ contains
    end function rubs_with
 
    !> Puts a state just after an impact into the regime in which friction has the sign of s.
-   pure subroutine rub(run, rubbing, phase, state, status)
+   pure subroutine rub(run, rubbing, sizes, phase, state, status)
       !> In and out: regimes are added.
       type(run_type), intent(inout) :: run
       !> The friction whose speeds jumped.
       integer, intent(in) :: rubbing(:)
+      !> (n) The largest velocities during the impact, of which rounding is a share.
+      real(wp), intent(in) :: sizes(:)
       !> The load phase (rad).
       real(wp), intent(in) :: phase
       !> In and out: the state, with q and q' after the impact.
@@ -1123,7 +1168,7 @@ contains
             associate (number => rubbing(i), belt => structure%laws(rubbing(i))%numbers(3), &
                direction => structure%directions(:, rubbing(i)))
                speed = dot_product(direction, state%rate) - belt
-               scale = 64*epsilon(1.0_wp)*(dot_product(abs(direction), abs(state%rate)) + abs(belt))
+               scale = 64*epsilon(1.0_wp)*(dot_product(abs(direction), sizes) + abs(belt))
                to = merge(number, 0, abs(speed) <= scale)
                if (speed < -scale) to = -number
                closed = replaced(closed, number, to)
@@ -1400,14 +1445,16 @@ contains
 
    !> Puts a state just after impacts into the regime of the stops and the friction whose forces
    !! they change.
-   pure subroutine follow_impacts(run, gaps, state, changed, status)
+   pure subroutine follow_impacts(run, gaps, sizes, state, changed, status)
       !> In and out: regimes are added.
       type(run_type), intent(inout) :: run
       !> The gaps that were hit at this instant.
       integer, intent(in) :: gaps(:)
+      !> As of `rub`.
+      real(wp), intent(in) :: sizes(:)
       !> In and out: the state, with q and q' after the impacts.
       type(run_state_type), intent(inout) :: state
-      !> Whether the regime was chosen anew.
+      !> Whether the regime was chosen again.
       logical, intent(out) :: changed
       !> `stat%ok`, or as in `settle_friction`.
       integer, intent(out) :: status
@@ -1420,7 +1467,7 @@ contains
       rubbing = rubs_with(run%structure, gaps)
       if (size(rubbing) == 0) return
       changed = .true.
-      call rub(run, rubbing, phase, state, status)
+      call rub(run, rubbing, sizes, phase, state, status)
    end subroutine follow_impacts
 
    !> Lets go of stops that impacts make pull, and presses those that they make push: their forces
@@ -1477,7 +1524,7 @@ contains
    !> Advances to an impact and through it.
    !!
    !! With a speed that is nothing but rounding the gap only touches, whatever its coefficient of
-   !! restitution is: no impulse is exchanged, and contacts are judged anew.
+   !! restitution is: no impulse is exchanged, and contacts are judged again.
    pure subroutine collide(run, state, reached, event, status)
       !> The run.
       type(run_type), intent(inout) :: run
@@ -1506,7 +1553,7 @@ contains
          if (only_touches(run, state, reached)) then
             call move(run, state, reached%time)
             call state_now(run, state, q, rate)
-            if (reached%time > 0) call leave_instant(state)
+            if (.not. at_once(run, reached%time)) call leave_instant(state)
             state%leaving = leaving_type()
             state%released = 0
             call touch(state, gap)
@@ -1516,11 +1563,11 @@ contains
          do j = 1, size(regime%resting)
             if (are_coupled(structure, gap, regime%resting(j))) status = stat%coupled_impacts
          end do
-         if (.not. reached%time > 0 .and. state%leaving%row > 0) then
+         if (at_once(run, reached%time) .and. state%leaving%row > 0) then
             if (are_coupled(structure, gap, gap_of(regime, state%leaving%row, &
                state%leaving%wall))) status = stat%coupled_impacts
          end if
-         if (.not. reached%time > 0 .and. allocated(state%touching)) then
+         if (at_once(run, reached%time) .and. allocated(state%touching)) then
             do j = 1, size(state%touching)
                if (are_coupled(structure, gap, state%touching(j))) status = stat%coupled_impacts
             end do
@@ -1534,7 +1581,7 @@ contains
          if (closes_another(run, run%load%frequency*state%elapsed, q, rate, gap)) status = &
             stat%coupled_impacts
          if (status /= stat%ok) return
-         if (reached%time > 0) call leave_instant(state)
+         if (.not. at_once(run, reached%time)) call leave_instant(state)
          ! an impact at the same instant changes how a stop is left
          if ((structure%has_stops .or. structure%has_friction) .and. allocated(state%partings)) then
             state%partings = pack(state%partings, [(.not. is_own_row(run, regime, &
@@ -1559,7 +1606,8 @@ contains
          call note(state, impact_event, gap, reached%speed, impulse, q, rate, event, bare)
       end associate
       if (.not. (pushes .or. run%structure%has_friction)) return
-      call follow_impacts(run, [gap], state, changes, status)
+      call follow_impacts(run, [gap], abs(state%rate) + impulse*abs(run%structure%mobility(:, &
+         gap)), state, changes, status)
       if (status /= stat%ok .or. .not. changes) return
       call note(state, impact_event, gap, reached%speed, impulse, state%q, state%rate, event)
    end subroutine collide
@@ -1584,7 +1632,7 @@ contains
       associate (regime => run%regimes(state%regime), structure => run%structure)
          known = .false.
          known(regime%resting) = .true.
-         if (reached%time > 0) then
+         if (.not. at_once(run, reached%time)) then
             call leave_instant(state)
          else
             if (state%leaving%row > 0) known(gap_of(regime, state%leaving%row, &
@@ -1769,7 +1817,7 @@ contains
       end do
       if (size(run%regimes(state%regime)%resting) > 0) state%unsettled = .true.
       if (allocated(state%touching)) state%unsettled = .true.
-      call follow_impacts(run, gaps, state, changes, status)
+      call follow_impacts(run, gaps, state%largest, state, changes, status)
    end subroutine part_together
 
    !> Subtracts what an impulse changes.
@@ -1819,7 +1867,7 @@ contains
          phase = run%load%frequency*state%elapsed
          if (.not. allocated(state%turns)) allocate (state%turns(size(regime%steady, 2)))
          call state_of(regime, phase, state%x, state%v, state%q, state%rate, state%turns)
-         if (reached%time > 0) call leave_instant(state)
+         if (.not. at_once(run, reached%time)) call leave_instant(state)
          if (grazes) then
             call leading_term(regime, state%x, state%v, phase, reached%row, 1, order, sense)
             passes = reached%wall*sense > 0
@@ -1896,7 +1944,7 @@ contains
       before = state%regime
       call enter(run, replaced(run%regimes(before)%closed, number, to), phase, state%q, &
          state%rate, state, status)
-      ! with a record the constant terms change, and what leaves other limits is listed anew
+      ! with a record the constant terms change, and what leaves other limits is listed again
       if (status /= stat%ok .or. run%load%step > 0 .or. allocated(state%partings)) return
       if (max(size(state%x), size(state%turns)) > few .or. &
          size(state%x) /= size(run%regimes(before)%qx, 2)) return
@@ -2366,7 +2414,7 @@ contains
       real(wp) :: q(size(run%structure%mass, 1)), rate(size(run%structure%mass, 1)), phase
       integer :: gap, i
 
-      if (reached%time > 0) call leave_instant(state)
+      if (.not. at_once(run, reached%time)) call leave_instant(state)
       call move(run, state, reached%time)
       phase = run%load%frequency*state%elapsed
       gap = -run%regimes(state%regime)%lower_gap(reached%row)
@@ -2424,7 +2472,7 @@ contains
       integer, intent(in) :: n
       !> The numbers.
       real(wp), intent(in) :: from(n)
-      !> In and out: allocated anew only if their number changes.
+      !> In and out: allocated again only if their number changes.
       real(wp), allocatable, intent(inout) :: to(:)
 
       if (allocated(to)) then

@@ -1,6 +1,7 @@
-!> The derivative of a simulated motion of a structure by its initial state, event by event in
-!! closed form: through impacts, rests and releases, and by saltation matrices through contacts with
-!! stops and changes of friction. Where a row h of the regime before an event falls to its limit,
+!> The derivative of a simulated motion of a structure with respect to its initial state, event by
+!! event in closed form: through impacts, rests and releases, and by saltation matrices through
+!! contacts with stops and changes of friction. Where a row h of the regime before an event falls to
+!! its limit,
 !!
 !!     S = I + (f+ - f-) grad h^T/h',   h' = grad h.f- + dh/dt
 !!
@@ -47,7 +48,7 @@ module vi_structure_variation
 
 contains
 
-   !> The derivative of the final state by the initial one.
+   !> The derivative of the final state with respect to the initial one.
    pure subroutine derivative_of_run(run, first, events, last, p, largest, law, status)
       !> The structure, its load and its regimes.
       type(run_type), intent(in) :: run
@@ -208,7 +209,8 @@ contains
                do j = 1, size(p, 2)
                   p(n + 1:, j) = p(n + 1:, j) - (after - before)*tangent%later(j)
                end do
-            else
+            else if (event%kind == release_event .or. time > 0) then
+               ! what a rest right after an impact with R = 0 makes slip moves with that impact
                tangent%later = 0
             end if
             ! the accumulation is completed at its last impact, and the rest begins there
@@ -286,7 +288,7 @@ contains
       integer :: j, m, n, row
 
       status = stat%ok
-      ! a further change at one instant is told of after it is made
+      ! a further change at one instant is reported after it is made
       if (event%regime == tangent%number .and. .not. time > 0) return
       n = size(before)
       associate (regime => run%regimes(tangent%number), next => run%regimes(event%regime), &
@@ -322,6 +324,10 @@ contains
             call find_row(run, regime, event, phase, x, v, row)
             ! an impact at this instant, and not its own zero, makes a stop let go or press
             if (.not. time > 0 .and. any(event%kind == [let_go_event, press_event])) row = 0
+            ! and a force that jumped at this instant, as where a stop is touched, ends a rest
+            if (.not. time > 0 .and. event%kind == release_event) then
+               if (.not. is_zero(regime, phase, x, v, row)) row = 0
+            end if
             scale = maxval(abs(after)) + maxval(abs(before))
             if (row > 0) then
                call row_derivatives(regime, x, v, phase, row, d)
@@ -392,6 +398,25 @@ contains
          end select
       end associate
    end subroutine find_row
+
+   !> Whether the force at a gap at rest is at the limit of the rest, by the size of its terms.
+   pure logical function is_zero(regime, phase, x, v, row)
+      !> The regime.
+      type(regime_type), intent(in) :: regime
+      !> Load phase (rad), and (m) the pairs.
+      real(wp), intent(in) :: phase, x(:), v(:)
+      !> The row of the force.
+      integer, intent(in) :: row
+      !> Share of the terms that counts as rounding.
+      real(wp), parameter :: near = 1.0e-9_wp
+      real(wp) :: d(0:3), terms
+
+      call row_derivatives(regime, x, v, phase, row, d)
+      terms = abs(regime%rows%offset(row)) + sum(regime%rows%ripple_size(row, :)) &
+         + dot_product(abs(regime%position(row, :)), abs(x)) &
+         + dot_product(abs(regime%velocity(row, :)), abs(v))
+      is_zero = min(abs(d(0) - regime%upper(row)), abs(d(0) - regime%lower(row))) <= near*terms
+   end function is_zero
 
    !> The row of the regime before an event that is at its limit there, and +1 or -1 for its upper
    !! or lower one; 0 if none is.

@@ -148,7 +148,7 @@ contains
       call load%drop('record_file')
    end subroutine complete_record
 
-   !> The number of columns of a record, by the keys beside it, which are checked.
+   !> The number of columns of a record, by the keys next to it, which are checked.
    subroutine count_columns(load, n, columns, why)
       !> In and out: &load.
       type(values_type), intent(inout) :: load

@@ -59,7 +59,7 @@ module vi_structure_path
       type(load_type) :: whole_load
    end type structure_path_type
 
-   !> The derivatives of a structure and its load by a parameter.
+   !> The derivatives of a structure and its load with respect to a parameter.
    type, public :: rates_type
       !> (gaps) Those of the openings and of the coefficients of restitution at speed 0.
       real(wp), allocatable :: openings(:), restitution(:)
@@ -253,7 +253,7 @@ contains
       value = (2*share - 1)*sums(1) - sums(2) + series(0)
    end function entry_at
 
-   !> The derivative of an entry by the share.
+   !> The derivative of an entry with respect to the share.
    pure real(wp) function entry_rate(change, series, share) result(rate)
       !> The parameter.
       type(change_type), intent(in) :: change
@@ -288,7 +288,7 @@ contains
       end do
    end function clenshaw
 
-   !> The derivatives of the structure and its load by a parameter, as a share.
+   !> The derivatives of the structure and its load with respect to a parameter, as a share.
    pure subroutine rates_of(path, k, share, rates)
       !> The path.
       type(structure_path_type), intent(in) :: path

@@ -143,7 +143,7 @@ contains
       end if
    end subroutine add_joint
 
-   !> Sets loose ends apart in strips of the window, and traces the boundary anew in the parts
+   !> Sets loose ends apart in strips of the window, and traces the boundary again in the parts
    !! between the strips, each of which is a window of its own.
    !!
    !! In the strips the open boundary is kept as it is.

@@ -477,7 +477,8 @@ contains
       integer :: i
 
       allocate (gaps, source=motion%gaps)
-      if (.not. allocated(motion%events)) return
+      ! with rests these are already those of the family
+      if (.not. allocated(motion%events) .or. size(motion%resting) > 0) return
       associate (events => motion%events)
          gaps = pack(events%gap, [(size(events) == 1 .or. .not. at_once(events(merge(i - 1, &
             size(events), i > 1)), events(i)), i=1, size(events))])
