@@ -62,9 +62,9 @@ def main():
         page = [
             "# Benchmarks", "",
             "Written by `./run bench`. Times are CPU times on one core unless a line says otherwise, and medians "
-            "of interleaved runs; the ratio is the factor by which this package is better. Compare columns of one "
-            "run, not two machines: targets are for a core of 3.4 GHz on which numba reaches 1.30 and 1.27 "
-            "million impacts/s.",
+            "of interleaved runs; the ratio is the factor by which this package is better. Compare the columns of "
+            "one run, not runs on different machines. The targets are for a core of 3.4 GHz on which numba "
+            "reaches 1.30 and 1.27 million impacts/s.",
             "",
             *machine(), "", markdown(rows), "",
         ]  # fmt: skip

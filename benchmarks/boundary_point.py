@@ -20,9 +20,9 @@ WINDOW = ((0.8, 1.2), (2, 200))
 TARGET = 5.0
 # name, pattern, symmetric, type of piece, its number in the core, multiplier (AUTO's condition; None: not asked)
 CASES = [
-    ("flip of two impacts", "RL", False, "flip", 2, -1),
-    ("fold of three impacts", "RRL", False, "fold", 1, 1),
-    ("Neimark-Sacker of three impacts", "RRL", False, "neimark_sacker", 3, None),
+    ("flip curve of two impacts", "RL", False, "flip", 2, -1),
+    ("fold curve of three impacts", "RRL", False, "fold", 1, 1),
+    ("Neimark-Sacker curve of three impacts", "RRL", False, "neimark_sacker", 3, None),
 ]
 CONSTANTS = """\
 NDIM={size}, IPS=0, IRS=0, ILP=0, ICP=[1]
@@ -139,7 +139,7 @@ def rows(program=PROGRAM) -> list[dict]:
             told = {"peer": other, "peer_name": "AUTO-07p", "same_answer": apart < 1e-7}
         answer += [
             {"work": f"a point of the {work}", "ours": point, "unit": "µs", "target": TARGET, **told},
-            {"work": f"with all conditions, {work}", "ours": vertex, "unit": "µs", "target": TARGET, **peer},
+            {"work": f"a vertex of the zone, {work}", "ours": vertex, "unit": "µs", "target": TARGET, **peer},
             {"work": f"a step of the net, {work}", "ours": step, "unit": "µs", "target": None, **peer},
         ]  # fmt: skip
     return answer

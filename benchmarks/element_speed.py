@@ -212,9 +212,9 @@ def growth():
     plain, slot, soft = event_costs([pair(), pair(0.05), pair(elastic=True)], CYCLES)
     hard, give = event_costs([mass(False), mass(True)], CYCLES)
     table = [
-        row("the pair with friction: an event", "us", slot, 1.5 * plain, plain, "without friction"),
-        row("the pair with stops: a contact", "us", 2 * soft, 2 * plain, plain, "rigid impact"),
-        row("a mass with a stop: a contact", "us", 2 * give, 2 * hard, hard, "rigid impact"),
+        row("the pair with friction: an event", "µs", slot, 1.5 * plain, plain, "without friction"),
+        row("the pair with stops: a contact", "µs", 2 * soft, 2 * plain, plain, "rigid impact"),
+        row("a mass with a stop: a contact", "µs", 2 * give, 2 * hard, hard, "rigid impact"),
     ]
     many = [1, 2, 3, 4, 5, 6, 12]
     costs = event_costs([chain(m) for m in many], 300)
@@ -222,8 +222,8 @@ def growth():
     for m, cost in zip(many, costs, strict=True):
         table.append(
             row(
-                f"a chain with {m} elements: an event",
-                "us",
+                f"a chain with {m} element{'s' * (m > 1)}: an event",
+                "µs",
                 cost,
                 None,
                 np.polyval(line, m),
@@ -258,10 +258,10 @@ def rows():
         for label, end, seconds, times in peers:
             same = agree(times, run.events["time"], end)
             table.append(
-                row(f"{name}: an event", "us", cost, None, 1e6 * seconds / len(times), label, same)
+                row(f"{name}: an event", "µs", cost, None, 1e6 * seconds / len(times), label, same)
             )
         if not peers:
-            table.append(row(f"{name}: an event", "us", cost, None, None, "", None))
+            table.append(row(f"{name}: an event", "µs", cost, None, None, "", None))
     return table + growth()
 
 

@@ -178,7 +178,7 @@ def rows():
             for peer, (there, times) in peers.items():
                 same = bool(np.abs(found - times).max() < 1e-9)
                 work = f"two masses, {path}, {name}: an impact"
-                table.append(row(work, "us", cost, None, there, peer, same))
+                table.append(row(work, "µs", cost, None, there, peer, same))
     return table
 
 

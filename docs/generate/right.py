@@ -24,7 +24,7 @@ from shared_systems import TABLE as FIRST
 
 PAGE = ROOT / "docs" / "right.md"
 DIGITS_OF = {code: chr(plain) for plain, code in SUPERSCRIPTS.items()}
-#: By how much an error may exceed the one on the page: the last bits differ between machines.
+#: Factor by which an error may exceed the one on the page; the last bits differ between machines.
 SLACK = 10
 
 
@@ -46,7 +46,7 @@ def maps_of(motion):
 
 
 def newtons_law(motion):
-    """The residuals of Newton's law, momentum and restitution, over the clearance."""
+    """The residuals of Newton's law, momentum and restitution, relative to the clearance."""
     lengths = np.divide(
         [motion.X, *(np.full(len(motion.X), w) for w in waves(motion))], motion.clearance
     )
@@ -172,9 +172,11 @@ def rows():
     stable = [motion for motion in all_motions if motion.stable and motion.admissible]
     points = [(RIG, 0.9, 6.0), (FIRST, 0.94, 37.0), (FIRST, 1.1, 4.0)]
     return [
-        ("exact motions", "Newton's law, momentum and restitution by an independent model, over the clearance",
+        ("exact motions",
+         "Newton's law, momentum and restitution by an independent model, relative to the clearance",
          [newtons_law(motion) for motion in all_motions]),
-        ("exact motions", "the linear equations (26), (30), solved by DGELS with their phases, over the clearance",
+        ("exact motions",
+         "the linear equations (26), (30), solved by DGELS with their phases, relative to the clearance",
          [linear_problem(motion) for motion in isolated]),
         ("matrices [P<sub>i</sub>]", "derivative of an independent model by complex step, relative",
          [derivative(motion) for motion in all_motions]),
@@ -185,7 +187,7 @@ def rows():
          [simulated(motion) for motion in stable]),
         ("simulation", "100-digit arithmetic: times and positions of six impacts",
          [many_digits(*point) for point in points]),
-        ("structures, ten periods of a disturbed motion", "the oscillator's own procedures: times of impacts",
+        ("structures, ten periods of a disturbed motion", "the procedures of the oscillator: times of impacts",
          [structures(motion) for motion in stable]),
         ("zone boundary: folds, pitchforks, flips", "det([P] ± I) = 0 by the independent model", boundaries()),
         ("Lyapunov exponent", "logarithm of the multiplier, per load cycle",

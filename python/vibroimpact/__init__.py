@@ -1,4 +1,4 @@
-"""Stable periodic motions of a vibrating system in which a free mass collides with its walls.
+"""Vibrating systems with impacts: periodic motions and their stability, simulation, identification and design.
 
 The public names are listed in `__init__.pyi`, which type checkers also read.
 """

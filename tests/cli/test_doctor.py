@@ -91,7 +91,7 @@ def test_the_doctor_says_what_is_missing(monkeypatch, capsys):
     assert said[-len(advice) :] == advice
     starts = (
         "for pictures: pip install 'vibroimpact[plot]'", "in a copy of the project: pip install",
-        "charts and atlases would be faster with OpenMP", "the systems are small: set OPENBLAS_NUM_THREADS=1",
+        "charts and atlases would be faster with OpenMP", "set OPENBLAS_NUM_THREADS=1",
         "a build of type debug is slow", "reinstall the package",
     )  # fmt: skip
     assert all(line.startswith(start) for line, start in zip(advice, starts, strict=True))

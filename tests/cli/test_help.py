@@ -56,7 +56,7 @@ def test_every_option_is_explained(name):
 def test_no_figure_of_the_paper_is_absent_without_a_word():
     """The help of `reproduce` lists each of the ten figures, or says that there is nothing in it to compute."""
     text = re.sub(r"\s+", " ", module_of("reproduce").DESCRIPTION)
-    nothing = re.search(r"Figures ([\d, and]+) show .*; there is nothing in them to compute", text)
+    nothing = re.search(r"Figures ([\d, and]+) show .*; they contain nothing to compute", text)
     named = {*map(int, re.findall(r"\d+", nothing[1])), *map(int, re.findall(r"figure(\d+)", text))}
     assert named == {*range(1, 11)}
 

@@ -225,11 +225,31 @@ def test_a_free_mass_in_a_design(tmp_path):
 def test_both_ends_of_a_range_have_units_in_a_namelist(tmp_path):
     """Low and high must both have a unit, or neither."""
     study = "bifurcation parameter = 'r', values = 3, clearance = '4 mm', low = {}, high = {}"
-    for ends in (("'20 Hz'", "21"), ("1", "'21 Hz'")):
+    for ends in (("'20 Hz'", "1.05"), ("1", "'21 Hz'")):
         with pytest.raises(ParameterError, match="low and high must both have a unit"):
             case_in(tmp_path, TEXTS, study.format(*ends))
     case = case_in(tmp_path, TEXTS, study.format("'20 Hz'", "'21 Hz'"))
     assert [case.keys["low"], case.keys["high"]] == pytest.approx([ratio(20), ratio(21)])
+
+
+@pytest.mark.parametrize("system", [TEXTS, NUMBERS])
+def test_a_bare_frequency_in_hertz_is_refused(tmp_path, system):
+    """Without a unit 20 is a ratio, here of 400 Hz; the natural frequency is 19.85 Hz."""
+    study = "design band = {}, free_mu = 0.01, 0.1, clearance = '4 mm'"
+    for wrong in ("20, 20.6", "15", "'20 Hz', 20.6"):
+        with pytest.raises(ParameterError, match=r"band = .*20 Hz"):
+            case_in(tmp_path, system, study.format(wrong))
+    for right, ends in (("1, 1.02", [1, 1.02]), ("5, 60", [5, 60]), ("'400 Hz'", [ratio(400)])):
+        found = case_in(tmp_path, system, study.format(right)).keys["band"]
+        assert np.atleast_1d(found) == pytest.approx(ends, rel=1e-12)
+    one = case_in(tmp_path, system + ", r = '20 Hz'", "simulate clearance = '4 mm', cycles = 2")
+    assert one.osc is not None
+    with pytest.raises(ParameterError, match="r = 20"):
+        case_in(tmp_path, system + ", r = 20", "simulate clearance = '4 mm', cycles = 2")
+    # numbers of a dimensionless case are ratios
+    bare = system.replace("units = 'mm N s', ", "") + ", units = 'dimensionless'"
+    if system == TEXTS:
+        case_in(tmp_path, bare + ", r = 20", "simulate clearance = 20, cycles = 2")
 
 
 def test_lists_may_fall(tmp_path):
@@ -511,7 +531,7 @@ def test_an_argument_for_structures_is_named():
         TypeError, match=r"basins\(\) got .* 'settling', which is for structures; .* cycles"
     ):
         vi.basins(RIG.at("19.5 Hz", "4 mm"), states=3, settling=20)
-    with pytest.raises(TypeError, match=r"basins\(\) got .* argument 'cycle'; of an oscillator"):
+    with pytest.raises(TypeError, match=r"basins\(\) got .* argument 'cycle'; for an oscillator"):
         vi.basins(RIG.at("19.5 Hz", "4 mm"), states=3, cycle=20)
 
 

@@ -121,10 +121,10 @@ def test_broken_data_is_named(name, path, value, output, results):
 
 
 def test_a_table_is_no_file_to_load(results, tmp_path):
-    """Loading a CSV table is refused; the message says that it is an input of `vibroimpact run`."""
+    """Loading a CSV table is refused; the message says that `vibroimpact run` can read it."""
     results["pair"].save(tmp_path / "pair.csv")
     with pytest.raises(
-        vi.errors.ParameterError, match=r"a table whose header .* input of .vibroimpact run"
+        vi.errors.ParameterError, match=r"a CSV table whose header .* read by .vibroimpact run"
     ):
         vi.load(tmp_path / "pair.csv")
 

@@ -486,7 +486,7 @@ def of_wall():
     (lambda point: vi.exact(LAW, 0.94, 37.0, GUESS, 1.0, 9), "6 arguments given by position"),
     (lambda point: vi.lyapunov(LAW), "lyapunov.*missing a required argument: 'r'"),
     (lambda point: vi.lyapunov(LAW.at(0.94, 37.0), state={}, start=3.0), "start = 3.0: must be left out"),
-    (lambda point: vi.basins(WALL, states=2), "basins.*missing.*'load'; of a structure the arguments are"),
+    (lambda point: vi.basins(WALL, states=2), "basins.*missing.*'load'; for a structure the arguments are"),
     (lambda point: vi.bifurcation_diagram(WALL, vi.Load(1, sine=[1]), lambda v: 3, [0, 1]), "must be .Structure,"),
 ])  # fmt: skip
 def test_arguments_of_systems_are_neither_dropped_nor_given_twice(call, message):
@@ -562,8 +562,8 @@ def test_help_shows_every_form_of_call(name):
     verb = getattr(vi, name)
     assert next(iter(inspect.signature(verb).parameters)) == "osc"
     forms = " ".join(verb.__doc__.split("\n\n")[1].split())
-    assert f"Of a structure: ``{name}(structure, load" in forms
-    assert f"Of a point (`Oscillator.at`): ``{name}(point, " in forms
+    assert f"For a structure: ``{name}(structure, load" in forms
+    assert f"For a point (`Oscillator.at`): ``{name}(point, " in forms
 
 
 def message_of(call):
@@ -594,13 +594,13 @@ def test_help_shows_the_forms_that_a_call_accepts(name, of_a_structure):
     verb = getattr(vi, name)
     forms = " ".join(verb.__doc__.split("\n\n")[1].split())
     refused = "must not be a point" in message_of(lambda: verb(OSC.at(0.94, 37.0), unknown=1))
-    assert (f"Of a point (`Oscillator.at`): ``{name}(point" in forms) != refused
+    assert (f"For a point (`Oscillator.at`): ``{name}(point" in forms) != refused
     assert ("A point (`Oscillator.at`) is not accepted; " in forms) == refused
     for kind, first in of_a_structure.items():
-        taken = "of a structure the arguments are" in message_of(
+        taken = "for a structure the arguments are" in message_of(
             lambda first=first: verb(first, unknown=1)
         )
-        assert taken == (f"Of a {kind}: ``{name}(" in forms)
+        assert taken == (f"For a {kind}: ``{name}(" in forms)
 
 
 def test_a_load_that_a_verb_does_not_know_is_refused():

@@ -252,7 +252,7 @@ MATLAB_BOMBS = {
     "twice": (2 * packed(matrix(6, (3 * 2**17, 1), element(9, bytes(3 * 2**20)))), r"has 6291\d+ bytes; must"),
     "lie": (packed(struct.pack("<II", 14, 8) + bytes(2**25)), "declares 16 bytes and has more"),
     "real": (matrix(0x806, (1, 1), element(9, bytes(8))), "a matrix has no imaginary part"),
-    "sparse": (matrix(5, (1, 1), element(5, bytes(8))), "there is no struct|channels none: must be"),
+    "sparse": (matrix(5, (1, 1), element(5, bytes(8))), "there is no struct|channels none: one must"),
     "cut": (packed(struct.pack("<II", 14, 2**20) + bytes(8)), "declares 1048576 bytes and has 8"),
 }  # fmt: skip
 

@@ -430,7 +430,7 @@ def test_structures_of_users_have_no_units():
     run = vi.simulate(structure, load, cycles=2)
     assert run.plot(kind="history").get_ylabel() == "coordinates $q_i$"
     for units in ("mm N s", None):
-        with pytest.raises(vi.errors.ParameterTypeError, match="units of its user"):
+        with pytest.raises(vi.errors.ParameterTypeError, match="units that you choose"):
             run.physical(units)
     assert "F0" not in json.dumps(
         {k: v.attrs for k, v in run.to_xarray().variables.items()}, default=str

@@ -33,6 +33,13 @@ def test_values_of_lengths_and_cycles(name, value):
     assert_refused({name: value}, f"{name} = {value}", f"<= {name} <=", kind=ValueError)
 
 
+def test_a_time_in_place_of_cycles():
+    """The message says that load cycles are counted."""
+    for name in ("cycles", "discard"):
+        wanted = f"must be a number of load cycles with 0 <= {name} <= 1e+09"
+        assert_refused({name: "1 s"}, f"{name} = '1 s'", wanted, kind=TypeError)
+
+
 @pytest.mark.parametrize("name", [*GOOD, "load", "discard", "max_events"])
 @pytest.mark.parametrize("value", ["1", None, 1j, [1.0], b"1", True])
 def test_types(name, value):

@@ -49,7 +49,8 @@ def allowed(name: str, label: str | None = None) -> str:
     """The range of a parameter in words, for messages; `label` is the caller's name of it."""
     low, high, closed = RANGES[name]
     shown = name if label is None else label
-    return f"a number with {low:g} <= {shown} {'<=' if closed else '<'} {high:g}"
+    kind = "a number of load cycles" if name == "cycles_simulated" else "a number"
+    return f"{kind} with {low:g} <= {shown} {'<=' if closed else '<'} {high:g}"
 
 
 def number(value: Any, name: str, label: str | None = None) -> float:

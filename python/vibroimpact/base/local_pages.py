@@ -148,7 +148,9 @@ class Refusal(RequestHandler):  # type: ignore[misc]
     def prepare(self) -> None:
         self.set_status(403)
         self.set_header("Content-Type", "text/plain; charset=utf-8")
-        self.finish("403: the explorer answers only its own page, at the address that it printed\n")
+        self.finish(
+            "403: the explorer answers only requests from its own page, at the printed address\n"
+        )
 
     def _log(self) -> None:
         """Print nothing: another site could flood the terminal."""

@@ -108,7 +108,7 @@ def elements(data: memoryview, order: str, align: int = 8) -> Iterator[tuple[int
         if kind >> 16:  # a small one, with its size in the tag
             kind, size = kind & 0xFFFF, kind >> 16
             if size > 4:
-                raise ParameterError(f"a part is damaged: it declares {size} bytes in 4")
+                raise ParameterError(f"a part is damaged: it declares {size} bytes, but has 4")
             yield kind, data[at + 4 : at + 4 + size]
             at += 8
             continue

@@ -115,7 +115,7 @@ class Campaign:
         except MemoryError:
             raise OutOfMemoryError(
                 f"store = {str(self._store.folder)!r}: one number for each of {self.size} cases needs more memory "
-                "than is available; read its parts in results.zarr"
+                "than is available; read it in parts from results.zarr"
             ) from None
 
     @property

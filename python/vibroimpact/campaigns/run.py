@@ -39,7 +39,7 @@ __all__ = ["campaign"]
 #: Without a given chunk size: the largest number of chunks, and the smallest and largest number of cases in a
 #: chunk.
 CHUNKS, SMALLEST, LARGEST = 100, 4, 10_000
-#: Seconds between two looks at progress.
+#: Seconds between two checks of the progress.
 INTERVAL = 0.2
 #: Number of chunks queued for each worker.
 AHEAD = 2
@@ -90,7 +90,7 @@ def campaign(
     store : path
         A folder: a new one, an empty one, or that of this campaign.
     client : distributed.Client or str, optional
-        Where the cases are computed: a client of dask, the address of its scheduler, or "local" for as many
+        Where the cases are computed: a dask client, the address of a dask scheduler, or "local" for as many
         processes as this machine has processors. By default threads of this process compute them.
     chunk : int, optional
         Number of cases that are computed and written together. By default there are at most 100 chunks, of 4 to
@@ -98,8 +98,7 @@ def campaign(
     threads : int, optional
         Number of threads without a client; by default one for each processor.
     progress : callable, optional
-        Called with the fraction done and a text; by default a bar on a terminal or in a
-        notebook.
+        Called with the fraction done and a text; by default a bar on a terminal or in a notebook.
 
     Returns
     -------
@@ -284,7 +283,7 @@ def _trouble() -> Iterator[None]:
 
 
 class Cluster:
-    """A cluster of dask."""
+    """A dask cluster."""
 
     def __init__(self, client: Any) -> None:
         self.client = client

@@ -101,7 +101,7 @@ def run_namelists(
     )  # fmt: skip
 
     def told(*_: Any) -> None:
-        """Progress: the fraction of the work that the core knows so far, which may fall with the next case."""
+        """Progress: the fraction of the work that is known so far, which may fall with the next case."""
         if progress is not None:
             progress(float(counters[0] / max(1, counters[1])))
 

@@ -17,7 +17,7 @@ from ..cases.case import read_namelist
 DESCRIPTION = """Compute all cases of the &sweep of a namelist file, and keep the results in a store (Zarr). The
 same command resumes a campaign that was interrupted or killed; cases in the store are not
 computed again. A case that is rejected or fails is written to STORE/failures as a namelist.
-With --cluster the cases run on a cluster of dask. It needs the extra `campaign`:
+With --cluster the cases run on a dask cluster. It requires the extra `campaign`:
 pip install 'vibroimpact[campaign]'."""
 EXAMPLE = (
     "echo \"&system xi = .01, mu = .05, restitution = .75, r = 1 / &motion kind = 'equispaced', clearance = 20 / "
@@ -34,8 +34,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--cluster", metavar="WHERE",
-        help="local (one process for each processor), or the address of a scheduler of dask, "
-        "such as tcp://node1:8786",
+        help="local (one process for each processor), or the address of a dask scheduler, such as "
+        "tcp://node1:8786",
     )  # fmt: skip
     parser.add_argument(
         "--chunk", type=int, metavar="N",

@@ -110,7 +110,8 @@ def main_parser() -> tuple[Parser, dict[str, Parser]]:
     """The argument parser, and that of each subcommand, as yet without its arguments."""
     parser = Parser(
         prog="vibroimpact",
-        description="Stable periodic motions of a vibrating system in which a free mass hits its walls.",
+        description="Vibrating systems with impacts: periodic motions and their stability, simulation,\n"
+        "identification and design.",
         epilog=f"example: vibroimpact reproduce table1\n\n{EXIT_STATUS}\n{INTERRUPT}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )

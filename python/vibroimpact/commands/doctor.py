@@ -149,11 +149,11 @@ def counsel(facts: dict[str, Any]) -> list[str]:
     lines = []
     if not built()["openmp"]:
         lines.append(
-            "charts and atlases would be faster with OpenMP: build with a compiler that has it"
+            "charts and atlases would be faster with OpenMP: build with a compiler that supports it"
         )
     if "openblas" in facts["lapack"].lower() and os.environ.get("OPENBLAS_NUM_THREADS") != "1":
         lines.append(
-            "the systems are small: set OPENBLAS_NUM_THREADS=1, since more threads only wait"
+            "set OPENBLAS_NUM_THREADS=1: the systems are too small for several threads of OpenBLAS"
         )
     if facts["buildtype"] not in ("release", "debugoptimized"):
         lines.append(

@@ -33,8 +33,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--address", default="127.0.0.1", metavar="A",
-        help="address to listen on (default: 127.0.0.1, this machine only); on others the page needs the token "
-        "in the printed link",
+        help="address to listen on (default: 127.0.0.1, this machine only); any other one requires the token in "
+        "the printed link",
     )  # fmt: skip
     browser = parser.add_mutually_exclusive_group()
     browser.add_argument(

@@ -14,7 +14,7 @@ DESCRIPTION = textwrap.fill(
     "Recompute the tables and figures of Popplewell, Bapat and McLachlan (1983) and compare them with the printed "
     f"values. Available: {', '.join(NAMES)}. {' and '.join(ON_REQUEST)} (the zone of Figure 6a, proven, "
     "three minutes) is computed only if it is named. Figures 1, 2 and 5 show the model, the notation and the rig; "
-    "there is nothing in them to compute.", 92,
+    "they contain nothing to compute.", 92,
 )  # fmt: skip
 EXAMPLE = "vibroimpact reproduce table1 -o results"
 

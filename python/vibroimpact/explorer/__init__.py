@@ -1,4 +1,4 @@
-"""The live explorer: a local web page on which zones, motions and simulations follow the pointer.
+"""The live explorer: a local web page that updates zones, motions and simulations as the pointer moves.
 
 Three layers, each of which uses only those listed above it:
 

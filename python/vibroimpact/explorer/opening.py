@@ -72,7 +72,7 @@ def state_of(start: Any) -> State:
 
 
 def units_of(osc: Oscillator) -> Units | None:
-    """The units of an oscillator, if it knows them."""
+    """The units of an oscillator, if they are known."""
     return None if osc.M is None or osc.F0 is None else osc.units()
 
 

@@ -64,8 +64,8 @@ def load(path: str | Path) -> Any:
     place = checks.path(path)
     if place.suffix.lower() == ".csv":
         raise ParameterError(
-            f"path = {str(path)!r}: must end with .json, .nc or .mat; a table whose header has its case is an "
-            "input of `vibroimpact run` and read_namelist"
+            f"path = {str(path)!r}: must end with .json, .nc or .mat; a CSV table whose header contains its case "
+            "can be read by `vibroimpact run` and read_namelist"
         )
     try:
         read = READERS.get(place.suffix.lower(), READERS[".json"])

@@ -161,7 +161,7 @@ def draw_chart(
 
 
 def _units_of_chart(data: Any, units: Units | str | None) -> Units | None:
-    """The units of the axes; of a dataset by default those that its oscillator knows."""
+    """The units of the axes; for a dataset by default those of its oscillator."""
     if isinstance(units, Units):
         return units
     if isinstance(data, Chart):
@@ -177,8 +177,8 @@ def _units_of_chart(data: Any, units: Units | str | None) -> Units | None:
         return None
     if own is None:
         raise ParameterError(
-            f"units = {units!r}: must be a vibroimpact.Units or left out; the oscillator of the chart does not "
-            "know M, K and F0"
+            f"units = {units!r}: must be a vibroimpact.Units or left out; the oscillator of the chart has no M, K "
+            "and F0"
         )
     return own.to(checked_names(units))
 

@@ -82,7 +82,7 @@ def units_of_picture(result: Any, units: Units | str | None) -> Units | None:
     known = units_of_system(system)
     if known is None and not isinstance(system, Oscillator):
         raise ParameterError(
-            f"units = {units!r}: must be left out; a Structure has the units of its user"
+            f"units = {units!r}: must be left out; a Structure uses the units that you choose"
         )
     return (known or system.units()).to(names)
 

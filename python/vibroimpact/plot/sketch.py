@@ -21,7 +21,7 @@ from .style import system as parameters_of
 
 __all__ = ["bodies_of", "draw_sketch", "draw_system"]
 
-#: What a sketch of a structure with physical units says.
+#: The note on units in a sketch of a structure with physical units.
 SKETCH_UNITS = "numbers in the picture: in kg, N/m, N s/m, m, m/s and N"
 #: Printed points per unit of length above which labels have their full size.
 FULL_SIZE = 22.0
@@ -111,7 +111,7 @@ def draw_system(
 
 
 def values_of(system: Oscillator | Point) -> str:
-    """The values of an oscillator, or of one at a point, in two lines: in its units if it knows M and K."""
+    """The values of an oscillator, or of one at a point, in two lines: in its units if M and K are known."""
     osc = system.osc if isinstance(system, Point) else system
     at = system if isinstance(system, Point) else None
     laws = {"R1": "$R_1$", "R2": "$R_2$"}

@@ -108,7 +108,7 @@ class Scales:
 
     def __init__(self, units: Units | None, bare: bool = False) -> None:
         self.units = units
-        #: Whether the labels have no units, as for a structure, whose numbers are in the units of its user.
+        #: Whether the labels have no units, as for a structure, whose numbers are in units that the user chooses.
         self.bare = bare
 
     def __call__(self, values: Any, unit: str) -> Any:

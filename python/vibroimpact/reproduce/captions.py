@@ -8,34 +8,33 @@ INTRODUCTION = (
     "is consistent (its phases solve the equations), admissible (the masses approach at each "
     "impact, and the free mass stays between the walls) and stable (all multipliers lie inside "
     "the unit circle). Figures 1, 2 and 5 of the paper show the model, the notation and the rig; "
-    "there is nothing in them to compute. The vertical axes are logarithmic because the zones span "
-    "two decades.</p> "
+    "they contain nothing to compute. The vertical axes are logarithmic because the zones span two "
+    "decades.</p> "
     "<p>The text does not give the measurements of the paper. The bars in Figures 6 to 8 and the "
     "marks in Figure 10 are therefore simulations made here, not measurements: at a fixed "
     "frequency the load is raised step by step and lowered again; each level is held for two "
     "minutes of the rig's time (120 s at 19.87 Hz) and starts from the state at the end of the "
     "level before it. No impact is missed. A bar spans the loads at which the hold ended on the "
-    "motion. If the free mass settles clear of the walls it is given a velocity, as it would be "
-    "pushed on a bench. Ticks inside a bar show where rising and falling load differ. That such "
-    "a simulation lies in a computed zone confirms the computation, not the paper's "
-    "experiment.</p>"
+    "motion. If the free mass comes to rest clear of the walls, it is given a velocity, like a push "
+    "on the test rig. Ticks inside a bar show where rising and falling load differ. A simulation "
+    "that lies in a computed zone confirms the computation, not the paper's experiment.</p>"
 )
 
 PHASE_ERRORS = (
-    "<p>For more than two impacts the paper read the phases off a record, solved the "
+    "<p>For more than two impacts the paper took the phases from a record, solved the "
     "overdetermined equations by least squares, and accepted a relative residual below 3\u00a0%. "
     "Here the phases of exact motions along a line through each zone are given normally "
-    "distributed errors. Wrong means that the verdict on stability is not that of the exact "
-    "motion. A fiftieth of a division of the paper's records is 0.33 ms.</p>"
+    "distributed errors. Wrong means that the verdict on stability differs from that of the "
+    "exact motion. A fiftieth of a division of the paper's records is 0.33 ms.</p>"
 )
 
 #: Title, caption, and whether the picture uses the full width.
 CAPTIONS: dict[str, tuple[str, str, bool]] = {
     "figure3": (
         "Figure 3: two and three impacts a cycle",
-        "Zones in the plane of r and dK/F₀. The dashed line is the one along which Masri "
-        "computed; the cross is the point of Table 1. The zone of two unequispaced impacts "
-        "continues as a thin strip past r = 1, below the equispaced zone.",
+        "Zones in the plane of r and dK/F₀. The dashed line marks Masri's computations; the "
+        "cross is the point of Table 1. The zone of two unequispaced impacts continues as a thin "
+        "strip past r = 1, below the equispaced zone.",
         False,
     ),
     "figure4a": (
@@ -91,17 +90,17 @@ CAPTIONS: dict[str, tuple[str, str, bool]] = {
     ),
     "figures6to8": (
         "Figures 6 to 8 with bands",
-        "How well the boundaries are known if the damping ratio, the gap and the coefficients of "
-        "restitution are known no better than the paper says. Along the normal of a boundary, "
-        "95\u00a0% of the displaced boundaries lie in the band. Crosses mark where first derivatives "
-        "do not describe it: at corners, along zones so thin that they vanish for some rigs, and "
-        "along the zone of RL*, which a fall of R₁ by 1\u00a0% alone removes.",
+        "Uncertainty of the boundaries if the damping ratio, the gap and the coefficients of "
+        "restitution are known only as accurately as the paper states. Along the normal of a "
+        "boundary, 95\u00a0% of the displaced boundaries lie in the band. Crosses mark where first "
+        "derivatives do not describe it: at corners, along zones so thin that they vanish for some "
+        "rigs, and along the zone of RL*, which disappears if R₁ alone falls by 1\u00a0%.",
         True,
     ),
     "figure9": (
         "Figure 9: load and acceleration of the primary mass",
         "The four kinds of motion, exact, at points inside their zones (the paper does not give "
-        "its points). Each spike is an impact. Its length is proportional to the change of "
+        "its points). Each spike is an impact; its length is proportional to the change of "
         "velocity; the legend of each panel gives the change of velocity of the longest spike.",
         True,
     ),

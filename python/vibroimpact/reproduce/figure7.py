@@ -12,7 +12,7 @@ from .traced import compared, outline
 
 
 def zones(folder: Path, resolution: float = 1.0) -> dict[str, list[Strip]]:
-    """Zones by pattern, traced from the motions that the simulated holds end on; the paper took measured ones."""
+    """Zones by pattern, traced from motions at the ends of simulated holds; the paper used measured motions."""
     found = seeds(read_sweeps(folder, "equal"), EQUAL)
     r, count = ratios(0.55, 1.5, resolution), max(60, round(300 * resolution))
     return {

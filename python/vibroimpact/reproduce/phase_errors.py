@@ -21,7 +21,7 @@ from .paper import EQUAL, NATURAL_FREQUENCY
 
 #: A point in the zone of 3, 4 and 5 impacts: r and d K/F0.
 POINTS = ((0.90, 8.0), (1.06, 4.0), (1.22, 1.0))
-#: Standard deviations of a misread phase (radians): 0.02 is a fiftieth of the record's 16.7 ms division.
+#: Standard deviations of a misread phase (radians): 0.02 is about a hundredth of the record's 16.7 ms division.
 ERRORS = (0.005, 0.02, 0.05, 0.1)
 #: Accepted relative residuals.
 RULES = (0.03, 0.015)

@@ -138,7 +138,7 @@ def corrections(folder: Path) -> str:
     """The three corrections of (A6), (A7), and the effect of each."""
     rows = json.loads((folder / "data" / "appendix.json").read_text(encoding="utf-8"))
     what = grid(
-        ("Correction", "printed", "has to be"),
+        ("Correction", "printed", "correct"),
         ([pretty(x) for x in c] for c in CORRECTIONS.values()),
     )
     lines = []

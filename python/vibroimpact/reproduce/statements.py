@@ -188,16 +188,16 @@ def figure_3(folder: Path) -> list[Row]:
     where = [f"{steps[a]:.4f} to {steps[b - 1]:.4f}" for a, b in runs(at)]
     return [
         Row("Figure 3", "no stable equispaced motion for 0.960 < r < 0.985",
-            f"none for {left:.4f} < r < {right:.4f}; from there on there is one on a thin band of loads, "
+            f"none for {left:.4f} < r < {right:.4f}; above this range there is one in a thin band of loads, "
             f"{100 * (at_985.high[0] / at_985.low[0] - 1):.0f} % wide at r = 0.985",
             agreement(bool(left < 0.9605 and right >= 0.985))),
         Row("Figure 3", "a very narrow unequispaced zone near r = 1.00, its largest |λ| close to 1",
             f"at r = 1.00 it is {100 * ratio:.2f} % of dK/F₀ wide; max|λ| between {largest[0]:.4f} and "
             f"{largest[1]:.4f} in it", agreement(0 < ratio < 0.05)),
-        Row("Figure 3", "equispaced motions go on past r = 1.04 on dK/F₀ = 37",
+        Row("Figure 3", "equispaced motions continue past r = 1.04 at dK/F₀ = 37",
             f"stable from r = {on.min():.4f} to {on.max():.4f}", agreement(bool(on.max() > 1.04)),
             proven(lambda: proof_of_line(float(on.min()), float(on.max())))),
-        Row("Figure 3", "three impacts a cycle on dK/F₀ = 37 (Masri's one example)",
+        Row("Figure 3", "three impacts a cycle at dK/F₀ = 37 (Masri's only example)",
             f"stable for r from {', '.join(where)}", agreement(bool(where))),
     ]  # fmt: skip
 
@@ -244,11 +244,12 @@ def figure_6a(folder: Path) -> list[Row]:
     at = boundary["double"][steps == 1.0][0]
     return [
         Row("Figure 6a", "single precision gives a clearly different upper boundary",
-            f"in IEEE single precision it moves by {apart.max():.1e} at most, relatively: not visible",
+            f"in IEEE single precision it moves by at most {apart.max():.1e} (relative), which is not visible",
             agreement(bool(apart.max() > 0.01))),
         Row("Figure 6a", "double precision gives a spike of the zone at r = 1",
-            f"no spike: at r = 1 the boundary is F₀/(dK) = {at:.8f}, and for |r − 1| = 1e−3 … 1e−9 it leaves a "
-            f"parabola by {bump:.1e}{digits}. The equations have none: it came from the arithmetic",
+            f"no spike: at r = 1 the boundary is F₀/(dK) = {at:.8f}, and for |r − 1| = 1e−3 … 1e−9 it "
+            f"deviates from a parabola by {bump:.1e}{digits}. The equations have no spike: the arithmetic "
+            "caused it",
             agreement(bool(bump > 0.01))),
         Row("Figure 6a", "in the zone max|λ| lies between 0.996 and 0.999",
             f"it lies between {least:.3f} and {most:.4f}; {100 * share:.1f} % of the zone (in ln F₀/(dK) and r) "
@@ -303,7 +304,7 @@ def figures_6_to_8(folder: Path) -> list[Row]:
     )
     change = [abs(a.low[0] / b.low[0] - 1) for a, b in zip(soft, hard, strict=True)]
     rows += [
-        Row("Figures 6–8", "near r = 1 small changes of the parameters matter much",
+        Row("Figures 6–8", "near r = 1 small changes of the parameters have large effects",
             f"from r = 0.99 to 1.01 the upper boundary of 6a rises by a factor {wall[1] / wall[0]:.2f}",
             agreement(bool(wall[1] / wall[0] > 1.2))),
         Row("Figures 6–8", "R fell by about 9 % over the range, with a small effect on the zones",

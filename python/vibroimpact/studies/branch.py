@@ -475,7 +475,9 @@ class Branch(Followed, study="branch", part=True, formerly="StructureBranch"):
             # where two events meet, each keeps an instant of its own
             phases[j] = max(phases[j], np.nextafter(phases[j - 1], np.inf))
         try:
-            found = motion_with_events(structure, load, gaps, phases[place], self.cycles, kinds)
+            found = motion_with_events(
+                structure, load, gaps.tolist(), phases[place].tolist(), self.cycles, kinds
+            )
         except (ParameterError, SingularError):
             # the linear equations lack a restitution that depends on the speed, and where events meet they
             # may be singular
@@ -793,9 +795,9 @@ def branch(
     ----------
     motion : Motion
         For an oscillator: without rest, with load 1. For a structure: consistent, with at most 24 impacts (23 if a
-        mode has frequency 0); with rests, at most 24 releases and impacts, not counting the last impacts of each
-        accumulation; with stops or friction, at most 24 events. It need not be stable; with rests, stops or
-        friction it must be admissible.
+        mode has frequency 0); with rests, stops or friction, at most 24 events, among them releases, but not the
+        last impacts of each accumulation. It need not be stable; with rests, stops or friction it must be
+        admissible.
     parameter : str, or function
         "r", "clearance", "xi", "mu", "R1", "R2" or "restitution", which changes R1 = R2 together. For a structure
         "frequency"; "load", "constant", "damping" or "stiffness", factors of the harmonics, of the constant forces
@@ -828,9 +830,9 @@ def branch(
         If an argument is not allowed.
     SingularError
         If the motion cannot be followed. For a structure: if the motion repeats itself; if gaps close at the same
-        instant and would separate for other values of the parameter, or are coupled by damping; if, with rests,
-        two events occur at the same instant, or an event of another gap occurs within an accumulation; or if a gap
-        rests and the structure has stops or friction.
+        instant and would separate for other values of the parameter, or are coupled by damping; or if, with rests,
+        stops or friction, two events occur at the same instant, or an event of another gap, of a stop or of
+        friction that is not along the gap occurs within an accumulation.
     StudyInterrupted
         After Ctrl-C; its attribute `result` contains the points so far.
 

@@ -402,8 +402,8 @@ class Zone(OnPlane, Followed, study="zone", formerly="StructureZone"):
         return x, y
 
     def _plain(self, x: Any, y: Any) -> tuple[Any, Any]:
-        """Points without units; those of an oscillator, also at a point with friction or stops, may have units, if
-        it knows M, K and F0."""
+        """Points without units; those of an oscillator, also at a point with friction or stops, may have units if
+        M, K and F0 are known."""
         if self.of_structure:
             names = self.x_parameter, self.y_parameter
             return tuple(
