@@ -24,8 +24,8 @@ module vi_structure
    implicit none (type, external)
    private
 
-   public :: check_structure, coordinate_of, factor_along, find_narrow, inputs_of, is_absorbed, &
-      is_extreme, new_load, new_regime, new_structure, opening_at, project, renew_regime, &
+   public :: acts_on, check_structure, coordinate_of, factor_along, find_narrow, inputs_of, &
+      is_absorbed, is_extreme, linked_elements, new_load, new_regime, new_structure, opening_at, project, renew_regime, &
       restitution_of, state_of, to_pairs
 
    !> The shortest time scale, and the sizes of lengths and masses, for which the powers in bounds
@@ -660,6 +660,52 @@ contains
          if (any(abs(d - factor*g) > rounding*maxval(abs(d)))) factor = 0
       end associate
    end function factor_along
+
+   !> Whether an impulse along one element changes the speed along another one or, by dashpots, its
+   !! acceleration.
+   pure logical function acts_on(structure, one, other, by_dashpots)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> The numbers of the elements.
+      integer, intent(in) :: one, other
+      !> Whether an acceleration counts; if it is left out, it does not.
+      logical, intent(in), optional :: by_dashpots
+      !> Share of the terms of a speed that counts as rounding.
+      real(wp), parameter :: rounding = 1.0e-9_wp
+
+      associate (direction => structure%directions(:, other), kick => structure%mobility(:, one), &
+         back => structure%mobility(:, other))
+         acts_on = abs(dot_product(direction, kick)) > rounding*dot_product(abs(direction), &
+            abs(kick))
+         if (acts_on .or. .not. present(by_dashpots)) return
+         if (by_dashpots) acts_on = abs(dot_product(back, matmul(structure%damping, kick))) > &
+            rounding*dot_product(abs(back), abs(matmul(structure%damping, kick)))
+      end associate
+   end function acts_on
+
+   !> The elements of which forces change the force that holds one of them, or by dashpots its rate:
+   !! directly, or through others that are held.
+   pure function linked_elements(structure, first, elements, by_dashpots) result(linked)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> The one, and those that are held, press or change at an instant.
+      integer, intent(in) :: first, elements(:)
+      !> As of `acts_on`.
+      logical, intent(in), optional :: by_dashpots
+      integer, allocatable :: linked(:)
+      integer :: i, k
+
+      allocate (linked, source=[first])
+      i = 1
+      do while (i <= size(linked))
+         do k = 1, size(elements)
+            if (any(linked == elements(k))) cycle
+            if (acts_on(structure, linked(i), elements(k), by_dashpots)) linked = [linked, &
+               elements(k)]
+         end do
+         i = i + 1
+      end do
+   end function linked_elements
 
    !> Whether friction is along a gap at rest, so that it holds together with the gap.
    pure logical function is_absorbed(structure, friction, resting)

@@ -229,8 +229,8 @@ contains
          text = 'friction sticks permanently wherever it stops, so there is a continuum of &
             &motions: make what sticks rigid, or start from another state'
       case (stat%no_derivative)
-         text = 'coupled gaps close at the same instant: the motion that follows depends on the &
-            &order of their impacts and has no derivatives'
+         text = 'coupled gaps close, or coupled friction elements change, at the same instant: the &
+            &motion that follows depends on their order and has no derivatives'
       case (stat%endless_sequence)
          text = 'coupled gaps close at the same instant, and 20000 successive impacts do not &
             &separate them: set simultaneous = ''newton'' in the structure'

@@ -17,15 +17,14 @@ module vi_presumed_events
    use vi_modes, only: advance
    use vi_motion, only: no, unknown, yes
    use vi_status, only: stat
-   use vi_structure, only: factor_along, load_type, opening_at, regime_type, restitution_of, &
-      state_of, structure_type, to_pairs
+   use vi_structure, only: factor_along, linked_elements, load_type, opening_at, regime_type, &
+      restitution_of, state_of, structure_type, to_pairs
    use vi_structure_map, only: apply_flight, from_coordinates, to_coordinates
    use vi_structure_return, only: closed_type, keep_period, most_events, one_cycle, settle, &
       settled_type
    use vi_structure_run, only: event_kinds, find_regime, halt_event, impact_event, is_listed, &
-      leave_event, let_go_event, new_run, press_event, release_event, run_event_type, &
+      leave_event, let_go_event, new_run, pass_label, press_event, release_event, run_event_type, &
       run_state_type, run_type, slip_down_event, slip_up_event, start_at, stick_event, touch_event
-   use vi_structure_trajectory, only: pass_label
    use vi_structure_variation, only: derivative_of_run
    use vi_text, only: whole
    implicit none (type, external)
@@ -211,8 +210,11 @@ contains
       if (residual <= exact_acceptance) then
          call derivative_of_run(run, begun, events, last, p, largest, found%motion%verdicts%law, &
             status)
-         if (status == stat%zero_approach) p = ieee_value(1.0_wp, ieee_quiet_nan)
-         if (status == stat%zero_approach) status = stat%ok
+         if (status == stat%zero_approach .or. (status == stat%no_derivative .and. &
+            .not. any(events%together))) then
+            p = ieee_value(1.0_wp, ieee_quiet_nan)
+            status = stat%ok
+         end if
          if (status /= stat%ok) return
       end if
       call keep_period(run, begun, events, last, p, largest, .false., found)
@@ -245,6 +247,7 @@ contains
       integer, intent(out) :: status
       integer, allocatable :: closed(:)
       type(closed_type), allocatable :: after(:)
+      logical :: jumps(size(gaps))
       real(wp) :: first, turns
       integer :: i, j, last
 
@@ -263,7 +266,8 @@ contains
          events(i)%gap = gaps(i)
          call pass_label([kinds(i), gaps(i)], closed)
          after(i)%set = closed
-         causes(i) = cause_of(run%structure, run%regimes(last), events, i)
+         jumps(i) = force_jumps(run%structure, run%regimes(last), events(i))
+         causes(i) = cause_of(run%structure, run%regimes(last), events, jumps, i)
          call find_regime(run, closed, events(i)%regime, status)
          last = events(i)%regime
          if (causes(i) == 0 .or. kinds(i) == stick_event) cycle
@@ -282,13 +286,15 @@ contains
    !! begins after an impact on its gap, friction and the force of a stop change with the speeds
    !! that an impact changes, friction that sticks slips and a gap is released where a force jumps.
    !! 0 if there is none.
-   pure integer function cause_of(structure, before, events, i) result(cause)
+   pure integer function cause_of(structure, before, events, jumps, i) result(cause)
       !> The structure.
       type(structure_type), intent(in) :: structure
       !> The regime before the event.
       type(regime_type), intent(in) :: before
-      !> The events, and the number of one.
+      !> The events, whether a force or a velocity jumps at each of them up to this one, and its
+      !! number.
       type(run_event_type), intent(in) :: events(:)
+      logical, intent(in) :: jumps(:)
       integer, intent(in) :: i
       integer, allocatable :: linked(:)
       integer :: j
@@ -297,7 +303,7 @@ contains
       cause = 0
       if (any(events(i)%kind == [impact_event, touch_event, leave_event])) return
       yields = any(before%held == events(i)%gap) .and. events(i)%kind /= halt_event
-      allocate (linked, source=linked_with(structure, events(i)%gap, [before%held, &
+      allocate (linked, source=linked_elements(structure, events(i)%gap, [before%held, &
          pack(events(:i - 1)%gap, events(:i - 1)%cycle == events(i)%cycle .and. &
          events(:i - 1)%elapsed >= events(i)%elapsed)]))
       do j = i - 1, 1, -1
@@ -312,37 +318,34 @@ contains
          case default
          end select
          ! the first of them brings about the others that it acts on
-         if (yields .and. any(linked == events(j)%gap)) cause = j
+         if (yields .and. jumps(j) .and. any(linked == events(j)%gap)) cause = j
          if (cause > 0 .and. .not. yields) return
       end do
    end function cause_of
 
-   !> The elements of which forces act on what holds one of them: on each other by the masses, one
-   !! through another.
-   pure function linked_with(structure, first, elements) result(linked)
+   !> Whether a force or a velocity jumps at an event. Those of a stop whose force or depth is 0 do
+   !! not, nor does friction that slips at the force at which it stuck.
+   pure logical function force_jumps(structure, before, event) result(jumps)
       !> The structure.
       type(structure_type), intent(in) :: structure
-      !> The one, and those that are held or change at an instant.
-      integer, intent(in) :: first, elements(:)
-      integer, allocatable :: linked(:)
-      !> Share of the terms of a product that counts as rounding.
-      real(wp), parameter :: rounding = 1.0e-9_wp
-      integer :: i, k
+      !> The regime before the event.
+      type(regime_type), intent(in) :: before
+      !> The event.
+      type(run_event_type), intent(in) :: event
 
-      allocate (linked, source=[first])
-      i = 1
-      do while (i <= size(linked))
-         do k = 1, size(elements)
-            if (any(linked == elements(k))) cycle
-            associate (direction => structure%directions(:, elements(k)), &
-               kick => structure%mobility(:, linked(i)))
-               if (abs(dot_product(direction, kick)) > rounding*dot_product(abs(direction), &
-                  abs(kick))) linked = [linked, elements(k)]
-            end associate
-         end do
-         i = i + 1
-      end do
-   end function linked_with
+      associate (numbers => structure%laws(event%gap)%numbers)
+         select case (event%kind)
+         case (touch_event, leave_event)
+            jumps = any(abs(numbers(2:3)) > 0)
+         case (let_go_event, press_event, release_event)
+            jumps = .false.
+         case (slip_up_event, slip_down_event)
+            jumps = all(before%held /= event%gap) .or. numbers(2) > numbers(1)
+         case default
+            jumps = .true.
+         end select
+      end associate
+   end function force_jumps
 
    !> The equations of all events, and that the period closes.
    subroutine set_equations(run, begun, events, causes, last, equations)

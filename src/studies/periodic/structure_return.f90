@@ -24,8 +24,8 @@ module vi_structure_return
    use vi_structure_run, only: at_once, impact_event, is_listed, new_run, release_event, &
       run_event_type, run_state_type, run_type, simulate_structure, start_at, state_now, &
       stick_event, time_of, whole_periods
-   use vi_structure_variation, only: derivative_of_run, limit_of, start_tangent, tangent_type, &
-      through_event
+   use vi_structure_variation, only: derivative_of_run, limit_of, project, start_tangent, &
+      tangent_type, through_event
    implicit none (type, external)
    private
 
@@ -648,6 +648,7 @@ contains
       type(run_state_type) :: begun, state
       real(wp) :: p(size(s), size(s)), step(size(s)), change, before, largest, period
       integer :: m, most, n, steps
+      logical :: ordered
 
       m = size(s)/2
       period = run%period
@@ -668,6 +669,9 @@ contains
          if (status /= stat%ok) return
          call derivative_of_run(run, begun, events(:n), state, p, largest, &
             found%motion%verdicts%law, status)
+         ! the derivative of one order of changes at one instant leads to the motion as well
+         ordered = status == stat%no_derivative .and. .not. any(events(:n)%together)
+         if (ordered) status = stat%ok
          call state_now(run, state, step(:m), step(m + 1:))
          step = s - step
          found%motion%residual = maxval(abs(step)/scales(s))
@@ -703,9 +707,81 @@ contains
          if (status /= stat%ok) return
       end do
       status = merge(stat%ok, stat%no_convergence, steps <= most)
+      if (status == stat%ok .and. ordered) then
+         if (.not. is_common(run, section, begun, s, p, found%cycles)) p = ieee_value(1.0_wp, &
+            ieee_quiet_nan)
+      end if
       if (status == stat%ok) call keep_period(run, begun, events(:n), state, p, largest, free, &
          found)
    end subroutine close_period
+
+   !> Whether the multipliers of a motion are the same for each order of changes at one instant, as
+   !! in a symmetric structure: those of nearby simulations, in which the changes are apart.
+   logical function is_common(run, section, begun, s, p, cycles) result(common)
+      !> In and out: regimes are added.
+      type(run_type), intent(inout) :: run
+      !> As of `close_period`.
+      real(wp), intent(in) :: section
+      !> The beginning, (2n) its coordinates and velocities, and (2n, 2n) the derivative of one
+      !! order.
+      type(run_state_type), intent(in) :: begun
+      real(wp), intent(in) :: s(:), p(:, :)
+      !> Load cycles in a period.
+      integer, intent(in) :: cycles
+      !> How far the simulations are apart, as a share of the largest coordinate or velocity; and how
+      !! near multipliers must be.
+      real(wp), parameter :: apart = 1.0e-7_wp, near = 1.0e-5_wp
+      integer, parameter :: directions = 3
+      type(run_state_type) :: nearby, state
+      type(run_event_type), allocatable :: events(:)
+      real(wp) :: other(size(s), size(s)), step(size(s), 1), largest, law
+      integer :: i, j, m, n, side, status
+
+      common = .false.
+      m = size(s)/2
+      allocate (events(most_events))
+      do i = 1, directions
+         do side = -1, 1, 2
+            step(:, 1) = side*apart*scales(s)*[(cos(real(i*j*j, wp)), j=1, 2*m)]
+            ! friction that sticks keeps its speed
+            call project(run%structure, run%regimes(begun%regime)%held, step(m + 1:, :))
+            call start_at(run, section, s(:m) + step(:m, 1), s(m + 1:) + step(m + 1:, 1), nearby, &
+               status)
+            if (status /= stat%ok) return
+            state = nearby
+            n = 0
+            call one_cycle(run, state, cycles, section, events, n, status)
+            if (status == stat%ok) call derivative_of_run(run, nearby, events(:n), state, other, &
+               largest, law, status)
+            if (status /= stat%ok) return
+            if (.not. have_same_powers(p, other, near)) return
+         end do
+      end do
+      common = .true.
+   end function is_common
+
+   !> Whether the sums of all powers of the eigenvalues of two matrices are the same.
+   pure logical function have_same_powers(a, b, near) result(same)
+      !> (k, k) The matrices.
+      real(wp), intent(in) :: a(:, :), b(:, :)
+      !> How near they must be for entries of 1 or less.
+      real(wp), intent(in) :: near
+      real(wp), dimension(size(a, 1), size(a, 1)) :: first, second
+      real(wp) :: scale
+      integer :: i, j
+
+      same = .true.
+      scale = max(1.0_wp, maxval(sum(abs(a), 2)))
+      first = a/scale
+      second = b/scale
+      do i = 1, size(a, 1)
+         if (i > 1) then
+            first = matmul(first, a/scale)
+            second = matmul(second, b/scale)
+         end if
+         same = same .and. abs(sum([(first(j, j) - second(j, j), j=1, size(a, 1))])) <= near
+      end do
+   end function have_same_powers
 
    !> The largest coordinate and the largest velocity of a state, by which others are compared.
    pure function scales(s) result(scale)

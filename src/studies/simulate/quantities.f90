@@ -15,9 +15,9 @@ module vi_quantities
    use vi_structure, only: is_absorbed, load_type, opening_at, regime_type, state_of, &
       structure_type, to_pairs
    use vi_structure_record, only: forces_at, set_forces
-   use vi_structure_run, only: find_regime, let_go_event, new_run, press_event, run_type, &
-      stick_event
-   use vi_structure_trajectory, only: find_parts, find_start, pass_label
+   use vi_structure_run, only: find_regime, let_go_event, new_run, pass_label, press_event, &
+      run_type, stick_event
+   use vi_structure_trajectory, only: find_parts, find_start
    implicit none (type, external)
    private
 

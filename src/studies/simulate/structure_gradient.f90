@@ -10,12 +10,13 @@ module vi_structure_gradient
    use vi_kinds, only: wp
    use vi_restitution, only: power_law, restitution_at, table_law
    use vi_status, only: stat
-   use vi_structure, only: check_structure, factor_along, is_absorbed, load_type, new_load, &
-      new_structure, structure_type
+   use vi_structure, only: acts_on, check_structure, factor_along, is_absorbed, linked_elements, &
+      load_type, new_load, new_structure, structure_type
    use vi_structure_path, only: set_entry
-   use vi_structure_run, only: halt_event, impact_event, leave_event, let_go_event, press_event, &
-      release_event, slip_up_event, stick_event, touch_event
-   use vi_structure_trajectory, only: closed_at_start, pass_label
+   use vi_structure_run, only: halt_event, impact_event, leave_event, let_go_event, pass_label, &
+      press_event, release_event, slip_up_event, stick_event, touch_event
+   use vi_structure_trajectory, only: closed_at_start
+   use vi_structure_variation, only: add_change, breakaway, instant, ordered_change, smooth_change
    implicit none (type, external)
    private
 
@@ -463,12 +464,7 @@ contains
          if (abs(events%speeds(i + 1))*time > touching*dot_product(abs(structure%directions(:, &
             gap)), events%sizes(:n))) return
          if (kind /= impact_event .or. other == gap) cycle
-         associate (kick => structure%mobility(:, gap), against => structure%mobility(:, other), &
-            direction => structure%directions(:, other))
-            is_coupled = abs(dot_product(direction, kick)) > touching*dot_product(abs(direction), &
-               abs(against)) .or. abs(dot_product(against, matmul(structure%damping, kick))) > &
-               touching*dot_product(abs(against), abs(matmul(structure%damping, kick)))
-         end associate
+         is_coupled = acts_on(structure, gap, other, by_dashpots=.true.)
          if (is_coupled) return
       end do
    end function is_coupled
@@ -517,7 +513,8 @@ contains
       complex(wp) :: impulse, slope, speed
       real(wp) :: clock, closing, end, high, later, left, low, parting, residual, size_of, struck, &
          struck_later, instants(size(system%openings)), touched(size(system%openings))
-      integer, allocatable :: closed(:)
+      integer, allocatable :: before(:), changed(:, :), closed(:)
+      real(wp) :: short, accelerations(size(start)/2)
       integer :: freed, gap, i, interval, kind, left_gap, n, number
       logical :: forced
 
@@ -545,7 +542,9 @@ contains
       left_by = 0
       parting = 0
       left_gap = 0
+      short = instant*maxval(events%sizes(:n))/maxval(events%sizes(n + 1:))
       allocate (after, source=start)
+      allocate (changed(2, 0))
       closed = events%closed
       status = stat%ok
       do i = 1, number + 1
@@ -637,6 +636,10 @@ contains
                if (.not. abs(struck - clock) > 0) row = struck_by
             end if
          end if
+         if (kind >= slip_up_event .and. .not. forced) then
+            if (meets_another(system, events, i, short, closed, contact, whole)) carried%code = &
+               stat%no_derivative
+         end if
          if (kind /= stick_event .and. .not. forced) then
             closing = real(sum(condition*matmul(rate, whole)))
             size_of = touching*sum(abs(condition)*abs(matmul(rate, whole)))
@@ -697,11 +700,18 @@ contains
             ! back to the fixed time of the event, with the rate after it
             whole(:2*n) = cmplx(recorded, aimag(whole(:2*n)), wp)
          end associate
+         if (i > 1 .and. end - events%starts(1, i) > short) changed = changed(:, :0)
+         before = closed
+         accelerations = real(after(n + 1:2*n))
          if (kind /= stick_event .and. kind > 0) call pass_label([kind, gap], closed)
          if (kind == impact_event) call slip_at_once(system%structure, events, i, closed)
          call set_rate(system, closed, interval, rate, contact, status)
          if (status /= stat%ok) return
          after = matmul(rate, whole)
+         accelerations = abs(real(after(n + 1:2*n)) - accelerations)
+         if (kind > stick_event) call note_change(system%structure, before, kind, gap, forced, &
+            any(accelerations > touching*maxval(abs(real(after)))), changed, carried%code)
+         if (carried%code /= stat%ok) return
          matrix = matrix - outer(after(:2*n), row)
          left_gap = 0
          if (kind == impact_event) then
@@ -716,6 +726,74 @@ contains
       end do
    end subroutine carry_changes
 
+   !> Notes a change of an element, or that the last one brings about a further one, and whether the
+   !! order of changes at one instant matters: to their instants and speeds it does so even where
+   !! the state after them does not depend on it.
+   pure subroutine note_change(structure, closed, kind, number, forced, jumps, changed, code)
+      !> The structure, and what is closed before the event.
+      type(structure_type), intent(in) :: structure
+      integer, intent(in) :: closed(:)
+      !> Kind and element of the event.
+      integer, intent(in) :: kind, number
+      !> Whether another event at this instant brings it about; whether accelerations jump.
+      logical, intent(in) :: forced, jumps
+      !> (2, k) In and out: the changes at this instant, as of `add_change`.
+      integer, allocatable, intent(inout) :: changed(:, :)
+      !> In and out: `stat%no_derivative` if it does.
+      integer, intent(inout) :: code
+      integer :: change
+      logical :: commute
+
+      commute = .true.
+      if (.not. forced) then
+         change = smooth_change
+         if (jumps) change = merge(breakaway, ordered_change, any(closed == number))
+         call add_change(structure, closed, kind, number, change, changed, commute)
+      else if (size(changed, 2) > 0) then
+         changed(2, :) = breakaway
+         call add_change(structure, closed, kind, changed(1, size(changed, 2)), breakaway, changed, &
+            commute)
+      end if
+      if (.not. commute) code = stat%no_derivative
+   end subroutine note_change
+
+   !> Whether friction breaks away where other friction that would follow it is at its own limit.
+   pure logical function meets_another(system, events, i, short, closed, contact, whole) &
+      result(meets)
+      !> The system.
+      type(system_type), intent(in) :: system
+      !> The motion, and the number of the event.
+      type(events_type), intent(in) :: events
+      integer, intent(in) :: i
+      !> The longest time between events at one instant.
+      real(wp), intent(in) :: short
+      !> What is closed before it, and the forces there, as of `set_rate`.
+      integer, intent(in) :: closed(:)
+      complex(wp), intent(in) :: contact(:, :)
+      !> (2n + load) State and load before it.
+      complex(wp), intent(in) :: whole(:)
+      complex(wp) :: condition(size(whole))
+      integer, allocatable :: linked(:)
+      integer :: j
+
+      meets = .false.
+      associate (gap => events%labels(2, i + 1))
+         associate (numbers => system%structure%laws(gap)%numbers)
+            if (all(closed /= gap) .or. .not. numbers(2) > numbers(1)) return
+         end associate
+         linked = linked_elements(system%structure, gap, pack(closed, closed > 0), .true.)
+      end associate
+      do j = i + 2, size(events%labels, 2)
+         if (events%starts(1, j) - events%starts(1, i + 1) > short) return
+         associate (kind => events%labels(1, j), number => events%labels(2, j))
+            if (kind < slip_up_event .or. all(linked /= number)) cycle
+            call set_condition(system, closed, [kind, number], contact, condition)
+            meets = abs(real(sum(condition*whole))) <= exact*sum(abs(condition)*abs(whole))
+         end associate
+         if (meets) return
+      end do
+   end function meets_another
+
    !> A gap of which an impact or the release at an instant changes how friction slips; 0 if there
    !! is none. Uncoupled friction that changes at that instant, too, is at a limit of its own.
    pure integer function freed_by(structure, number, instants, clock) result(gap)
@@ -729,21 +807,9 @@ contains
       gap = 0
       do j = 1, size(instants)
          if (abs(instants(j) - clock) > 0) cycle
-         if (moves(structure, j, number)) gap = j
+         if (acts_on(structure, j, number)) gap = j
       end do
    end function freed_by
-
-   !> Whether an impulse on a gap changes the speed of friction.
-   pure logical function moves(structure, gap, number)
-      !> The structure.
-      type(structure_type), intent(in) :: structure
-      !> The numbers of the gap and the friction.
-      integer, intent(in) :: gap, number
-
-      associate (direction => structure%directions(:, number), kick => structure%mobility(:, gap))
-         moves = abs(dot_product(direction, kick)) > touching*dot_product(abs(direction), abs(kick))
-      end associate
-   end function moves
 
    !> Lets friction slip that stuck before an impact and has a speed after it: a rest may begin
    !! before that event is reported.
@@ -761,7 +827,7 @@ contains
          if (events%starts(1, j) > events%starts(1, i + 1)) return
          associate (kind => events%labels(1, j), number => events%labels(2, j))
             if (kind < slip_up_event .or. all(closed /= number)) cycle
-            if (moves(structure, events%labels(2, i + 1), number)) call pass_label( &
+            if (acts_on(structure, events%labels(2, i + 1), number)) call pass_label( &
                events%labels(:, j), closed)
          end associate
       end do

@@ -20,8 +20,8 @@ module vi_structure_run
    implicit none (type, external)
    private
 
-   public :: at_once, find_regime, is_far, is_listed, longest_natural_period, new_run, &
-      simulate_structure, start_at, state_now, time_of, whole_periods
+   public :: at_once, find_regime, is_far, is_listed, longest_natural_period, new_run, pass_label, &
+      simulate_structure, start_at, state_now, time_of, time_of_motion, whole_periods
 
    !> Kinds of events. A gap: an impact, and the start and the end of a rest. A stop: it is touched
    !! and left; one that cannot pull lets go while it is closed, and presses again. Friction halts,
@@ -376,6 +376,33 @@ contains
 
       at_once = time <= 128*epsilon(1.0_wp)*time_of_motion(run)
    end function at_once
+
+   !> The gaps that rest, the stops that are closed and the friction that sticks after an event.
+   pure subroutine pass_label(label, closed)
+      !> (2) Kind and gap of the event.
+      integer, intent(in) :: label(:)
+      !> In and out: the set, as in `regime_type`.
+      integer, allocatable, intent(inout) :: closed(:)
+
+      if (label(1) == 0 .or. label(1) == impact_event) return
+      closed = pack(closed, abs(closed) /= label(2))
+      select case (label(1))
+      case (stick_event, touch_event, press_event, halt_event)
+         closed = sorted_with(closed, label(2))
+      case (let_go_event, slip_down_event)
+         closed = sorted_with(closed, -label(2))
+      case default
+      end select
+   end subroutine pass_label
+
+   !> A set in ascending order with one more member.
+   pure function sorted_with(set, one) result(larger)
+      !> The set, and the new member.
+      integer, intent(in) :: set(:), one
+      integer, allocatable :: larger(:)
+
+      larger = [pack(set, set < one), one, pack(set, set > one)]
+   end function sorted_with
 
    !> Finds which gaps that touch without a speed rest, and puts a state into their regime.
    !!

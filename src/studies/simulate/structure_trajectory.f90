@@ -9,15 +9,14 @@ module vi_structure_trajectory
    use vi_structure_map, only: accelerations
    use vi_structure_record, only: advance_recorded, set_forces
    use vi_structure, only: find_narrow, load_type, regime_type, state_of, structure_type, to_pairs
-   use vi_structure_run, only: find_regime, halt_event, impact_event, let_go_event, new_run, &
-      press_event, release_event, run_event_type, run_state_type, run_type, simulate_structure, &
-      slip_down_event, start_at, state_now, stick_event, time_of, touch_event, whole_periods
+   use vi_structure_run, only: find_regime, impact_event, new_run, pass_label, release_event, &
+      run_event_type, run_state_type, run_type, simulate_structure, start_at, state_now, &
+      stick_event, time_of, whole_periods
    implicit none (type, external)
    private
 
-   public :: closed_at_start, complete_rests, find_parts, find_start, pass_label, &
-      resting_at_start, sample_structure_arrays, simulate_structure_arrays, &
-      simulate_structure_case, start_run
+   public :: closed_at_start, complete_rests, find_parts, find_start, resting_at_start, &
+      sample_structure_arrays, simulate_structure_arrays, simulate_structure_case, start_run
 
    !> Events between two looks at the progress counters.
    integer, parameter :: chunk = 256
@@ -465,24 +464,6 @@ contains
       end do
    end subroutine complete_rests
 
-   !> The gaps that rest, the stops that are closed and the friction that sticks after an event.
-   pure subroutine pass_label(label, closed)
-      !> (2) Kind and gap of the event.
-      integer, intent(in) :: label(:)
-      !> In and out: the set, as in `regime_type`.
-      integer, allocatable, intent(inout) :: closed(:)
-
-      if (label(1) == 0 .or. label(1) == impact_event) return
-      closed = pack(closed, abs(closed) /= label(2))
-      select case (label(1))
-      case (stick_event, touch_event, press_event, halt_event)
-         closed = sorted_with(closed, label(2))
-      case (let_go_event, slip_down_event)
-         closed = sorted_with(closed, -label(2))
-      case default
-      end select
-   end subroutine pass_label
-
    !> The state at the beginning of a segment under a record.
    pure subroutine start_segment(run, number, start, state)
       !> The run.
@@ -551,15 +532,6 @@ contains
       call state_of(regime, phase, x, v, values(:n), values(n + 1:2*n))
       if (size(values) > 2*n) call accelerations(regime, phase, x, v, values(2*n + 1:))
    end subroutine values_of
-
-   !> A set in ascending order with one more member.
-   pure function sorted_with(set, one) result(larger)
-      !> The set, and the new member.
-      integer, intent(in) :: set(:), one
-      integer, allocatable :: larger(:)
-
-      larger = [pack(set, set < one), one, pack(set, set > one)]
-   end function sorted_with
 
    !> The state at a time of a segment.
    pure subroutine sample_one(run, number, start, time, values)

@@ -15,16 +15,18 @@ module vi_structure_variation
    use vi_kinds, only: wp
    use vi_modes, only: advance
    use vi_status, only: stat
-   use vi_structure, only: factor_along, opening_at, regime_type, restitution_of, structure_type
+   use vi_structure, only: factor_along, linked_elements, opening_at, regime_type, &
+      restitution_of, structure_type
    use vi_structure_map, only: accelerations, apply_flight, apply_impact, from_coordinates, &
       to_coordinates
    use vi_structure_motion, only: impulse_of
-   use vi_structure_run, only: halt_event, impact_event, leave_event, let_go_event, press_event, &
-      release_event, run_event_type, run_state_type, run_type, stick_event, touch_event
+   use vi_structure_run, only: halt_event, impact_event, leave_event, let_go_event, pass_label, &
+      press_event, release_event, run_event_type, run_state_type, run_type, stick_event, &
+      time_of_motion, touch_event
    implicit none (type, external)
    private
 
-   public :: derivative_of_run, limit_of, project, start_tangent, through_event, to_state
+   public :: add_change, derivative_of_run, limit_of, project, start_tangent, through_event, to_state
 
    !> Changes of the state, carried along a simulation from event to event.
    type, public :: tangent_type
@@ -41,10 +43,24 @@ module vi_structure_variation
       real(wp) :: volume = 1
       !> That of the last event alone.
       real(wp) :: jump = 1
+      !> (2, k) The elements that changed at the instant of the last event, each at a limit of its
+      !! own, and how.
+      integer, allocatable :: changed(:, :)
+      !> Whether the derivative is that of one order of changes at one instant.
+      logical :: ordered = .false.
       !> The largest sum of the terms of a rate over the rate itself, of functions of which the zero
       !! was an event at which accelerations jump.
       real(wp) :: sharpest = 1
    end type tangent_type
+
+   !> How an element changes: accelerations do not jump; they jump so that changes of several
+   !! elements at one instant add up in any order, as where stops are touched or friction halts; or
+   !! they jump so that the order matters if forces on one element act on another one by the masses,
+   !! or, where friction that stuck slips, by dashpots.
+   integer, parameter, public :: smooth_change = 0, additive_change = 1, ordered_change = 2, &
+      breakaway = 3
+   !> Share of the time in which a motion changes by which events at one instant may differ.
+   real(wp), parameter, public :: instant = 1.0e-10_wp
 
 contains
 
@@ -65,7 +81,8 @@ contains
       real(wp), intent(out) :: largest
       !> What det p must be.
       real(wp), intent(out) :: law
-      !> `stat%ok` or `stat%zero_approach`.
+      !> `stat%ok`, `stat%zero_approach`, or `stat%no_derivative`: at impacts on coupled gaps at one
+      !! instant, or where the derivative is that of one order of changes at one instant.
       integer, intent(out) :: status
       !> Share of velocities that counts as rounding.
       real(wp), parameter :: rounding = 1.0e-12_wp
@@ -87,6 +104,7 @@ contains
             rate))) status = stat%ok
          if (status /= stat%ok) return
       end do
+      if (tangent%ordered) status = stat%no_derivative
       call to_state(run, last, tangent)
       call to_coordinates(run%regimes(tangent%number), tangent%d, p)
       largest = max(spread_of_speeds(events), tangent%sharpest)
@@ -168,6 +186,9 @@ contains
       n = size(before)
       time = max(0.0_wp, real(event%cycle - tangent%cycle, wp)*run%period + (event%elapsed - &
          tangent%elapsed))
+      if (allocated(tangent%changed)) then
+         if (time > instant*time_of_motion(run)) deallocate (tangent%changed)
+      end if
       if (event%together) then
          status = stat%no_derivative
          allocate (p(2*n, size(tangent%d, 2)))
@@ -353,6 +374,8 @@ contains
             do j = 1, size(p, 2)
                p(n + 1:, j) = p(n + 1:, j) - jump*tangent%later(j)
             end do
+            if (row > 0) call note_change(run, event, phase, x, v, any(abs(jump) > &
+               rounding*scale), tangent)
          end if
          tangent%volume = tangent%volume*tangent%jump
          if (size(next%held) > 0) call project(run%structure, next%held, p(n + 1:, :))
@@ -363,6 +386,84 @@ contains
       tangent%number = event%regime
       call set_place(event%cycle, event%elapsed, event%x, event%v, tangent)
    end subroutine through_change
+
+   !> Notes a change at a limit of its own, and whether its order among others at this instant
+   !! matters: of changes that act on each other only those commute that are all smooth or all
+   !! additive.
+   pure subroutine note_change(run, event, phase, x, v, jumps, tangent)
+      !> The structure, its load and its regimes.
+      type(run_type), intent(in) :: run
+      !> The event.
+      type(run_event_type), intent(in) :: event
+      !> Load phase (rad), and (m) the pairs just before it.
+      real(wp), intent(in) :: phase, x(:), v(:)
+      !> Whether accelerations jump.
+      logical, intent(in) :: jumps
+      !> In and out: the changes, with the number of the regime before the event.
+      type(tangent_type), intent(inout) :: tangent
+      integer, allocatable :: closed(:)
+      integer :: change, k
+      logical :: commute
+
+      associate (regime => run%regimes(tangent%number), next => run%regimes(event%regime))
+         change = smooth_change
+         if (jumps) then
+            closed = regime%closed
+            call pass_label([event%kind, event%gap], closed)
+            change = merge(breakaway, ordered_change, any(regime%held == event%gap))
+            if (event%kind <= halt_event .and. size(closed) == size(next%closed)) then
+               if (all(closed == next%closed)) change = additive_change
+            end if
+         end if
+         if (.not. allocated(tangent%changed)) allocate (tangent%changed(2, 0))
+         call add_change(run%structure, regime%closed, event%kind, event%gap, change, &
+            tangent%changed, commute)
+         if (change >= ordered_change) then
+            ! what slips by this jump, but is at a limit of its own, too
+            do k = 1, size(regime%held)
+               if (any(next%held == regime%held(k)) .or. regime%held(k) == event%gap) cycle
+               if (is_zero(regime, phase, x, v, run%structure%channels + k)) commute = .false.
+            end do
+         end if
+      end associate
+      if (.not. commute) tangent%ordered = .true.
+   end subroutine note_change
+
+   !> Adds a change at a limit of its own to those at the same instant.
+   pure subroutine add_change(structure, closed, kind, number, change, changed, commute)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> What is closed before it, as in `regime_type`.
+      integer, intent(in) :: closed(:)
+      !> Kind and element of the event, and how the element changes.
+      integer, intent(in) :: kind, number, change
+      !> (2, k) In and out: the elements that have changed, and how.
+      integer, allocatable, intent(inout) :: changed(:, :)
+      !> Whether the order of these changes does not matter.
+      logical, intent(out) :: commute
+      integer, allocatable :: between(:), linked(:), through_dashpots(:)
+      integer :: k
+
+      commute = .true.
+      ! a distance, or the force of a stop that is 0, does not depend on what jumps elsewhere
+      if (change == smooth_change .and. kind /= release_event .and. kind <= halt_event) return
+      if (size(changed, 2) > 0) then
+         between = pack(closed, closed > 0)
+         through_dashpots = linked_elements(structure, number, [between, changed(1, :)], .true.)
+         linked = linked_elements(structure, number, [pack(between, .not. &
+            structure%elastic(between)), changed(1, :)])
+         do k = 1, size(changed, 2)
+            if (changed(1, k) == number) cycle
+            if (any(linked == changed(1, k))) then
+               if (change >= ordered_change .or. changed(2, k) /= change) commute = .false.
+            else if (any(through_dashpots == changed(1, k))) then
+               if (max(change, changed(2, k)) == breakaway .and. min(change, changed(2, k)) > &
+                  smooth_change) commute = .false.
+            end if
+         end do
+      end if
+      changed = reshape([changed, number, change], [2, size(changed, 2) + 1])
+   end subroutine add_change
 
    !> The row of a regime that falls to its limit at an event; 0 if it is not there, as where a
    !! force that jumps at the same instant is more than what holds.
