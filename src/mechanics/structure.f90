@@ -25,8 +25,8 @@ module vi_structure
    private
 
    public :: acts_on, check_structure, coordinate_of, factor_along, find_narrow, inputs_of, &
-      is_absorbed, is_extreme, linked_elements, new_load, new_regime, new_structure, opening_at, project, renew_regime, &
-      restitution_of, state_of, to_pairs
+      is_absorbed, is_extreme, linked_elements, new_load, new_regime, new_structure, opening_at, &
+      project, renew_regime, restitution_of, state_of, to_pairs
 
    !> The shortest time scale, and the sizes of lengths and masses, for which the powers in bounds
    !! on derivatives up to the 21st are represented; an opening from which on a gap never closes.

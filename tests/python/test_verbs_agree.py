@@ -463,7 +463,116 @@ def test_gradient_where_friction_slips_as_a_rest_begins(seed):
 
 
 def test_reason_without_simultaneous_impacts():
-    """Friction that changes at the instant of other friction is not called an impact on coupled gaps."""
+    """Friction that changes at the instant of other friction is not called a graze."""
     _, _, motion = settled_resting(5299)
     assert np.isnan(motion.multipliers).all()
-    assert "coupled gaps" not in motion.without_multipliers
+    assert "friction elements change" in motion.without_multipliers
+
+
+def halves(share, stick, frequency, by="mass"):
+    """Two equal masses on springs with friction, coupled by their masses or dashpots; and half of them."""
+    parts = {"mass": np.eye(2), "damping": 0.1 * np.eye(2), "stiffness": np.eye(2)}
+    parts[by] = parts[by] @ [[1, share], [share, 1]]
+    both = vi.Structure(
+        **parts, friction=[vi.Friction(side, 0.3, stick=stick) for side in np.eye(2)]
+    )
+    # in a symmetric motion both are as one that is coupled to itself
+    half = {name: part[:1].sum(axis=1, keepdims=True) for name, part in parts.items()}
+    one = vi.Structure(**half, friction=[vi.Friction([1], 0.3, stick=stick)])
+    return both, vi.Load(frequency, cosine=[1, 1]), one, vi.Load(frequency, cosine=[1])
+
+
+def settled_halves(*numbers):
+    """As `halves`, and the motions of both: in that of the two each event comes twice."""
+    structure, load, one, single = halves(*numbers)
+    motion, half = settled_from_rest(structure, load), settled_from_rest(one, single)
+    assert motion.admissible
+    assert len(motion.phases) == 2 * len(half.phases)
+    events = half._from_flight().events
+    given = vi.periodic(
+        structure,
+        load,
+        np.repeat(events["time"], 2) * load.frequency,
+        np.tile([0, 1], len(events)),
+        kinds=np.repeat(events["kind"], 2).tolist(),
+    )
+    assert given.admissible
+    assert given.residual < 1e-11
+    return structure, load, motion, half, given
+
+
+def of_nearby(structure, load, motion, by):
+    """The derivative of a period where one of the halves is ahead, by differences."""
+    start, state = motion._run()._between_events()
+    middle, step = np.concatenate(state) + by, 1e-7
+
+    def end(state):
+        run = vi.simulate(
+            structure, load, duration=motion.period, start=start, state=(state[:2], state[2:])
+        )
+        return np.concatenate(run.final_state)
+
+    both = [end(middle + step * u) - end(middle - step * u) for u in np.eye(4)]
+    return np.array(both).T / (2 * step)
+
+
+def contains(multipliers, some):
+    return all(np.abs(multipliers - one).min() < 1e-9 for one in some)
+
+
+@pytest.mark.parametrize("stick", [0.3, 0.4])
+def test_derivatives_that_depend_on_the_order_of_events(stick):
+    """Friction of two halves reverses at one instant: P differs with which is first, multipliers do not."""
+    structure, load, motion, half, given = settled_halves(-0.3, stick, 0.8)
+    first, second = (
+        of_nearby(structure, load, motion, by * np.array([1, -1, 0, 0])) for by in (1e-5, -1e-5)
+    )
+    assert np.abs(first - second).max() > 0.01
+    for P in first, second:
+        assert sums(np.linalg.eigvals(P)) == pytest.approx(sums(motion.multipliers), abs=1e-5)
+    assert contains(motion.multipliers, half.multipliers)
+    assert motion.stable
+    for name in ("slip_0", "frequency"):
+        with pytest.raises(vi.SingularError, match="depends on their order"):
+            motion.gradient([name])
+    assert np.isnan(given.multipliers).all()
+    assert given.stable is None
+
+
+@pytest.mark.parametrize("frequency", [0.8, 1.5])
+def test_no_multipliers_where_the_order_of_events_decides(frequency):
+    """What one half does pushes the other one back across its limit: no order of the events is that of nearby motions."""
+    motion = settled_halves(0.3 if frequency < 1 else -0.3, 0.3, frequency)[2]
+    assert np.isnan(motion.multipliers).all()
+    assert motion.stable is None
+    assert "depends on their order" in motion.without_multipliers
+
+
+def test_halves_that_break_away_together():
+    """Dashpots make the rate of the force on one half jump where friction of the other one breaks away."""
+    structure, load, motion, half, given = settled_halves(0.3, 0.4, 0.4, "damping")
+    assert contains(motion.multipliers, half.multipliers)
+    assert np.isnan(given.multipliers).all()
+    with pytest.raises(vi.SingularError, match="depends on their order"):
+        motion.gradient(["slip_0"])
+
+
+def test_halves_that_slip_without_a_jump():
+    """Friction that slips at the force at which it stuck has one derivative, in whatever order."""
+    structure, load, motion, half, given = settled_halves(0.3, 0.3, 0.4, "damping")
+    assert contains(motion.multipliers, half.multipliers)
+    assert sums(given.multipliers) == pytest.approx(sums(motion.multipliers), abs=EXACT)
+    assert check_matrix(structure, load, motion)
+    slopes = [motion.gradient([name])["phases", name] for name in ("slip_0", "slip_1")]
+    own = half.gradient(["slip_0"])["phases", "slip_0"]
+    for i in (0, 1):
+        # both halves change like one; and one by the other as in a mirror
+        assert sum(slopes)[motion.gaps == i] == pytest.approx(own, abs=1e-9)
+        mine, others = slopes[0][motion.gaps == i], slopes[1][motion.gaps == 1 - i]
+        assert mine == pytest.approx(others, abs=1e-9)
+        moved = [vi.exact(*changed(structure, load, "slip_0", by), motion) for by in (1e-6, -1e-6)]
+        first, second = (one.phases[one.gaps == i] for one in moved)
+        # by one event more or less the phases begin with another halt, which comes every half period
+        assert np.mod((first - second + 1) / 2e-6, np.pi / 2e-6) - 1 / 2e-6 == pytest.approx(
+            mine, abs=1e-4
+        )

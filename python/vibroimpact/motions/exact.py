@@ -473,9 +473,10 @@ def repeats(motion: Motion, sign: int) -> bool:
     """Whether a motion of a structure repeats itself, or its mirror image -q (sign -1), after a fraction of its
     period."""
     many, cycles = len(motion.gaps), motion.cycles
-    # where all gaps are closed at 0, the coordinates at the impacts are
-    fastest = np.abs(motion.states[:, 1]).max()
-    sizes = max(np.abs(motion.states[:, 0]).max(), fastest / motion.load.frequency), fastest
+    # where all gaps are closed at 0, the coordinates at the impacts are; where friction halts, the velocities
+    q, rate = np.abs(motion.states).max(axis=(0, 2))
+    length = max(q, rate / motion.load.frequency)
+    sizes = length, length * motion.load.frequency
     for m in range(2, cycles + 1) if sign > 0 else range(2, 2 + cycles % 2):
         shift = many // m
         if many % m or (sign > 0 and cycles % m):

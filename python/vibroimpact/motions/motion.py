@@ -147,7 +147,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         by definition. For a structure, the largest residual of the equations, each relative to the sum of the
         absolute terms in it.
     multipliers : ndarray (2n,) of complex
-        Eigenvalues of [P], in order of decreasing modulus; NaN where an impact has no approach speed.
+        Eigenvalues of [P], in order of decreasing modulus; NaN where `without_multipliers` gives a reason.
     consistent : bool or None
         Whether the residual is within the acceptance; for a structure, whether the residual is at the level of
         rounding.
@@ -328,7 +328,7 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         """Why there are no multipliers; empty if there are."""
         if not np.isnan(self.multipliers).any():
             return ""
-        return sentence(NO_DERIVATIVE if self._has_meetings else GRAZE)
+        return sentence(NO_DERIVATIVE if self._has_meetings or self._has_changes_at_once else GRAZE)
 
     def _refuse_meetings(self) -> None:
         """Raises SingularError if simultaneous impacts on coupled gaps leave the motion without derivatives."""
@@ -342,9 +342,20 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
             return False
         # what happens to stops and friction is no impact
         rigid = np.array([isinstance(part, Gap) for part in self.structure._parts])
-        phases = self.phases[rigid[self.gaps]]
+        return self._some_at_once(rigid[self.gaps])
+
+    @property
+    def _has_changes_at_once(self) -> bool:
+        """For a structure with stops or friction: whether some of its events are simultaneous."""
+        if not self.of_structure or self.structure._is_rigid:
+            return False
+        return self._some_at_once(np.full(len(self.gaps), True))
+
+    def _some_at_once(self, chosen: NDArray[np.bool_]) -> bool:
+        """Whether two of the chosen events, of different gaps, are simultaneous."""
+        phases, gaps = self.phases[chosen], self.gaps[chosen]
         after = np.append(phases[1:], phases[:1] + 2 * np.pi * self.cycles)
-        return bool((after - phases < AT_ONCE).any())
+        return bool(((after - phases < AT_ONCE) & (np.roll(gaps, -1) != gaps)).any())
 
     @property
     def _is_settled(self) -> bool:
@@ -636,7 +647,8 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         Returns
         -------
         ndarray (4, 4) or (2n, 2n)
-            The derivative of the state after a period with respect to the state before it.
+            The derivative of the state after a period with respect to the state before it; if the order of
+            simultaneous events matters, but not to the multipliers, that of one order.
         """
         if self.of_structure:
             return self.matrix
@@ -689,8 +701,8 @@ class Motion(Solution, study="motion", formerly="StructureMotion"):
         ParameterError, ParameterTypeError
             If a parameter does not exist, or the load of an oscillator is 0.
         SingularError
-            If the motion is at a fold, a pitchfork or a graze, or if its phases are not exact (`exact` finds the
-            exact motion nearby).
+            If the motion is at a fold, a pitchfork or a graze, if the order of simultaneous events matters, or if
+            its phases are not exact (`exact` finds the exact motion nearby).
 
         Examples
         --------

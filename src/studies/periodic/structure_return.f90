@@ -717,7 +717,7 @@ contains
 
    !> Whether the multipliers of a motion are the same for each order of changes at one instant, as
    !! in a symmetric structure: those of nearby simulations, in which the changes are apart.
-   logical function is_common(run, section, begun, s, p, cycles) result(common)
+   logical function is_common(run, section, begun, s, p, cycles) result(alike)
       !> In and out: regimes are added.
       type(run_type), intent(inout) :: run
       !> As of `close_period`.
@@ -728,8 +728,8 @@ contains
       real(wp), intent(in) :: s(:), p(:, :)
       !> Load cycles in a period.
       integer, intent(in) :: cycles
-      !> How far the simulations are apart, as a share of the largest coordinate or velocity; and how
-      !! near multipliers must be.
+      !> How far the simulations are apart, as a share of the largest coordinate or velocity; and
+      !! how near multipliers must be.
       real(wp), parameter :: apart = 1.0e-7_wp, near = 1.0e-5_wp
       integer, parameter :: directions = 3
       type(run_state_type) :: nearby, state
@@ -737,7 +737,7 @@ contains
       real(wp) :: other(size(s), size(s)), step(size(s), 1), largest, law
       integer :: i, j, m, n, side, status
 
-      common = .false.
+      alike = .false.
       m = size(s)/2
       allocate (events(most_events))
       do i = 1, directions
@@ -757,7 +757,7 @@ contains
             if (.not. have_same_powers(p, other, near)) return
          end do
       end do
-      common = .true.
+      alike = .true.
    end function is_common
 
    !> Whether the sums of all powers of the eigenvalues of two matrices are the same.

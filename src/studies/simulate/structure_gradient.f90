@@ -16,7 +16,8 @@ module vi_structure_gradient
    use vi_structure_run, only: halt_event, impact_event, leave_event, let_go_event, pass_label, &
       press_event, release_event, slip_up_event, stick_event, touch_event
    use vi_structure_trajectory, only: closed_at_start
-   use vi_structure_variation, only: add_change, breakaway, instant, ordered_change, smooth_change
+   use vi_structure_variation, only: add_change, breakaway, changes_type, instant, ordered_change, &
+      smooth_change
    implicit none (type, external)
    private
 
@@ -513,7 +514,8 @@ contains
       complex(wp) :: impulse, slope, speed
       real(wp) :: clock, closing, end, high, later, left, low, parting, residual, size_of, struck, &
          struck_later, instants(size(system%openings)), touched(size(system%openings))
-      integer, allocatable :: before(:), changed(:, :), closed(:)
+      type(changes_type) :: changed
+      integer, allocatable :: before(:), closed(:)
       real(wp) :: short, accelerations(size(start)/2)
       integer :: freed, gap, i, interval, kind, left_gap, n, number
       logical :: forced
@@ -544,7 +546,6 @@ contains
       left_gap = 0
       short = instant*maxval(events%sizes(:n))/maxval(events%sizes(n + 1:))
       allocate (after, source=start)
-      allocate (changed(2, 0))
       closed = events%closed
       status = stat%ok
       do i = 1, number + 1
@@ -700,7 +701,9 @@ contains
             ! back to the fixed time of the event, with the rate after it
             whole(:2*n) = cmplx(recorded, aimag(whole(:2*n)), wp)
          end associate
-         if (i > 1 .and. end - events%starts(1, i) > short) changed = changed(:, :0)
+         if (allocated(changed%elements)) then
+            if (end - events%starts(1, i) > short) deallocate (changed%elements, changed%later)
+         end if
          before = closed
          accelerations = real(after(n + 1:2*n))
          if (kind /= stick_event .and. kind > 0) call pass_label([kind, gap], closed)
@@ -710,7 +713,8 @@ contains
          after = matmul(rate, whole)
          accelerations = abs(real(after(n + 1:2*n)) - accelerations)
          if (kind > stick_event) call note_change(system%structure, before, kind, gap, forced, &
-            any(accelerations > touching*maxval(abs(real(after)))), changed, carried%code)
+            any(accelerations > touching*maxval(abs(real(after)))), [later, real(row)], changed, &
+            carried%code)
          if (carried%code /= stat%ok) return
          matrix = matrix - outer(after(:2*n), row)
          left_gap = 0
@@ -729,7 +733,8 @@ contains
    !> Notes a change of an element, or that the last one brings about a further one, and whether the
    !! order of changes at one instant matters: to their instants and speeds it does so even where
    !! the state after them does not depend on it.
-   pure subroutine note_change(structure, closed, kind, number, forced, jumps, changed, code)
+   pure subroutine note_change(structure, closed, kind, number, forced, jumps, later, changed, &
+      code)
       !> The structure, and what is closed before the event.
       type(structure_type), intent(in) :: structure
       integer, intent(in) :: closed(:)
@@ -737,8 +742,10 @@ contains
       integer, intent(in) :: kind, number
       !> Whether another event at this instant brings it about; whether accelerations jump.
       logical, intent(in) :: forced, jumps
-      !> (2, k) In and out: the changes at this instant, as of `add_change`.
-      integer, allocatable, intent(inout) :: changed(:, :)
+      !> The changes of its time, by the parameter and by the state at the start.
+      real(wp), intent(in) :: later(:)
+      !> In and out: the changes at this instant.
+      type(changes_type), intent(inout) :: changed
       !> In and out: `stat%no_derivative` if it does.
       integer, intent(inout) :: code
       integer :: change
@@ -748,11 +755,11 @@ contains
       if (.not. forced) then
          change = smooth_change
          if (jumps) change = merge(breakaway, ordered_change, any(closed == number))
-         call add_change(structure, closed, kind, number, change, changed, commute)
-      else if (size(changed, 2) > 0) then
-         changed(2, :) = breakaway
-         call add_change(structure, closed, kind, changed(1, size(changed, 2)), breakaway, changed, &
-            commute)
+         call add_change(structure, closed, kind, number, change, later, changed, commute)
+      else if (allocated(changed%elements)) then
+         changed%elements(2, :) = breakaway
+         call add_change(structure, closed, kind, changed%elements(1, size(changed%elements, 2)), &
+            breakaway, changed%later(:, size(changed%elements, 2)), changed, commute)
       end if
       if (.not. commute) code = stat%no_derivative
    end subroutine note_change

@@ -26,7 +26,16 @@ module vi_structure_variation
    implicit none (type, external)
    private
 
-   public :: add_change, derivative_of_run, limit_of, project, start_tangent, through_event, to_state
+   public :: add_change, derivative_of_run, limit_of, project, start_tangent, through_event, &
+      to_state
+
+   !> Changes of elements at one instant, each at a limit of its own.
+   type, public :: changes_type
+      !> (2, k) The elements, and how they change.
+      integer, allocatable :: elements(:, :)
+      !> (columns, k) The changes of the time of each.
+      real(wp), allocatable :: later(:, :)
+   end type changes_type
 
    !> Changes of the state, carried along a simulation from event to event.
    type, public :: tangent_type
@@ -43,9 +52,8 @@ module vi_structure_variation
       real(wp) :: volume = 1
       !> That of the last event alone.
       real(wp) :: jump = 1
-      !> (2, k) The elements that changed at the instant of the last event, each at a limit of its
-      !! own, and how.
-      integer, allocatable :: changed(:, :)
+      !> Those of elements at the instant of the last event.
+      type(changes_type) :: changed
       !> Whether the derivative is that of one order of changes at one instant.
       logical :: ordered = .false.
       !> The largest sum of the terms of a rate over the rate itself, of functions of which the zero
@@ -56,7 +64,7 @@ module vi_structure_variation
    !> How an element changes: accelerations do not jump; they jump so that changes of several
    !! elements at one instant add up in any order, as where stops are touched or friction halts; or
    !! they jump so that the order matters if forces on one element act on another one by the masses,
-   !! or, where friction that stuck slips, by dashpots.
+   !! or, where friction that stuck slips and at impacts, by dashpots.
    integer, parameter, public :: smooth_change = 0, additive_change = 1, ordered_change = 2, &
       breakaway = 3
    !> Share of the time in which a motion changes by which events at one instant may differ.
@@ -186,8 +194,9 @@ contains
       n = size(before)
       time = max(0.0_wp, real(event%cycle - tangent%cycle, wp)*run%period + (event%elapsed - &
          tangent%elapsed))
-      if (allocated(tangent%changed)) then
-         if (time > instant*time_of_motion(run)) deallocate (tangent%changed)
+      if (allocated(tangent%changed%elements)) then
+         if (time > instant*time_of_motion(run)) deallocate (tangent%changed%elements, &
+            tangent%changed%later)
       end if
       if (event%together) then
          status = stat%no_derivative
@@ -218,6 +227,7 @@ contains
                run%structure%directions(:, event%gap), tangent%d)/event%speed
             call apply_impact(run%structure, regime, event%gap, run%load%frequency*event%elapsed, &
                event%speed, x_before, v_before, event%x, event%v, tangent%d, status)
+            call note_impact(run%structure, regime, event%gap, tangent)
          else
             allocate (p(2*n, size(tangent%d, 2)))
             if (event%kind == release_event) call apply_flight(regime, time, tangent%d)
@@ -341,6 +351,7 @@ contains
                   tangent%jump = volume_of_impact(run%structure, event)
                end if
             end associate
+            call note_impact(run%structure, regime, event%gap, tangent)
          else
             call find_row(run, regime, event, phase, x, v, row)
             ! an impact at this instant, and not its own zero, makes a stop let go or press
@@ -403,21 +414,22 @@ contains
       type(tangent_type), intent(inout) :: tangent
       integer, allocatable :: closed(:)
       integer :: change, k
-      logical :: commute
+      logical :: commute, sticks
 
-      associate (regime => run%regimes(tangent%number), next => run%regimes(event%regime))
+      associate (regime => run%regimes(tangent%number), next => run%regimes(event%regime), &
+         numbers => run%structure%laws(event%gap)%numbers)
+         sticks = any(regime%held == event%gap) .and. event%kind > halt_event
          change = smooth_change
-         if (jumps) then
+         if (jumps .and. .not. (sticks .and. numbers(2) <= numbers(1))) then
+            change = merge(breakaway, ordered_change, sticks)
             closed = regime%closed
             call pass_label([event%kind, event%gap], closed)
-            change = merge(breakaway, ordered_change, any(regime%held == event%gap))
             if (event%kind <= halt_event .and. size(closed) == size(next%closed)) then
                if (all(closed == next%closed)) change = additive_change
             end if
          end if
-         if (.not. allocated(tangent%changed)) allocate (tangent%changed(2, 0))
          call add_change(run%structure, regime%closed, event%kind, event%gap, change, &
-            tangent%changed, commute)
+            tangent%later, tangent%changed, commute)
          if (change >= ordered_change) then
             ! what slips by this jump, but is at a limit of its own, too
             do k = 1, size(regime%held)
@@ -429,16 +441,39 @@ contains
       if (.not. commute) tangent%ordered = .true.
    end subroutine note_change
 
+   !> As `note_change`, of an impact: the impulse changes the velocities that dashpots see.
+   pure subroutine note_impact(structure, regime, gap, tangent)
+      !> The structure.
+      type(structure_type), intent(in) :: structure
+      !> The regime before it.
+      type(regime_type), intent(in) :: regime
+      !> The gap.
+      integer, intent(in) :: gap
+      !> In and out: the changes.
+      type(tangent_type), intent(inout) :: tangent
+      logical :: commute
+
+      if (allocated(tangent%changed%elements)) then
+         ! the impacts of an accumulation
+         if (any(tangent%changed%elements(1, :) == gap)) return
+      end if
+      call add_change(structure, regime%closed, impact_event, gap, breakaway, tangent%later, &
+         tangent%changed, commute)
+      if (.not. commute) tangent%ordered = .true.
+   end subroutine note_impact
+
    !> Adds a change at a limit of its own to those at the same instant.
-   pure subroutine add_change(structure, closed, kind, number, change, changed, commute)
+   pure subroutine add_change(structure, closed, kind, number, change, later, changed, commute)
       !> The structure.
       type(structure_type), intent(in) :: structure
       !> What is closed before it, as in `regime_type`.
       integer, intent(in) :: closed(:)
       !> Kind and element of the event, and how the element changes.
       integer, intent(in) :: kind, number, change
-      !> (2, k) In and out: the elements that have changed, and how.
-      integer, allocatable, intent(inout) :: changed(:, :)
+      !> (columns) Changes of its time.
+      real(wp), intent(in) :: later(:)
+      !> In and out: those at this instant.
+      type(changes_type), intent(inout) :: changed
       !> Whether the order of these changes does not matter.
       logical, intent(out) :: commute
       integer, allocatable :: between(:), linked(:), through_dashpots(:)
@@ -447,23 +482,41 @@ contains
       commute = .true.
       ! a distance, or the force of a stop that is 0, does not depend on what jumps elsewhere
       if (change == smooth_change .and. kind /= release_event .and. kind <= halt_event) return
-      if (size(changed, 2) > 0) then
-         between = pack(closed, closed > 0)
-         through_dashpots = linked_elements(structure, number, [between, changed(1, :)], .true.)
-         linked = linked_elements(structure, number, [pack(between, .not. &
-            structure%elastic(between)), changed(1, :)])
-         do k = 1, size(changed, 2)
-            if (changed(1, k) == number) cycle
-            if (any(linked == changed(1, k))) then
-               if (change >= ordered_change .or. changed(2, k) /= change) commute = .false.
-            else if (any(through_dashpots == changed(1, k))) then
-               if (max(change, changed(2, k)) == breakaway .and. min(change, changed(2, k)) > &
-                  smooth_change) commute = .false.
+      if (.not. allocated(changed%elements)) allocate (changed%elements(2, 0), &
+         changed%later(size(later), 0))
+      associate (elements => changed%elements(1, :), how => changed%elements(2, :))
+         if (size(elements) > 0) then
+            between = pack(closed, closed > 0)
+            through_dashpots = linked_elements(structure, number, [between, elements], .true.)
+            linked = linked_elements(structure, number, [pack(between, .not. &
+               structure%elastic(between)), elements])
+         end if
+         do k = 1, size(elements)
+            if (elements(k) == number .or. is_same(changed%later(:, k), later)) cycle
+            if (any(linked == elements(k))) then
+               commute = commute .and. change < ordered_change .and. how(k) == change
+            else if (any(through_dashpots == elements(k))) then
+               commute = commute .and. (max(change, how(k)) < breakaway .or. min(change, how(k)) &
+                  == smooth_change)
             end if
          end do
-      end if
-      changed = reshape([changed, number, change], [2, size(changed, 2) + 1])
+      end associate
+      changed%elements = reshape([changed%elements, number, change], [2, size(changed%elements, 2) &
+         + 1])
+      changed%later = reshape([changed%later, later], [size(later), size(changed%elements, 2)])
    end subroutine add_change
+
+   !> Whether two changes are at one instant of all nearby motions, too, as where one direction is
+   !! left in which two elements with friction slide.
+   pure logical function is_same(later, other) result(same)
+      !> (columns) Changes of their times.
+      real(wp), intent(in) :: later(:), other(:)
+      !> Relative difference that counts as rounding.
+      real(wp), parameter :: rounding = 1.0e-8_wp
+
+      same = all(abs(later - other) <= rounding*max(abs(later), abs(other), rounding*maxval( &
+         [0.0_wp, abs(later)])))
+   end function is_same
 
    !> The row of a regime that falls to its limit at an event; 0 if it is not there, as where a
    !! force that jumps at the same instant is more than what holds.
