@@ -252,6 +252,24 @@ def test_a_bare_frequency_in_hertz_is_refused(tmp_path, system):
         case_in(tmp_path, bare + ", r = 20", "simulate clearance = 20, cycles = 2")
 
 
+def test_a_bare_frequency_in_hertz_is_refused_in_calls():
+    """As in namelists, where another value has a unit; dimensionless numbers are ratios."""
+    for call in (
+        lambda: RIG.at(19.5, "4 mm"),
+        lambda: RIG.at(19.5, 28, load="6 N"),
+        lambda: vi.simulate(RIG, 19.5, "4 mm", cycles=2),
+        lambda: vi.response(RIG, (19, 21), clearance="4 mm", points=2),
+        lambda: vi.response(RIG, np.array([19.0, 21.0]), clearance="4 mm"),
+        lambda: vi.zone(RIG, "RL", (19, 21), ("2 mm", "6 mm")),
+    ):
+        with pytest.raises(ParameterError, match=r"r = .*19.*'20 Hz'"):
+            call()
+    assert RIG.at(0.98, "4 mm").clearance == pytest.approx(4e-3 / LENGTH, rel=1e-12)
+    assert RIG.at(19.5, 28).r == vi.simulate(RIG, 19.5, 28, cycles=2).r == 19.5
+    # five, and three times the natural frequency
+    assert [RIG.at(r, "4 mm").r for r in (5.0, 60.0)] == [5.0, 60.0]
+
+
 def test_lists_may_fall(tmp_path):
     """A descending list is the same case as the ascending list, with the data of each value."""
     chart = "chart sides = 'RL', r = {}, clearance = {}"

@@ -31,6 +31,7 @@ from .units import (
     place_text,
     plain_number,
     positive,
+    refuse_hertz,
     shown_as_given,
     units_to_show,
     value_text,
@@ -492,6 +493,8 @@ class Oscillator:
         >>> taped.structure.gaps
         (Gap([-1.0, 1.0], 12.5, restitution=0.75), Stop([1.0, -1.0], 12.5, stiffness=20, damping=0.2))
         """
+        if has_unit([clearance, load, friction]):
+            refuse_hertz(self, r)
         ratio, gap, force = (
             dimensionless(self, name, value)
             for name, value in (("r", r), ("clearance", clearance), ("load", load))

@@ -700,6 +700,22 @@ def argument(osc: Any, value: Any, name: str, unit: str) -> Any:
     return number_of(value, name, unit, lambda: osc.units(_force(osc, unit)))
 
 
+def refuse_hertz(osc: Any, r: Any) -> None:
+    """Raise an error for frequency ratios without a unit that were almost certainly meant in Hz.
+
+    They are large, and about the natural frequency of a rig; the core refuses the same ones in namelists.
+    """
+    if getattr(osc, "M", None) is None or osc.K is None:
+        return
+    natural = osc.units(_force(osc, "omega")).to("SI").frequency
+    for one in r if isinstance(r, (list, tuple, np.ndarray)) else (r,):
+        if isinstance(one, (int, float)) and one > 5 and natural / 2 < one < 2 * natural:
+            raise ParameterError(
+                f"r = {r!s}: must be a ratio if it has no unit, but {one:.6g} is about the natural frequency "
+                f"in Hz ({natural:.4g}); write a frequency with its unit, such as '20 Hz'"
+            )
+
+
 def time_of(system: Any, value: Any, name: str) -> Any:
     """The dimensionless time of an argument of a method of a result, also of a structure with units."""
     units = getattr(system, "_units", None)

@@ -25,6 +25,7 @@ from .units import (
     OfStructure,
     dimensionless,
     has_unit,
+    refuse_hertz,
     shown_as_given,
 )
 
@@ -391,6 +392,8 @@ def physical_arguments(function: Callable[Given, Found]) -> Callable[Given, Foun
             physical = [name for name in physical if of_itself or name in (*OF_PARAMETER, *AXES)]
         if not isinstance(osc, (Oscillator, OfStructure)):
             return function(*args, **kwargs)
+        if "r" not in physical:
+            refuse_hertz(osc, given.get("r"))
         before = {name: given[name] for name in physical}
         if given.get("parameter") == "load" and isinstance(getattr(first, "amplitude", 0), Load):
             for name in physical:
