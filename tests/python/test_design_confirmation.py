@@ -13,7 +13,9 @@ from vibroimpact.designs import search as designs_search
 from vibroimpact.designs.confirmation import confirmed
 from vibroimpact.designs.design import asked_by
 from vibroimpact.designs.order import Order
+from vibroimpact.designs.pool import Grid, Pool
 from vibroimpact.designs.problem import OscillatorHost, Outcome, Problem
+from vibroimpact.designs.search import Archive
 from vibroimpact.systems.distribution import interval, uncertain
 
 
@@ -169,7 +171,7 @@ def test_searches_whose_level_samples_contradict_are_repeated(monkeypatch):
 @pytest.fixture
 def short(monkeypatch):
     """Searches of few steps, with few runs from other initial states."""
-    for name, number in (("STEPS", 1), ("TURNS", 0), ("VERIFIED", 400)):
+    for name, number in (("STEPS", 1), ("TURNS", 0), ("VERIFIED", 400), ("SETTLING", 800)):
         monkeypatch.setattr(designs_search, name, number)
 
 
@@ -208,6 +210,57 @@ def test_repeated_searches_judge_candidates_by_the_previous_runs_and_others(monk
         assert len({float(each[1, 0]) for each in starts}) == len(starts) == 4
         assert grids[0].places.shape[1] > 2
         assert (units > 1) == (grids[-1].shares.shape[1] == 4 * units)
+
+
+class Chaotic:
+    """A host whose targets depend on the initial state by chance: the share of those above t is t**-10."""
+
+    def __init__(self, rough):
+        self.rough = rough
+        self.calls_left = math.inf
+
+    def outcome(self, values, r, load, places, progress, note):
+        self.calls_left -= 1
+        if self.calls_left < 0:
+            raise KeyboardInterrupt
+        share = 1e5 * (places.sum(axis=0) + values["a"]) % 1
+        target = np.maximum(share, 1e-12) ** -0.1
+        return Outcome(target if self.rough else np.full(len(r), 1.7), np.zeros(len(r)))
+
+    def slopes(self, values, r, load, place):
+        return None
+
+
+@pytest.mark.parametrize("rough", [True, False])
+def test_the_best_of_many_uncertain_levels_is_not_too_low(rough):
+    """Of 30 equally good candidates, the level of the best one by chance becomes that of many runs."""
+    problem = Problem(
+        Chaotic(rough), {"a": (0.0, 1.0)}, {}, (1.0, 1.0), uncertain(1.0, "load"), 1.0, False
+    )
+    places = np.random.default_rng(3).uniform(-1, 1, (4, 200))
+    pool = Pool(problem, Grid(np.full((1, 1), 0.5), np.ones(1), places))
+    pool.race(pool.add(np.linspace(0, 1, 30)[:, None]), np.inf)
+    archive = Archive()
+    archive.add(pool)
+    before = replace(archive, level=[*archive.level])
+    # after Ctrl-C in the midst of it, levels are as they were
+    problem.host.calls_left = 3 if rough else 0
+    with pytest.raises(KeyboardInterrupt):
+        archive.settle(problem)
+    assert archive == before
+    problem.host.calls_left = math.inf
+    # of 200 runs the worst one does not count, nor 0.5 % of the others
+    exact = 0.005**-0.1
+    assert archive.settle(problem) is rough
+    if not rough:
+        assert archive == before
+        return
+    assert before.level[before.best] < 0.95 * exact
+    assert archive.level[archive.best] == pytest.approx(exact, rel=0.025)
+    assert archive.searches == [(30, archive.level[archive.best])]
+    assert all(after >= level for level, after in zip(before.level, archive.level, strict=True))
+    assert archive.worst[archive.best] > archive.level[archive.best]
+    np.testing.assert_array_equal(archive.targets, pool.target[archive.best])
 
 
 @pytest.mark.parametrize(("share", "good"), [(0.002, True), (0.02, False)])

@@ -176,7 +176,8 @@ def firmer(
 
     They had too few of these if samples of the chosen candidate are worse than its level, or do not meet the
     limits that it meets in the search, see `refuted`. Structures are checked for limits only: their samples take
-    long. After Ctrl-C the last candidates are returned of which one was judged by all runs.
+    long. In the end an uncertain level of repeated searches is settled, and checked again. After Ctrl-C the last
+    candidates are returned of which one was judged by all runs.
     """
     limit = math.inf if order.limit is None else order.sign * order.limit
     for turn in range(ROUNDS + 1):
@@ -209,4 +210,14 @@ def firmer(
         archive, order = found, more
         if archive.stopped:
             break
+    if turn and problem.quick and not archive.stopped:
+        archive.refuted = ""
+        try:
+            if archive.settle(problem) and archive.contradicted is not None:
+                best = archive.best
+                chosen = dict(zip(problem.free, archive.values[best], strict=True))
+                wrong = refuted(problem, order, chosen, archive.level[best], False)
+                archive.contradicted = None if archive.excess[best] > 1 else wrong == "level"
+        except KeyboardInterrupt:
+            archive.stopped = True
     return archive, order

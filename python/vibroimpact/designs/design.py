@@ -61,7 +61,8 @@ class Design(Noun, study="design", example=EXAMPLE):
     level : float
         The quantile of the target over the units of the search, at the worst of its frequencies. If a larger share
         of 4,000 runs of these units from other initial states than stated at `states` of `design` is more than 2 %
-        above it, the corresponding quantile of these runs instead.
+        above it, the corresponding quantile of these runs instead; if these leave the level of repeated searches
+        uncertain, that of 40,000 runs if it is higher.
     excess : float
         The same quantile of the largest ratio of a quantity to its limit; above 1, no candidate met all limits.
     converged : bool or None
@@ -154,8 +155,8 @@ class Design(Noun, study="design", example=EXAMPLE):
     def level(self) -> float:
         """The quantile of the target over the units of the search, at the worst frequency.
 
-        If too many of 4,000 runs from other initial states are more than 2 % above it, that of these runs, see the
-        class.
+        If too many of 4,000 runs from other initial states are more than 2 % above it, that of these runs, or of
+        more of them, see the class.
         """
         level: float = self._one("level")
         return level

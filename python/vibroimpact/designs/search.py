@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -32,6 +33,8 @@ LEAST, MOST = 280, 200
 #: Number of runs from other initial states by which the best candidates are verified, and the least share of the
 #: runs at a frequency that may be above the level.
 VERIFIED, RARE = 4000, 0.005
+#: Number of runs by which the best candidates of repeated searches are judged if those leave the level uncertain.
+SETTLING = 10 * VERIFIED
 #: Number of steps after which the better half of these candidates is kept, and of all steps.
 HALVED, STEPS = 3, 12
 #: Number of descents by the worst runs of a candidate, each followed by a judgement by all runs.
@@ -88,12 +91,7 @@ class Archive:
         found[1, done] = pool.bounds[done]
         if pool.other is not None:
             for one in pool.lucky:
-                _, _, *figures = levels_of(
-                    pool.other.problem,
-                    pool.other.target[[pool.twins[one]]],
-                    pool.other.excess[[pool.twins[one]]],
-                )
-                found[2:, [one]] = np.maximum(found[2:, [one]], figures)
+                found[2:, one] = np.maximum(found[2:, one], _figures(pool.other, pool.twins[one]))
         best = int(done[np.argmin(found[1, done])])
         if not self.level or found[1, best] < self.level[self.best]:
             self.grid, self.targets = pool.grid, pool.target[best]
@@ -102,6 +100,41 @@ class Archive:
         for name, numbers in zip(("nominal", "level", "excess", "worst"), found, strict=True):
             getattr(self, name).extend(map(float, numbers))
         self.searches.append((len(pool.values), float(found[1, best])))
+
+    def settle(self, problem: Problem) -> bool:
+        """If the level of the best candidate is uncertain, judge those that may be the best by `SETTLING` runs.
+
+        Where motions are chaotic, a level depends on the initial states, and the lowest one of many candidates is
+        too low by chance. Their level becomes the one from these states if it is higher. Returns whether levels
+        were settled.
+        """
+        grid = self.grid
+        if grid is None or not _uncertain(problem, grid, self.values[self.best]):
+            return False
+        more, least = elsewhere(problem, grid, many=SETTLING), np.inf
+        level = np.where(self.complete, self.level, np.inf)
+        judged: list[int] = []
+        while (here := int(np.argmin(level))) not in judged:
+            twin = int(more.add(self.values[here][None])[0])
+            level[here] = max(
+                level[here], more.race(np.array([twin]), least, more.order(twin), 8)[0]
+            )
+            more.look_at(twin, 0.5 if judged else 1.0)
+            judged.append(here)
+            least = min(least, level[here])
+        one = self.values[here][None]
+        targets, _ = problem.outcomes(one, grid.shares, grid.nodes, grid.places)
+        # all at once, so that an interrupted comparison leaves the levels as they were
+        self.targets = targets[0]
+        for twin, each in enumerate(judged):
+            self.level[each] = float(level[each])
+            figures = np.maximum((self.excess[each], self.worst[each]), _figures(more, twin))
+            self.excess[each], self.worst[each] = map(float, figures)
+        self.searches = [
+            (many, self.level[self.best_of(number)])
+            for number, (many, _) in enumerate(self.searches)
+        ]
+        return True
 
     def promising(self, width: _Array, most: int = HEADS) -> _Array:
         """The best candidates (n, free) of all searches, those evaluated for all runs first."""
@@ -403,9 +436,33 @@ def other_level(pool: Pool, candidate: int, limit: float) -> float:
     return level
 
 
-def elsewhere(problem: Problem, grid: Grid, risk: _Array | None = None) -> Pool:
-    """A pool for the same units and frequencies, but about `VERIFIED` runs from other initial states."""
-    units, states = grid.shares.shape[1], -(-VERIFIED // (len(grid.nodes) * grid.shares.shape[1]))
+def _uncertain(problem: Problem, grid: Grid, value: _Array) -> bool:
+    """Whether the level of a candidate from other initial states depends on these by a part of `AGREEMENT`.
+
+    The number of runs that rare attractors lift above a level scatters by the root of its mean: the levels that
+    are exceeded by twice this root more, or fewer, runs are compared.
+    """
+    other = elsewhere(problem, grid)
+    other.race(other.add(value[None]), np.inf)
+    runs = -np.sort(-other.target[0].reshape(len(grid.nodes), -1), axis=1)
+    apart = math.ceil(2 * math.sqrt(max(1, RARE * runs.shape[1])))
+    most = runs[:, max(0, other.spare - apart)].max()
+    least = runs[:, min(other.spare + apart, runs.shape[1] - 1)].max()
+    return bool(most > least + AGREEMENT / 2 * abs(least))
+
+
+def _figures(pool: Pool, candidate: int) -> _Array:
+    """Level of the excess, and the greatest target, of a candidate by the runs that are known."""
+    some = [candidate]
+    _, _, over, worst = levels_of(pool.problem, pool.target[some], pool.excess[some])
+    return np.concatenate([over, worst])
+
+
+def elsewhere(
+    problem: Problem, grid: Grid, risk: _Array | None = None, many: int = VERIFIED
+) -> Pool:
+    """A pool for the same units and frequencies, but about `many` runs from other initial states."""
+    units, states = grid.shares.shape[1], -(-many // (len(grid.nodes) * grid.shares.shape[1]))
     few = Pool(problem, grid)
     # as rare as the grid can show
     many, rare = units * states - 1, max(RARE, 1 / (units * grid.places.shape[1]))
