@@ -1,4 +1,4 @@
-"""CPU time of a campaign beside the plain threaded call: cases of about a second, and many of about a millisecond.
+"""CPU time of a campaign compared with a plain threaded call: cases of about a second, and many of a millisecond.
 
 The peer runs the same cases by a pool of threads of Python, keeps the results in a list, and writes nothing. The
 campaign packs, writes and hashes them too. The answers agree if all results are the same.

@@ -1,4 +1,4 @@
-"""Seconds for a design: the search, warm, and its confirmation by samples; beside a grid of `response`.
+"""Seconds for a design: the warm search, and its confirmation by samples; compared with a grid of `response`.
 
 A damper for r from 1 to 1.04 with uncertain restitution: the clearance and the mass for which max|X|/A stays
 below 0.3 for 99 % of the units. The peer is what one would write by hand: `vi.response` for the nominal unit at

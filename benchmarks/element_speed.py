@@ -1,12 +1,12 @@
-"""Simulation with elastic stops and dry friction: cost of an event, beside heyoka, and SciPy started again at each
-event.
+"""Simulation with elastic stops and dry friction: cost of an event, compared with heyoka and with SciPy restarted at
+each event.
 
 The systems are a driven mass that meets a stop of 100 times its stiffness, and a driven mass with dry friction
 strong enough to stick. Both sides must find the same events. A contact with the stop is two events.
 
 Further rows compare structures with each other, in turns: the two masses of 1983 with friction in the slot, or
-with elastic stops in place of the walls, beside the same masses with rigid walls alone, joined by a weak spring,
-so that the general path is taken; a driven mass with an elastic stop beside one with a rigid wall; and a chain of
+with elastic stops in place of the walls, and the same masses with rigid walls alone, joined by a weak spring, so
+that the general path is taken; a driven mass with an elastic stop, and one with a rigid wall; and a chain of
 12 masses with 1 to 12 elements, whose cost must grow linearly.
 
 Run with `python benchmarks/element_speed.py` (the rows of SciPy and heyoka need these).
@@ -81,7 +81,7 @@ def scipy_friction(solve, end):
 
 
 def integrated(solve, end, regime, motion, limit, after, start=None):
-    """Times of events, at each of which the integration is started again in another regime.
+    """Times of events, at each of which the integration is restarted in another regime.
 
     Steps are bounded where nothing moves: they would grow beyond events.
     """

@@ -40,7 +40,7 @@ SIGMA68 = 0.9944578832097532
 
 
 def scored(generator, chaos, seed):
-    """What becomes of one record: its state, errors over the stated ones by name, its rig, and seconds."""
+    """The outcome of one record: its state, errors over the stated ones by name, its rig, and seconds."""
     own = generator in ("virtual", "drift")
     drift = DRIFT * np.random.default_rng(seed).uniform() if generator == "drift" else 0.0
     rig, record, k, sides = recorded(seed, "virtual" if own else generator, chaos, drift)

@@ -1,4 +1,4 @@
-"""Instructions of the cases that CI counts, beside the kept numbers, where valgrind is installed.
+"""Instructions of the cases that CI counts, compared with the kept numbers, where valgrind is installed.
 
 Unlike times they do not depend on what else the machine does. A row has no kept number on another kind of machine.
 

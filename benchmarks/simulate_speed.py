@@ -305,7 +305,7 @@ def integrators(r, clearance, cycles):
 
 
 def rows():
-    """Impacts a second at both points, beside numba and SciPy."""
+    """Impacts a second at both points, compared with numba and SciPy."""
     loops = {"numba": numba_loop, "numba without sines": turning_loop}
     answer = []
     for name, (r, clearance) in POINTS.items():
