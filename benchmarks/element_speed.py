@@ -1,5 +1,4 @@
-"""Simulation with elastic stops and dry friction: cost of an event, compared with heyoka and with SciPy restarted at
-each event.
+"""Simulation with stops and friction: cost of an event, compared with heyoka and SciPy, restarted at each event.
 
 The systems are a driven mass that meets a stop of 100 times its stiffness, and a driven mass with dry friction
 strong enough to stick. Both sides must find the same events. A contact with the stop is two events.

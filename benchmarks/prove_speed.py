@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Times of proofs in ball arithmetic, compared with those of the same results in double precision without a proof."""
+"""Times of proofs in ball arithmetic, compared with double precision without a proof."""
 
 import statistics
 import time

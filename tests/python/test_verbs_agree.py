@@ -541,7 +541,7 @@ def test_derivatives_that_depend_on_the_order_of_events(stick):
 
 @pytest.mark.parametrize("frequency", [0.8, 1.5])
 def test_no_multipliers_where_the_order_of_events_decides(frequency):
-    """What one half does pushes the other one back across its limit: no order of the events is that of nearby motions."""
+    """What one half does pushes the other one back across its limit: no order is that of nearby motions."""
     motion = settled_halves(0.3 if frequency < 1 else -0.3, 0.3, frequency)[2]
     assert np.isnan(motion.multipliers).all()
     assert motion.stable is None
@@ -550,7 +550,7 @@ def test_no_multipliers_where_the_order_of_events_decides(frequency):
 
 def test_halves_that_break_away_together():
     """Dashpots make the rate of the force on one half jump where friction of the other one breaks away."""
-    structure, load, motion, half, given = settled_halves(0.3, 0.4, 0.4, "damping")
+    _, _, motion, half, given = settled_halves(0.3, 0.4, 0.4, "damping")
     assert contains(motion.multipliers, half.multipliers)
     assert np.isnan(given.multipliers).all()
     with pytest.raises(vi.SingularError, match="depends on their order"):
