@@ -12,7 +12,7 @@ import vibroimpact as vi
 pytest.importorskip("scipy")
 from reference_rig import K, M, chaotic_rig, random_rig, record
 from vibroimpact.identification import tables, windows
-from vibroimpact.identification.signals import load_frequency, tones
+from vibroimpact.identification.signals import centred, changed, load_frequency, tones
 from vibroimpact.identification.steps import growth_of
 
 
@@ -48,6 +48,35 @@ def test_a_steady_chaotic_record_raises_no_doubt():
     found = identified(chaotic_rig(5, "defg")[0], 5)
     assert found.good
     assert found.doubts == ()
+
+
+@pytest.mark.parametrize(("seed", "kind"), [(0, "abc"), (2, "defg")])
+def test_the_parameters_of_a_changing_periodic_motion_are_those_of_its_middle(seed, kind):
+    """R falls by 1 % and the gain grows by 0.5 %: the motion of the middle is exact to within the noise, and its
+    parameters are within four errors, although no motion describes the mean of the record."""
+    rig, _, k, sides = random_rig(seed, kind)
+    rig = replace(rig, fading=0.01, gain_growth=0.005, noise=0.004)
+    found = identified(rig, seed, m=M * rig.mu)
+    assert found.good
+    assert found.pattern == vi.Pattern(sides, k).standard()
+    assert any("the parameters are those of its middle" in note for _, note in found._result.notes)
+    true = {"xi": rig.xi, "R1": rig.restitution[0], "R2": rig.restitution[1], "d": rig.d}
+    for name, value in true.items():
+        assert abs(found.values[name] - value) < 4 * found.errors[name], name
+
+
+def test_a_slow_change_leaves_the_middle_of_a_signal_and_its_noise():
+    """What is subtracted from a periodic signal whose size is a quadratic polynomial of time is its change since
+    the middle, to within the noise; the noise that remains is that of the signal, by the factor returned."""
+    rate, n, random = 2000.0, 12000, np.random.default_rng(0)
+    t = centred(n, rate)
+    shape, since = np.cos(2 * np.pi * 17.3 * t) ** 3, 2 * t / (t[-1] - t[0])
+    noise = 1e-3 * random.standard_normal(n)
+    growth = 0.02 * since - 0.01 * since**2
+    slow, factor = changed(shape * (1 + growth) + noise, rate, 2 * np.pi * 17.3, 1)
+    assert np.std(slow - shape * growth) < 0.5e-3
+    left = shape * growth + noise - slow
+    assert np.std(left) * factor**0.5 == pytest.approx(1e-3, rel=0.02)
 
 
 @pytest.mark.slow

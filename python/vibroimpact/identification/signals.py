@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from itertools import combinations_with_replacement
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -41,6 +43,8 @@ LEAST_PERIODS, FEWEST_PERIODS, COMPARED = 10, 5, 3
 #: scatter of a periodic record over its power; blocks of a record that are compared; and ratio of differences
 #: between periods that repeat after some number of cycles to those after other numbers.
 PARTS, QUIET, ODD, ALIKE, UNREPEATED, BLOCKS, CLEARLY = 64, 5.0, 4.0, 1.1, 0.05, 8, 2.0
+#: Largest number of parts of a load cycle that change slowly.
+SLOW_PARTS = 128
 #: Least number of picked impacts in a load cycle of a record with impacts.
 LEAST_PICKS = 0.1
 #: Spectral lines on either side of a harmonic from which its error is estimated.
@@ -359,30 +363,65 @@ def most_cycles(span: float, periods: int = LEAST_PERIODS) -> int:
 def unrepeated(values: _Array, phases: _Array, k: int) -> _Array:
     """The residual of a signal after fitting a cubic to the samples of each part of a period; phases in load
     cycles from 0 to k."""
-    count = 512 * k
-    while True:
-        place = np.minimum((phases / k * count).astype(np.int64), count - 1)
-        if np.bincount(place, minlength=count).min() >= 12 or count <= 64 * k:
-            break
-        count //= 2
-    # powers of the position within a part, from -1 to 1
-    within = 2 * (phases / k * count - place) - 1
+    place, count, within = parts_of(phases, k, 512, 12)
+    # powers of the position within a part
     powers = [np.ones(values.size)]
     for _ in range(6):
         powers.append(powers[-1] * within)
     sums = [np.bincount(place, power, count) for power in powers]
-    right = np.stack([np.bincount(place, power * values, count) for power in powers[:4]], axis=-1)
     matrix = np.stack(
         [np.stack([sums[i + j] for j in range(4)], axis=-1) for i in range(4)], axis=-2
     )
-    # samples at a single position do not determine a slope
-    matrix += np.diag([1e-9, 1e-6, 1e-6, 1e-6]) * (1 + sums[0][:, None, None])
-    found = np.linalg.solve(matrix, right[..., None])[..., 0]
+    found = by_part(values, place, matrix, powers[:4])
     off = values - sum(found[place, j] * powers[j] for j in range(4))
     used = np.minimum(4, np.maximum(sums[0], 1))
     share: _Array = np.sqrt(sums[0] / np.maximum(sums[0] - used, 1))[place]
     scaled: _Array = off * share
     return scaled
+
+
+def parts_of(
+    phases: _Array, k: int, most: int, least: int
+) -> tuple[NDArray[np.int64], int, _Array]:
+    """The part of a period that each sample is in, of at most so many parts in a load cycle with at least so many
+    samples; their number; and the position of each sample within its part, from -1 to 1."""
+    count = most * k
+    while True:
+        place = np.minimum((phases / k * count).astype(np.int64), count - 1)
+        if np.bincount(place, minlength=count).min() >= least or count <= 64 * k:
+            return place, count, 2 * (phases / k * count - place) - 1
+        count //= 2
+
+
+def by_part(
+    values: _Array, place: NDArray[np.int64], matrix: NDArray[Any], columns: Sequence[_Array]
+) -> _Array:
+    """The coefficients of columns, the first of which is constant, fitted to the samples of each part, from the
+    sums of the products of the columns in the parts."""
+    count = matrix.shape[0]
+    right = np.stack([np.bincount(place, own * values, count) for own in columns], axis=-1)
+    # samples at a single position do not determine a slope
+    least = np.diag([1e-9, *[1e-6] * (len(columns) - 1)])
+    found: _Array = np.linalg.solve(matrix + least * (1 + matrix[:, :1, :1]), right[..., None])[
+        ..., 0
+    ]
+    return found
+
+
+def changed(values: _Array, rate: float, omega: float, k: int) -> tuple[_Array, float]:
+    """The slow change of a signal that repeats after k load cycles, 0 in the middle of the record: at each phase
+    of the period, a quadratic polynomial of time. Also the factor of the variance of what remains."""
+    turns = places_of(values.size, rate, omega)[0]
+    place, count, within = parts_of(turns % k, k, SLOW_PARTS, 32)
+    since = 2 * turns / (turns[-1] - turns[0])
+    columns = [within**0, within, within**2, within**3]
+    columns += [since, since * within, since**2, since**2 * within]
+    matrix = np.empty((count, 8, 8))
+    for i, j in combinations_with_replacement(range(8), 2):
+        matrix[:, i, j] = matrix[:, j, i] = np.bincount(place, columns[i] * columns[j], count)
+    found = by_part(values, place, matrix, columns)
+    slow: _Array = np.sum([found[place, j] * columns[j] for j in range(4, 8)], axis=0)
+    return slow, values.size / max(1, values.size - 4 * count)
 
 
 def colour_of(off: _Array, group: NDArray[np.int64]) -> float:

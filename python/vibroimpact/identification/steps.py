@@ -31,10 +31,12 @@ from .forced import Forced, highest_of, mean_frequency, share_beyond
 from .known import HINT
 from .measured import MOTIONS, ORDER, SensorRecord, butterworth_poles
 from .signals import (
+    SLOW_PARTS,
     Repetition,
     Rhythm,
     Tones,
     centred,
+    changed,
     is_smooth,
     load_frequency,
     most_cycles,
@@ -42,6 +44,7 @@ from .signals import (
     period_of,
     repeated,
     rhythm,
+    settling,
     spikes,
     tones,
     white_noise,
@@ -71,6 +74,11 @@ UNKNOWN_DELAY, DELAY_OF_OTHERS = 2e-3, 0.5
 IN_TURN = 0.29
 #: Variance of the parts of a record, relative to that of noise, above which the load frequency may be inaccurate.
 SLIPPED = 1.2
+#: Variance of the value in the middle of a quadratic polynomial of time, over that of the mean.
+OF_MIDDLE = 2.25
+#: Ratio by `settling` above which a motion had not settled when its record began: one that settles near a period
+#: doubling has 3 or more, a rig whose R falls by 9 % during the record 1.4.
+SETTLES = 2.0
 #: Largest share of the misfit of poor flights that others may have.
 LESS = 0.5
 #: Scatter from period to period, relative to the noise of samples, or its variance at low frequencies, relative to
@@ -143,6 +151,8 @@ class Step:
         self.notes: list[str] = []
         #: Response of the primary mass to friction in the slot, at the samples, which is not part of the flights.
         self.aside: _Array | float = 0.0
+        #: The recorded motion without its slow change, if there is a clear one.
+        self.steady: _Array | None = None
         #: Receives the share of the flights that is fitted.
         self.report: Callable[[float, str], None] = silent
         #: Whether single flights show that the record is not periodic; called if repeating flights cannot
@@ -151,8 +161,8 @@ class Step:
 
     @property
     def motion(self) -> _Array:
-        """The recorded motion without the response to friction."""
-        values: _Array = getattr(self.record, self.quantity)
+        """The recorded motion without its slow change and the response to friction."""
+        values: _Array = getattr(self.record, self.quantity) if self.steady is None else self.steady
         return values if isinstance(self.aside, float) else values - self.aside
 
     def news(self, k: int) -> Iterator[tuple[_Array, _Array, int]]:
@@ -207,6 +217,23 @@ def of_record(
         if other.cycles == k and other.drift < SLIPPED:
             Omega, repetition = better, other
     step.Omega = Omega
+    middle = 1.0
+    if repetition and repetition.cycles and repetition.drift * repetition.colour > SLIPPED:
+        # a rig that changes steadily during the record: the motion of its middle is that of a rig that does not
+        k = repetition.cycles
+        slow, fewer = changed(values, rate, Omega, k)
+        other = period_of(values - slow, rate, Omega)
+        gain = repetition.drift * repetition.colour / (OF_MIDDLE * other.colour)
+        steadier = other.drift < SLIPPED < max(repetition.drift, gain)
+        if other.cycles == k and steadier and settling(values, rate, Omega, k) < SETTLES:
+            # the slow change is that of several bins together
+            apart = 1 + (OF_MIDDLE - 1) * SLOW_PARTS / PLACES
+            repetition = other._replace(noise=other.noise * math.sqrt(fewer * apart))
+            step.steady, middle = values - slow, OF_MIDDLE / apart
+            step.notes.append(
+                f"the motion changes during the record, by {np.std(slow) / np.std(values):.2g} of its standard "
+                "deviation; the parameters are those of its middle"
+            )
     cycles = cycles_of(record, Omega)
     if cycles < LEAST_CYCLES:
         raise ParameterError(
@@ -266,7 +293,7 @@ def of_record(
         Omega += k * tones(values, rate, Omega / k, tones_of(rate, Omega, k)).off
         step.Omega = Omega
     data = Measured(
-        Omega, max(k, 1), order=order, colour=colour, drift=drift, calibration=calibration,
+        Omega, max(k, 1), order=order, colour=colour * middle, drift=drift, calibration=calibration,
         passed=2 * math.pi * min(FLAT * (bandwidth or math.inf), ALIASED * rate),
         lowpass=2 * math.pi * (bandwidth or math.nan) * butterworth_poles()[: ORDER * bool(bandwidth)],
     )  # fmt: skip

@@ -24,7 +24,7 @@ from .measured import SensorRecord
 from .motions import CONTACT, oscillator_of, verified
 from .signals import centred, settling
 from .stages import FAR, distances
-from .steps import LOAD_TONES, Step
+from .steps import LOAD_TONES, SETTLES, Step
 from .strains import Strain
 from .waves import Ages, Measured, predicted, rung
 from .windows import unfound_ringing
@@ -64,9 +64,6 @@ DRIFTS = {
 }  # fmt: skip
 #: Part of a standard error by which parameters are moved for the error of a multiplier.
 TRIAL = 0.3
-#: Ratio by `settling` above which a motion had not settled when its record began: one that settles near a period
-#: doubling has 3 or more, a rig whose R falls by 9 % during the record 1.4.
-SETTLES = 2.0
 #: Largest multiplier of a fitted motion that a record can show; noise may raise it slightly above 1, and near a
 #: period doubling or a Neimark-Sacker bifurcation by this number of its standard errors.
 UNSTABLE, UNSURE = 1.05, 2.0
