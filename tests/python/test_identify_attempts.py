@@ -37,7 +37,7 @@ def test_a_refusal_lists_what_was_tried():
 
 def test_what_failed_is_not_tried_again(monkeypatch):
     """All attempts on a record that no motion describes, in evaluations of residuals: flights are searched once
-    for each period (902 evaluations), and fits of motions end where they cannot become good (1213 without it)."""
+    for each period (1058 evaluations), and fits of motions end where they cannot become good (1213 without it)."""
     counts = dict.fromkeys((flights, fit), 0)
     for module in counts:
 
@@ -52,7 +52,7 @@ def test_what_failed_is_not_tried_again(monkeypatch):
     record = vi.VirtualRig(**BENCH).record(duration=2.0, rng=3)
     with pytest.raises(vi.SingularError, match="no exact motion RLL/1"):
         vi.identify(record, known={"M": 2.7, "K": 42e3, "m": 2.7}, calibration=0)
-    assert counts[flights] < 950
+    assert counts[flights] < 1100
     assert counts[fit] < 700
 
 

@@ -20,6 +20,7 @@ from ..base.errors import SingularError
 from .contact import LONGEST_PULSE, duration, pulses_of
 from .known import HINT
 from .least_squares import levenberg
+from .measured import MOTIONS
 from .signals import centred
 from .waves import Ages, Measured, Ringing, predicted, rung, since, turns_of
 
@@ -56,6 +57,9 @@ DECAYS = (30.0, 100.0, 300.0, 900.0)
 #: Smallest and largest rate of decay of a ringing mode, relative to its frequency; its lowest frequency, relative
 #: to that of the load, and its highest one, relative to that of the bins.
 LEAST_DAMPED, MOST_DAMPED, LOWEST, HIGHEST = 0.002, 0.5, 4, 0.25
+#: The largest rate of decay, relative to its frequency, of what an acceleration shows of a filter: the transient of
+#: a steep filter is a sum of modes, and those that decay fast must not be left to the flights.
+OF_FILTER = 2.0
 #: Jumps of the velocity below this number of errors, or below this share of the largest one, do not count as
 #: impacts, unless a good misfit increases by this factor without them.
 CLEAR, WEAK, NEEDED = 5.0, 0.01, 10.0
@@ -233,11 +237,11 @@ class Flights:
         self.begin: _Array = np.empty(0)
 
     def rings(self, pole: complex) -> bool:
-        """Whether a mode rings for more than half its period, decays, and is within the band of the folded
-        record."""
+        """Whether a mode decays, but not too fast, and is within the band of the folded record."""
         highest = HIGHEST * self.fold.angles.size / self.data.k
         within = LOWEST < pole.imag / self.data.Omega < highest
-        return within and LEAST_DAMPED * pole.imag < -pole.real < MOST_DAMPED * pole.imag
+        most = OF_FILTER if self.data.order == MOTIONS["acceleration"] else MOST_DAMPED
+        return within and LEAST_DAMPED * pole.imag < -pole.real < most * pole.imag
 
     def packed(self, point: tuple[list[float], _Array, _Array, float, list[Ringing]]) -> _Array:
         """The parameters packed into one array."""
@@ -534,9 +538,11 @@ class Flights:
                 four[place] = self.priors[name][0]
         # impact times are fixed until the ringing is known, since one could imitate the other
         found = self.fit((four, angles, np.zeros(angles.size), 0.0, []), pulse, held=True)
-        if found.misfit > GOOD and angles.size:
-            found = self.more_ringing(found, held=True)
-        return self.fit(self.point(found), pulse)
+        plain = self.fit(self.point(found), pulse)
+        more = found
+        if plain.misfit > POOR and angles.size:
+            more = self.more_ringing(found, held=True)
+        return plain if more is found else self.fit(self.point(more), pulse)
 
     def linear(self, angles: _Array, pulse: NDArray[np.bool_]) -> list[float]:
         """Natural frequency, damping ratio, static displacement and load phase, only by linear least squares."""
@@ -626,7 +632,8 @@ class Flights:
             except SingularError as error:
                 failed = error
                 continue
-            if best is None or found.square < best.square:
+            # longer pulses leave fewer residuals
+            if best is None or found.misfit < best.misfit:
                 best, self.begin = found, angles
             if best.misfit < GOOD:
                 break
