@@ -16,12 +16,12 @@ from ..base.errors import ParameterError, SingularError
 from .aperiodic import LEAST_IMPACTS, TooFewError, by_flights, by_laws
 from .attempts import Attempts, NotTriedError
 from .fit import DOUBTFUL, Fit, fit
-from .flights import HOPELESS
+from .flights import HOPELESS, LEAST_GAIN
 from .known import HINT
 from .laws import KNOWN_OF_LAW, Law
 from .motions import Impacting
 from .signals import LEAST_PICKS, no_rhythm, repeated, scatter_after
-from .start import start_of, start_of_phases, start_of_times
+from .start import start_of, start_of_phases, start_of_times, start_together
 from .steps import Step, cycles_of, flown, flown_apart, ordered, silent
 from .waves import Measured
 from .windows import unfound_ringing
@@ -125,30 +125,41 @@ def alone(
     """The fit to one record.
 
     Near a fold or a pitchfork, beyond which no exact motion exists, a fit may stop before it reaches the values
-    obtained from the flights alone. It is then repeated with other damping ratios, for which the linear equations
-    give other starting parameters.
+    obtained from the flights alone, and near a flip or a pitchfork it may stay on the motion from which the right
+    one branches off. It is then repeated from a fit in which the impacts are free, and with other damping ratios,
+    for which the linear equations give other starting parameters.
     """
     M, K = scale.get("M"), scale.get("K")
     best: Fit | None = None
     failed: SingularError | None = None
-    others = STARTS if step.free is not None and "xi" not in constant else ()
-    for xi in (None, *others):
+    tries: list[float | str] = [""]
+    if step.free is not None:
+        tries += ["together"] * (law.kind == "constant" and step.free.misfit < DOUBTFUL)
+        tries += STARTS if "xi" not in constant else ()
+    for one in tries:
         assert step.data is not None
-        if step.free is not None:
-            start = constant if xi is None else constant | {"xi": xi}
-            values, static, phase = start_of(step, start, guess)
-        else:
-            step.data, values, static, phase = start_of_times(step.data, scale, constant, guess)
+        near: Sequence[Impacting] = ()
         own = law if law.kind == "constant" else Law("impacts", step.data.angles.size)
         try:
-            found = fit([step.data], constant, values, [static], [phase], M, K, own, rough=rough)
+            if step.free is not None:
+                start = constant if isinstance(one, str) else constant | {"xi": one}
+                values, static, phase = start_of(step, start, guess)
+                if one == "together":
+                    stiffness = K if K is not None or M is None else M * values["omega"] ** 2
+                    values, static, phase, *near = start_together(
+                        step.data, constant, values, static, phase, stiffness
+                    )
+            else:
+                step.data, values, static, phase = start_of_times(step.data, scale, constant, guess)
+            found = fit([step.data], constant, values, [static], [phase], M, K, own, near, rough)
         except SingularError as error:
             failed = failed or error
             continue
         if best is None or max(found.misfits) < max(best.misfits):
             best = found
-        # a change of the rig during the record is not an error of the fit
-        if max(best.misfits) < DOUBTFUL * step.data.drift:
+        # other damping ratios are of no use where the motion fits but for an effect that is not part of it
+        most = DOUBTFUL * step.data.drift
+        if not astray(step, best) or (one != "" and max(best.misfits) < most):
             return best
     if best is None and step.free is not None and step.free.misfit < DOUBTFUL:
         assert step.data is not None
@@ -157,6 +168,16 @@ def alone(
         assert failed is not None
         raise failed
     return best
+
+
+def astray(step: Step, found: Fit) -> bool:
+    """Whether the motion of a fit leaves much more than the flights alone."""
+    assert step.data is not None
+    # a change of the rig during the record is not an error of the fit
+    if max(found.misfits) >= DOUBTFUL * step.data.drift:
+        return True
+    free = step.free
+    return free is not None and sum(found.squares) - free.square > LEAST_GAIN * found.spread
 
 
 def from_phases(
@@ -230,10 +251,9 @@ def twice_as_long(
     k = 2 * step.data.k
     if cycles_of(step.record, step.Omega) < FEWEST_PERIODS * k:
         return None
-    values: _Array = getattr(step.record, step.quantity)
     # the difference between the halves of a period is not scatter
     step.noise = max(
-        scatter_after(values, step.record.rate, step.Omega, k),
+        scatter_after(step.motion, step.record.rate, step.Omega, k),
         step.record.noise.get(step.quantity, 0.0),
     )
     step.data = replace(step.data, k=k)
@@ -510,7 +530,9 @@ def again(step: Step) -> bool:
     turn = step.Omega / (2 * math.pi)
     own = step.resolved
     cycles = step.times[own] * turn
-    return bool(repeated(cycles, step.signs[own], step.record.duration * turn))
+    # those that are not resolved are missing
+    span = step.record.duration * turn * float(np.mean(own)) if own.size else 0.0
+    return bool(repeated(cycles, step.signs[own], span))
 
 
 def clear(found: Fit | None) -> bool:

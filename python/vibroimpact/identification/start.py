@@ -7,14 +7,20 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..base.errors import SingularError
 from ..motions.periodic import periodic
 from ..systems.oscillator import Oscillator
 from .laws import Law
-from .motions import Impacting
+from .least_squares import levenberg
+from .motions import PARAMETERS, Impacting, System
 from .steps import Step
-from .waves import Measured, predicted
+from .waves import Measured, predicted, turns_of
+
+_Array = NDArray[np.float64]
+#: Error of the equations of the impacts, over the largest jump, with which they are part of a fit.
+TOGETHER = 1e-5
 
 
 def start_of(
@@ -98,6 +104,58 @@ def start_of_phases(
     none = np.empty(0)
     motion = Impacting(data.angles, jumps, none, none, none)
     return found, static, linear.load_phase - float(data.angles[0]), motion
+
+
+def start_together(
+    data: Measured, known: Mapping[str, float], values: Mapping[str, float], static: float, phase: float,
+    stiffness: float | None,
+) -> tuple[dict[str, float], float, float, Impacting]:  # fmt: skip
+    """Parameters and the motion by a fit in which the impacts are free, and their equations are part of the
+    residuals.
+
+    Each motion that Newton's method finds on the way may be the one from which the right one branches off at a
+    flip or a pitchfork; here the impacts stay near those of the flights.
+    """
+    system, N = System(data, Law()), data.angles.size
+    names = (*PARAMETERS[:4], "F0/K", "phase", "R1", "R2")
+    begin = {**values, "F0/K": static, "phase": phase}
+    P, size = len(names), float(abs(data.jumps).max())
+    typical = {"xi": 0.01, "phase": 0.1, **dict.fromkeys(known, 0.0)}
+    scales = [typical.get(name, abs(begin[name])) for name in names]
+    turns = turns_of(data, data.places)
+
+    def residuals(x: _Array) -> tuple[_Array, _Array]:
+        p, angles, jumps = np.split(x, [P, P + N])
+        if (np.diff(angles) <= 0).any():
+            raise SingularError("impacts in another order")
+        one = predicted(data, data.places, data.order, p[0], p[1], p[4], p[5], angles, jumps, turns)
+        J = np.zeros((data.places.size, x.size))
+        J[:, [0, 1, 4, 5]] = one.by_system
+        one.by_impacts(J[:, P:])
+        both = np.column_stack([one.value - data.values, J]) / data.errors[:, None]
+        both -= data.beside @ (data.beside.T @ both)
+        off, by, _, _ = system.rates(p, angles, jumps)
+        by = np.hstack([by[:, 2 * N :], by[:, : 2 * N]])
+        rows = [both, np.column_stack([off, by]) / (TOGETHER * size)]
+        if data.phase is not None:
+            row = np.zeros((1, x.size + 1))
+            row[0, [0, 6]] = math.remainder(p[5] - data.phase, 2 * math.pi), 1.0
+            rows.append(row / data.phase_error)
+        if data.F0 is not None and stiffness is not None:
+            row = np.zeros((1, x.size + 1))
+            row[0, [0, 5]] = p[4] * stiffness - data.F0, stiffness
+            rows.append(row / math.hypot(data.F0_error, data.calibration * data.F0))
+        every = np.vstack(rows)
+        return every[:, 0], every[:, 1:]
+
+    low = np.array([*[0.0] * 5, -math.inf, 0.0, 0.0, *[-math.inf] * (2 * N)])
+    high = np.array([math.inf, 0.9, *[math.inf] * 4, 1.0, 1.0, *[math.inf] * (2 * N)])
+    x = np.array([*(begin[name] for name in names), *data.angles, *data.jumps])
+    x = levenberg(residuals, x, np.array([*scales, *[0.1] * N, *[size] * N]), low=low, high=high)[0]
+    found = {**values, **dict(zip(names, x.tolist(), strict=False))}
+    none = np.empty(0)
+    motion = Impacting(x[P : P + N], x[P + N :], none, none, none)
+    return found, found.pop("F0/K"), found.pop("phase"), motion
 
 
 def start_of_times(
