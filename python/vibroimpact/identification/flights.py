@@ -57,8 +57,8 @@ DECAYS = (30.0, 100.0, 300.0, 900.0)
 #: Smallest and largest rate of decay of a ringing mode, relative to its frequency; its lowest frequency, relative
 #: to that of the load, and its highest one, relative to that of the bins.
 LEAST_DAMPED, MOST_DAMPED, LOWEST, HIGHEST = 0.002, 0.5, 4, 0.25
-#: The largest rate of decay, relative to its frequency, of what an acceleration shows of a filter: the transient of
-#: a steep filter is a sum of modes, and those that decay fast must not be left to the flights.
+#: The largest rate of decay, relative to its frequency, of what an acceleration shows of a filter: the transient
+#: of a steep filter is a sum of modes, and those that decay fast must not be left to the flights.
 OF_FILTER = 2.0
 #: Jumps of the velocity below this number of errors, or below this share of the largest one, do not count as
 #: impacts, unless a good misfit increases by this factor without them.
