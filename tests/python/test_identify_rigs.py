@@ -695,6 +695,17 @@ def test_rigs_with_contacts_are_identified(seed):
         assert abs(found.values[name] - value) < 3 * found.errors[name], name
 
 
+def test_impacts_that_repeat_without_a_motion_are_doubted():
+    """No motion is found for a periodic record: that single flights describe it does not make it chaotic."""
+    rig, given, k, _ = recorded(8267, "contacts", False)
+    assert k == 1
+    with pytest.warns(vi.PoorFitWarning, match="the impacts of single flights repeat"):
+        found = vi.identify(
+            given, known={"M": M, "K": K, "m": M * rig.mu}, calibration=rig.calibration
+        )
+    assert found.status == "not periodic"
+
+
 def test_contacts_that_last_are_within_the_errors(monkeypatch):
     """Contacts of 0.8 ms are read. Fitted as impacts of no duration, R is more than fifteen errors off without a
     doubt, since the acceleration of the wall changes the rebound; the errors contain what the pulses allow."""

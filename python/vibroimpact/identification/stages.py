@@ -549,6 +549,11 @@ def because(
             0,
             f"nearly repeats after {step.rhythm.cycles or 1} load cycles, but no periodic motion fits: {why}",
         )
+        if again(step):
+            step.notes.append(
+                "doubtful: the impacts of single flights repeat, so the motion is probably periodic, but no "
+                "motion with them was found"
+            )
         step.rhythm = no_rhythm("not periodic")
     return single
 
