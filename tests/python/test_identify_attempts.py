@@ -84,7 +84,7 @@ SLOW = {
 
 
 #: Those of them that no motion describes, after all attempts; the others have good results.
-UNDESCRIBED = {("pulses", False, 4002), ("spikes", False, 4002), ("virtual", True, 4004)}
+UNDESCRIBED = {("pulses", False, 4002), ("virtual", True, 4004)}
 
 
 @pytest.mark.slow

@@ -21,6 +21,14 @@ HINT = (
     "known values, the bandwidth of the sensors, or units, signs or times of the channels may be wrong, or "
     "the motion is not quite periodic"
 )
+#: Factors by which a wrong unit changes a record, for messages.
+FACTORS = {
+    9.80665: "g for m/s^2",
+    1000.0: "a milli- or kilo-unit",
+    4.448: "lbf for N",
+    25.4: "inches for mm",
+    39.37: "inches for m",
+}
 #: The shared parameters of records that may be known, in this order.
 SHARED = ("omega", "xi", "mu", "R1", "R2", *KNOWN_OF_LAW, "d")
 
@@ -31,6 +39,14 @@ Known: TypeAlias = float | str | tuple[float | str, float | str]
 STEP = 1e-3
 #: Range of known values that have a dimension, as of the keys of a namelist.
 SMALLEST, LARGEST = 1e-12, 1e12
+
+
+def unit_hint(ratio: float) -> str:
+    """The end of a message about values that should be equal: the unit that their ratio suggests."""
+    near = [
+        text for factor, text in FACTORS.items() if abs(abs(math.log(ratio)) - math.log(factor)) < 0.3
+    ]  # fmt: skip
+    return f"; is it {near[0]}?" if near else ""
 
 
 class Doubted(NamedTuple):

@@ -17,7 +17,7 @@ from .aperiodic import LEAST_IMPACTS, TooFewError, by_flights, by_laws
 from .attempts import Attempts, NotTriedError
 from .fit import DOUBTFUL, Fit, fit
 from .flights import HOPELESS, LEAST_GAIN
-from .known import HINT
+from .known import HINT, unit_hint
 from .laws import KNOWN_OF_LAW, Law
 from .motions import Impacting
 from .signals import LEAST_PICKS, no_rhythm, repeated, scatter_after
@@ -41,16 +41,13 @@ TRIED = (0.7, 0.6, 0.85)
 FEWEST_PERIODS = 6
 #: Largest ratio of two load amplitudes that should be equal.
 LARGEST_RATIO = 1.5
-#: The beginning of the notes about the impacts that give the parameters, and of those without parameters.
-APART = ("momentum and restitution at", "impacts give no parameters")
-#: Factors by which a wrong unit changes a record, for the message.
-FACTORS = {
-    9.80665: "g for m/s^2",
-    1000.0: "a milli- or kilo-unit",
-    4.448: "lbf for N",
-    25.4: "inches for mm",
-    39.37: "inches for m",
-}
+#: The beginning of the notes about the impacts that give the parameters, of those without parameters, and of a
+#: motion that is not found; a fit with friction explains the impacts anew.
+APART = (
+    "momentum and restitution at",
+    "impacts give no parameters",
+    "doubtful: the impacts of single flights repeat",
+)
 
 
 def fitted(
@@ -551,8 +548,7 @@ def because(
         )
         if again(step):
             step.notes.append(
-                "doubtful: the impacts of single flights repeat, so the motion is probably periodic, but no "
-                "motion with them was found"
+                f"{APART[2]}, so the motion is probably periodic, but no motion with them was found"
             )
         step.rhythm = no_rhythm("not periodic")
     return single
@@ -658,13 +654,9 @@ def units_agree(step: Step, force: float) -> None:
     ratio = step.data.F0 / force
     if 1 / LARGEST_RATIO < ratio < LARGEST_RATIO:
         return
-    near = [
-        text for factor, text in FACTORS.items() if abs(abs(math.log(ratio)) - math.log(factor)) < 0.3
-    ]  # fmt: skip
-    hint = f"; is it {near[0]}?" if near else ""
     raise ParameterError(
         f"load of {step.data.F0:.4g} N and {step.quantity}, which implies {force:.4g} N: must agree; the units of "
-        f"a channel, or the known mass or stiffness, are wrong by a factor of {max(ratio, 1 / ratio):.4g}{hint}"
+        f"a channel, or the known mass or stiffness, are wrong by a factor of {max(ratio, 1 / ratio):.4g}{unit_hint(ratio)}"
     )
 
 

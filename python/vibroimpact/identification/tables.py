@@ -18,7 +18,7 @@ from ..systems.oscillator import Pattern
 from .fit import DOUBTFUL, EXPONENTS, TYPICAL_EXPONENT, TYPICAL_FRICTION, Fit
 from .flights import LEAST_GAIN, unexplained
 from .friction import slid
-from .known import KNOWN, Doubted
+from .known import KNOWN, Doubted, unit_hint
 from .laws import Law
 from .measured import SensorRecord
 from .motions import CONTACT, oscillator_of, verified
@@ -363,9 +363,11 @@ def doubts_of(
         elif kind == "F0":
             load = (data or step.apart or Measured(step.Omega, 1)).F0
             assert load is not None
+            other = load + strain.change
+            hint = unit_hint(other / load) if other > 0 else ""
             texts.append(
-                f"the motion corresponds to a load of {load + strain.change:.4g} N, not {load:.4g} N ({apart}): "
-                "the known mass M or stiffness K, or the units or calibration of a channel, may be wrong"
+                f"the motion corresponds to a load of {other:.4g} N, not {load:.4g} N ({apart}): the known mass M "
+                f"or stiffness K, or the units or calibration of a channel, may be wrong{hint}"
             )
         else:
             value, given = found.values[name], name
