@@ -656,7 +656,8 @@ def units_agree(step: Step, force: float) -> None:
         return
     raise ParameterError(
         f"load of {step.data.F0:.4g} N and {step.quantity}, which implies {force:.4g} N: must agree; the units of "
-        f"a channel, or the known mass or stiffness, are wrong by a factor of {max(ratio, 1 / ratio):.4g}{unit_hint(ratio)}"
+        f"a channel, or the known mass or stiffness, are wrong by a factor of {max(ratio, 1 / ratio):.4g}"
+        + unit_hint(ratio)
     )
 
 
