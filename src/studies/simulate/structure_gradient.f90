@@ -704,7 +704,8 @@ contains
          if (allocated(changed%elements)) then
             if (end - events%starts(1, i) > short) deallocate (changed%elements, changed%later)
          end if
-         before = closed
+         if (allocated(before)) deallocate (before)
+         allocate (before, source=closed)
          accelerations = real(after(n + 1:2*n))
          if (kind /= stick_event .and. kind > 0) call pass_label([kind, gap], closed)
          if (kind == impact_event) call slip_at_once(system%structure, events, i, closed)
