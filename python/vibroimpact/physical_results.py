@@ -480,11 +480,11 @@ class Physical(Generic[From]):
         pandas.DataFrame
             Its ``attrs["units"]`` has the names of the units by column.
         """
-        from .formats.rows import to_pandas
+        from .formats.rows import frame
 
-        frame = to_pandas(self)
-        frame.attrs["units"] = listed_units(self._result)
-        return frame
+        found = frame(self)
+        found.attrs["units"] = listed_units(self._result)
+        return found
 
     def save(self, path: str | Path) -> None:
         """Write a file like `save` of the result, in physical units.

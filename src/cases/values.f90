@@ -48,7 +48,7 @@ module vi_values
 contains
 
    !> Reads a group; without a group, all keys get their defaults.
-   pure subroutine read_values(name, keys, group, values, units)
+   pure subroutine read_values(name, keys, group, values, units, of_system)
       !> Name of the group.
       character(*), intent(in) :: name
       !> The table of its keys.
@@ -59,6 +59,8 @@ contains
       type(values_type), intent(out) :: values
       !> What is known of the units of the system, if it is a &system.
       type(units_type), intent(in), optional :: units
+      !> The keys of the &system before the group, which a message points to.
+      type(key_type), intent(in), optional :: of_system(:)
       character(:), allocatable :: why
       integer :: i
 
@@ -73,7 +75,7 @@ contains
          allocate (values%items(0))
       end if
       do i = 1, size(values%items)
-         call assign(values, i, units)
+         call assign(values, i, units, of_system)
          if (len(values%fault) > 0) return
       end do
       do i = 1, size(keys)
@@ -93,13 +95,15 @@ contains
    end subroutine read_values
 
    !> Stores one assignment in its key.
-   pure subroutine assign(values, i, units)
+   pure subroutine assign(values, i, units, of_system)
       !> The group, read up to this assignment.
       type(values_type), intent(inout) :: values
       !> The assignment.
       integer, intent(in) :: i
       !> What is known of the units of the system.
       type(units_type), intent(in), optional :: units
+      !> The keys of the &system before the group.
+      type(key_type), intent(in), optional :: of_system(:)
       real(wp), allocatable :: numbers(:)
       type(line_type), allocatable :: words(:)
       character(:), allocatable :: text, why
@@ -112,6 +116,11 @@ contains
             call list_keys(values%keys, text)
             if (values%name == 'system' .and. index(item%key, 'law') == 1) text = text// &
                '; a law of restitution belongs in a &gap of a &structure'
+            if (present(of_system)) then
+               ! a study over a range of r has its limits as keys
+               if (place_of(of_system, item%key) > 0 .and. place_of(values%keys, item%key// &
+                  '_min') == 0) text = text//'; '//item%key//' belongs in &system'
+            end if
             call blame(values, item, 'is not a key of &'//values%name//'; must be one of '//text)
             return
          end if

@@ -6,7 +6,7 @@
 !! its start and not a case of its own.
 module vi_parse_cases
    use vi_case, only: case_type, check_output, check_system, longest_name, name_part, &
-      output_keys, read_system
+      output_keys, read_system, system_keys
    use vi_common_keys, only: most_numbers
    use vi_key, only: is_for, key_type, of_axes, of_axis, of_oscillator, of_parameter, of_state, &
       of_structure, of_target, place_of
@@ -450,7 +450,8 @@ contains
             if (len(message) > 0) return
          end if
          call study%keys_of(model, keys)
-         call read_values(groups(i)%name, keys, groups(i), case%study, system%units)
+         call read_values(groups(i)%name, keys, groups(i), case%study, system%units, &
+            system_keys(:merge(size(system_keys), 0, model == of_oscillator)))
          call case%study%find_files(path)
          if (associated(study%check)) call study%check(case)
       end associate

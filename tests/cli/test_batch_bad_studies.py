@@ -21,6 +21,7 @@ BAD_BRANCH = [
     *[("high = 60", f"high = 60, max_points = {v}", "max_points <= 100000")
       for v in ("9", "100001", "1.5", "nan")],
     ("high = 60", "high = 60, steps = 3", "is not a key of &branch; must be one of parameter, low"),
+    ("high = 60", "high = 60, mu = 0.03", "max_points; mu belongs in &system"),
 ]  # fmt: skip
 
 
@@ -54,6 +55,13 @@ BAD_ZONE = [
 def test_bad_zone(old, new, wanted, line, batch):
     assert old in ZONE
     assert_refused(ZONE.replace(old, new), "zone", wanted, line, batch)
+
+
+@pytest.mark.parametrize(("key", "belongs"), [("r", False), ("mu", True)])
+def test_keys_of_the_system(key, belongs, batch):
+    """A key of &system is sent there, but not r, of which &zone has the limits."""
+    done = batch.case(ZONE.replace("symmetric = 'no'", f"{key} = 1"))
+    assert done.faults[0].endswith(f"; {key} belongs in &system") is belongs
 
 
 BAD_ATLAS = [

@@ -6,6 +6,7 @@ import re
 import numpy as np
 import pytest
 import vibroimpact as vi
+from pandas.testing import assert_frame_equal
 from vibroimpact.base.errors import ParameterError, ParameterTypeError
 from vibroimpact.identification.known import known_values
 from vibroimpact.results.tables import language
@@ -432,7 +433,9 @@ def test_csv(every, tmp_path):
         head = [line for line in lines if line.startswith("#")]
         assert head[0].startswith("# ! vibroimpact ")
         rows = lines[len(head) :]
-        frame, plain = result.physical(MM).to_pandas(), result.to_pandas()
+        frame, plain = result.physical(MM).to_pandas(), result.to_pandas(units="dimensionless")
+        assert_frame_equal(result.to_pandas(), frame)
+        assert_frame_equal(result.to_pandas(units="mm N s"), frame)
         assert rows[0].split(",") == [*frame.columns]
         assert len(rows) == 1 + len(frame) == 1 + len(plain)
         units = frame.attrs["units"]

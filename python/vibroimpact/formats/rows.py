@@ -12,6 +12,7 @@ from ..base.errors import MissingExtraError
 from ..results.namelist import parts_of
 from ..results.systems import outputs_of
 from ..results.tables import Column, Result
+from ..systems.units import units_to_show
 
 #: The meaning of the codes of verdicts.
 VERDICTS = np.array([None, False, True], dtype=object)
@@ -90,8 +91,19 @@ def places_of(result: Result, name: str) -> dict[str, NDArray[np.intp]]:
     return places
 
 
-def to_pandas(noun: Any) -> Any:
-    """The rows as a DataFrame."""
+def to_pandas(noun: Any, units: str | None = None) -> Any:
+    """The rows as a DataFrame, in the units in which a CSV file has them."""
+    if units != "dimensionless" and noun.study != "identify":
+        units = units if units is not None else units_to_show(noun._system)
+        shown = noun if units is None else noun.physical(units)
+        if hasattr(shown, "units"):
+            return shown.to_pandas()
+        noun = shown
+    return frame(noun)
+
+
+def frame(noun: Any) -> Any:
+    """The rows as they are, as a DataFrame."""
     try:
         import pandas
     except ImportError:

@@ -271,6 +271,8 @@ class Savable:
     def to_xarray(self) -> Any:
         """The result as a dataset of xarray, with named dimensions (extra `data`).
 
+        Like the attributes of the result, its numbers are dimensionless; `physical` converts either.
+
         Returns
         -------
         xarray.Dataset
@@ -278,15 +280,27 @@ class Savable:
         """
         return ACTIONS["to_xarray"](self)
 
-    def to_pandas(self) -> Any:
-        """The result as a data frame of pandas, with the columns of the CSV (extra `data`).
+    def to_pandas(self, units: str | None = None) -> Any:
+        """The result as a data frame of pandas, with the columns and the units of the CSV (extra `data`).
+
+        Parameters
+        ----------
+        units : str, optional
+            Units of length, force and time, such as "mm N s" or "SI", or "dimensionless". By default those of the
+            oscillator if it has M, K and F0, with mm for m.
 
         Returns
         -------
         pandas.DataFrame
-            One row for each row of the CSV.
+            One row for each row of the CSV. For an oscillator in physical units, ``attrs["units"]`` has the names
+            of the units by column.
+
+        Raises
+        ------
+        errors.ParameterError, errors.ParameterTypeError
+            If M, K and F0 of the oscillator or a unit are not known.
         """
-        return ACTIONS["to_pandas"](self)
+        return ACTIONS["to_pandas"](self, units)
 
     def save(self, path: str | Path, units: str | None = None) -> None:
         """Write a file, completely or not at all; the extension sets the format.
