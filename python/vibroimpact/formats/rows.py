@@ -94,8 +94,8 @@ def places_of(result: Result, name: str) -> dict[str, NDArray[np.intp]]:
 def to_pandas(noun: Any, units: str | None = None) -> Any:
     """The rows as a DataFrame, in the units in which a CSV file has them."""
     if units != "dimensionless" and noun.study != "identify":
-        units = units if units is not None else units_to_show(noun._system)
-        shown = noun if units is None else noun.physical(units)
+        known = units_to_show(noun._system) if units is None else units
+        shown = noun if known is None else noun.physical(known)
         if hasattr(shown, "units"):
             return shown.to_pandas()
         noun = shown
