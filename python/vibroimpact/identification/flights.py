@@ -176,14 +176,19 @@ def unexplained(
     return place if abrupt >= len(COARSE) - 1 else None
 
 
-def onsets(sudden: Iterable[tuple[_Array, _Array, int]]) -> Iterator[_Array]:
-    """Candidate sets of angles at which impacts seem to begin in a folded record, by its `news_of`; also the empty
-    set."""
+def onsets(sudden: Iterable[tuple[_Array, _Array, int]], spikes: _Array) -> Iterator[_Array]:
+    """Candidate sets of angles at which impacts seem to begin in a folded record, by its `news_of`; also the angles
+    of spikes, first if there are more of them, and the empty set.
+
+    Spikes are all that contacts shorter than a bin leave."""
     for grid, news, past in sudden:
         strong = news > max(UNPREDICTED, SHARE * news.max())
         # an impact causes prediction errors as long as it is among the past values
         recent = np.convolve(np.concatenate([strong[-past:], strong]), np.ones(past), "valid")[:-1]
         begins = grid[strong & (recent == 0)]
+        if spikes.size > begins.size:
+            yield spikes
+            spikes = spikes[:0]
         if begins.size:
             yield begins
     yield np.empty(0)

@@ -510,7 +510,9 @@ def best_of(
         fold = folded(step.motion, record.rate, data.Omega, data.k, PLACES)
         xi = known.get("xi", guess["xi"])
         flights = Flights(data, fold, omega, xi, step.noise, priors, force)
-        starts = iter([begin]) if begin is not None else onsets(step.news(data.k))
+        of_spikes = step.rhythm.phases if step.rhythm.cycles == data.k else np.empty(0)
+        spiky = onsets(step.news(data.k), 2 * math.pi * of_spikes)
+        starts = iter([begin]) if begin is not None else spiky
         try:
             free = flights.best(islice(starts, 1) if quick else starts, step.report, step.aperiodic)
         except SingularError as error:
