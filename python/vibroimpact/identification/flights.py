@@ -8,6 +8,7 @@ and projected out.
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
@@ -596,6 +597,32 @@ class Flights:
             found = fewer
         return found
 
+    def joined(self, found: FreeFit) -> FreeFit:
+        """The fit with one impact instead of two on opposite walls, between which no sample is outside a pulse.
+
+        Only the sum of their jumps shows, and the mean time. Such a pair imitates one impact whose pulse is late,
+        as behind a steep filter."""
+        N, i = found.data.angles.size, 0
+        while i < N > 2:
+            angles, jumps = found.data.angles.copy(), found.data.jumps
+            gaps = (angles - angles[i] - 1e-12) % self.whole
+            j = int(np.argmin(gaps))
+            between = (self.fold.angles - angles[i]) % self.whole < gaps[j]
+            both = jumps[i] + jumps[j]
+            i += 1
+            if jumps[i - 1] * jumps[j] >= 0 or not found.pulse[between].all() or both == 0:
+                continue
+            angles[i - 1] += gaps[j] * jumps[j] / both
+            if abs(angles[i - 1] - found.data.angles[i - 1]) > PULSE * self.data.Omega:
+                continue
+            one = found._replace(data=replace(found.data, angles=angles, jumps=jumps + 0.0))
+            one.data.jumps[i - 1] = both
+            with contextlib.suppress(SingularError):
+                one = self.settled(self.without(one, j))
+                if one.misfit < max(GOOD, found.misfit):
+                    found, N, i = one, one.data.angles.size, 0
+        return found
+
     def without(self, found: FreeFit, i: int) -> FreeFit:
         """The fit without an impact."""
         four, angles, jumps, offset, modes = self.point(found)
@@ -658,7 +685,7 @@ class Flights:
         ringing = angles.size > 0
         found = self.begun(angles)
         if ringing:
-            found = self.pruned(self.settled(self.curved(found)))
+            found = self.pruned(self.joined(self.settled(self.curved(found))))
         most = MOST_IMPACTS if not ringing else angles.size + MISSING * self.data.k
         while found.misfit > GOOD and found.data.angles.size < most:
             more = self.one_more(found, ringing)
