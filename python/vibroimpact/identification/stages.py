@@ -221,6 +221,9 @@ def halved(
         data = [step.data for step in others if step.data is not None]
         if len(data) < len(others):
             return None
+        # flights of half the period may have other impacts
+        if any(2 * one.angles.size != motion.angles.size for one, motion in zip(data, found.motions, strict=True)):
+            return None
         ensure_possible(others)
         M, K = scale.get("M"), scale.get("K")
         near = [first_half(motion, one) for motion, one in zip(found.motions, data, strict=True)]
