@@ -177,19 +177,23 @@ def unexplained(
     return place if abrupt >= len(COARSE) - 1 else None
 
 
-def onsets(sudden: Iterable[tuple[_Array, _Array, int]], spikes: _Array) -> Iterator[_Array]:
-    """Candidate sets of angles at which impacts seem to begin in a folded record, by its `news_of`; also the angles
-    of spikes, first if there are more of them, and the empty set.
+def onsets(
+    sudden: Iterable[tuple[_Array, _Array, int]], spikes: _Array, pulse: float, whole: float
+) -> Iterator[_Array]:
+    """Candidate sets of angles at which impacts seem to begin in a folded record, by its `news_of`; also the empty
+    set.
 
-    Spikes are all that contacts shorter than a bin leave."""
+    Of contacts shorter than a bin only spikes may be left: those that are further than a pulse from all others are
+    part of the first set."""
     for grid, news, past in sudden:
         strong = news > max(UNPREDICTED, SHARE * news.max())
         # an impact causes prediction errors as long as it is among the past values
         recent = np.convolve(np.concatenate([strong[-past:], strong]), np.ones(past), "valid")[:-1]
         begins = grid[strong & (recent == 0)]
-        if spikes.size > begins.size:
-            yield spikes
-            spikes = spikes[:0]
+        for spike in spikes % whole:
+            away = abs((begins - spike + whole / 2) % whole - whole / 2)
+            begins = np.append(begins, spike) if (away > pulse).all() else begins
+        spikes = spikes[:0]
         if begins.size:
             yield begins
     yield np.empty(0)
@@ -598,25 +602,23 @@ class Flights:
         return found
 
     def joined(self, found: FreeFit) -> FreeFit:
-        """The fit with one impact instead of two on opposite walls, between which no sample is outside a pulse.
+        """The fit with one impact instead of two between which no sample is outside a pulse.
 
         Only the sum of their jumps shows, and the mean time. Such a pair imitates one impact whose pulse is late,
         as behind a steep filter."""
         N, i = found.data.angles.size, 0
         while i < N > 2:
-            angles, jumps = found.data.angles.copy(), found.data.jumps
+            angles, jumps = found.data.angles.copy(), found.data.jumps.copy()
             gaps = (angles - angles[i] - 1e-12) % self.whole
-            j = int(np.argmin(gaps))
+            j, first = int(np.argmin(gaps)), i
             between = (self.fold.angles - angles[i]) % self.whole < gaps[j]
-            both = jumps[i] + jumps[j]
             i += 1
-            if jumps[i - 1] * jumps[j] >= 0 or not found.pulse[between].all() or both == 0:
+            jumps[first] += jumps[j]
+            late = gaps[j] * jumps[j] / (jumps[first] or math.inf)
+            if not found.pulse[between].all() or abs(late) > PULSE * self.data.Omega:
                 continue
-            angles[i - 1] += gaps[j] * jumps[j] / both
-            if abs(angles[i - 1] - found.data.angles[i - 1]) > PULSE * self.data.Omega:
-                continue
-            one = found._replace(data=replace(found.data, angles=angles, jumps=jumps + 0.0))
-            one.data.jumps[i - 1] = both
+            angles[first] += late
+            one = found._replace(data=replace(found.data, angles=angles, jumps=jumps))
             with contextlib.suppress(SingularError):
                 one = self.settled(self.without(one, j))
                 if one.misfit < max(GOOD, found.misfit):
@@ -685,7 +687,7 @@ class Flights:
         ringing = angles.size > 0
         found = self.begun(angles)
         if ringing:
-            found = self.pruned(self.joined(self.settled(self.curved(found))))
+            found = self.pruned(self.settled(self.curved(found)))
         most = MOST_IMPACTS if not ringing else angles.size + MISSING * self.data.k
         while found.misfit > GOOD and found.data.angles.size < most:
             more = self.one_more(found, ringing)

@@ -19,6 +19,7 @@ from .flights import (
     MOST_MODES,
     PLACES,
     POOR,
+    PULSE,
     Flights,
     Folded,
     FreeFit,
@@ -418,8 +419,9 @@ def flown(
     step: Step, scale: Mapping[str, float], known: Mapping[str, float], guess: Mapping[str, float],
     fewer: bool = False, exactly: bool = False, quick: bool = False,
 ) -> None:  # fmt: skip
-    """The free flights of a record, which give its impact times to better than a sample. Options: without the
-    weakest impact, with sensors taken as exact (as the start of a fit), or from one start only."""
+    """The free flights of a record, which give its impact times to better than a sample. Options: with fewer
+    impacts, one for those that no sample separates or, if there are none, without the weakest; with sensors taken as
+    exact (as the start of a fit); or from one start only."""
     data, record = step.data, step.record
     assert data is not None
     assert record is not None
@@ -434,7 +436,9 @@ def flown(
                 free, flights = exact, other
     data = free.data
     if fewer and free.data.angles.size > 2:
-        free = flights.without(free, int(np.argmin(abs(free.data.jumps))))
+        joined = flights.joined(free)
+        fewest = int(np.argmin(abs(free.data.jumps)))
+        free = flights.without(free, fewest) if joined is free else joined
     if free.misfit > HOPELESS:
         raise SingularError(
             f"flights between {free.data.angles.size} impacts in {data.k} load cycles, with up to {MOST_MODES} "
@@ -511,8 +515,10 @@ def best_of(
         xi = known.get("xi", guess["xi"])
         flights = Flights(data, fold, omega, xi, step.noise, priors, force)
         of_spikes = step.rhythm.phases if step.rhythm.cycles == data.k else np.empty(0)
-        spiky = onsets(step.news(data.k), 2 * math.pi * of_spikes)
-        starts = iter([begin]) if begin is not None else spiky
+        begins = onsets(
+            step.news(data.k), 2 * math.pi * of_spikes, PULSE * data.Omega, 2 * math.pi * data.k
+        )
+        starts = iter([begin]) if begin is not None else begins
         try:
             free = flights.best(islice(starts, 1) if quick else starts, step.report, step.aperiodic)
         except SingularError as error:
