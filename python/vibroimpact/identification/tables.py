@@ -150,7 +150,8 @@ def tables_of(
                 if abs(multipliers).max() > UNSTABLE and remains(
                     exact, pattern, partial(exact_of, step, found, i, law, harmonics, 2)
                 ):
-                    unsure = multiplier_error(step, found, i, law, harmonics)
+                    given = step, found, i, law, harmonics
+                    unsure = math.hypot(multiplier_error(*given), multiplier_of_speed(*given))
             first = motion.angles[0] / step.Omega + middle + begin
             away = distances(data, motion)
             impacts["number"] += [i + 1] * motion.angles.size
@@ -320,6 +321,25 @@ def multiplier_error(step: Step, found: Fit, i: int, law: Law, harmonics: Any) -
             ends.append(float(abs(other.multipliers).max()))
         total += ((ends[0] - ends[1]) / (2 * TRIAL)) ** 2
     return math.sqrt(total)
+
+
+def multiplier_of_speed(step: Step, found: Fit, i: int, law: Law, harmonics: Any) -> float:
+    """The change of the largest multiplier of a fitted motion if R falls with the speed, as the errors of constant
+    coefficients assume, which hardly changes the motion but makes it more stable; 0 if there is no such motion."""
+    if law.kind != "constant" or law.friction or step.data is None:
+        return 0.0
+    p, speeds, signs = TYPICAL_EXPONENT, found.motions[i].speeds, step.data.pattern.signs
+    walls = {f"exponent{wall}": p for wall in "12"} | {
+        name: found.values[name] * float(speeds[signs == sign].mean()) ** p
+        for name, sign in (("R1", 1), ("R2", -1))
+    }
+    other = replace(found, values=found.values | walls)
+    try:
+        both = (exact_of(step, found, i, law, harmonics), exact_of(step, other, i, Law("powers", v0=1.0), harmonics))
+    except VibroimpactError:
+        return 0.0
+    change = float(np.diff([abs(largest(one)) for one in both])[0])
+    return abs(change) if math.isfinite(change) else 0.0
 
 
 def doubts_of(
