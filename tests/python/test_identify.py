@@ -214,7 +214,10 @@ def test_another_motion_with_a_weak_impact_is_doubted():
 
 @pytest.mark.slow
 def test_three_hundred_rigs(share):
-    """Of 300 rigs at 40 dB 98 % are fitted, every wrong fit is doubted, and 95 % intervals cover 90 to 98 %."""
+    """Of 300 rigs at 40 dB 98 % are fitted, every wrong fit is doubted, and 95 % intervals cover 90 to 98 %.
+
+    The converter reads the channels in turn, up to half a sampling interval apart, which the errors contain: near
+    a resonance it is most of the error of xi."""
     count = share(300)
     inside = {name: [] for name in ("xi", "R1", "R2", "d", "F0")}
     refused, doubted = 0, 0
@@ -223,6 +226,11 @@ def test_three_hundred_rigs(share):
         # the sensors of every second rig are exact, and declared exact
         rig = replace(rig, calibration=seed % 2 * 0.01)
         record = rig.record(2.0, rng=seed, motion=motion, settle=60)
+        late = np.random.default_rng(seed).uniform(-0.5, 0.5) / record.rate
+        load = np.interp(record.times + late, record.times, record.load)
+        record = vi.SensorRecord(
+            record.rate, load=load, acceleration=record.acceleration, bandwidth=record.bandwidth
+        )
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", vi.PoorFitWarning)
