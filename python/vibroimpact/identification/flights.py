@@ -183,19 +183,22 @@ def onsets(
     """Candidate sets of angles at which impacts seem to begin in a folded record, by its `news_of`; also the empty
     set.
 
-    Of contacts shorter than a bin only spikes may be left: those that are further than a pulse from all others are
-    part of the first set."""
+    Of contacts shorter than a bin only spikes may be left: those that are further than a pulse from the first set
+    are part of the second one."""
     for grid, news, past in sudden:
         strong = news > max(UNPREDICTED, SHARE * news.max())
         # an impact causes prediction errors as long as it is among the past values
         recent = np.convolve(np.concatenate([strong[-past:], strong]), np.ones(past), "valid")[:-1]
         begins = grid[strong & (recent == 0)]
-        for spike in spikes % whole:
-            away = abs((begins - spike + whole / 2) % whole - whole / 2)
-            begins = np.append(begins, spike) if (away > pulse).all() else begins
-        spikes = spikes[:0]
         if begins.size:
             yield begins
+        more = begins
+        for spike in spikes % whole:
+            away = abs((more - spike + whole / 2) % whole - whole / 2)
+            more = np.append(more, spike) if (away > pulse).all() else more
+        if more.size > begins.size:
+            yield more
+        spikes = spikes[:0]
     yield np.empty(0)
 
 
