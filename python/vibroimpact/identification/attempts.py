@@ -11,7 +11,7 @@ import numpy as np
 from ..base.errors import SingularError
 from .fit import Fit
 from .known import HINT
-from .steps import Step, cycles_of
+from .steps import NotTriedError, Step, cycles_of
 
 #: Samples of the median flight, load cycles of a record, and noise over the motion, beyond which a higher rate, a
 #: longer record or less noise would hardly help.
@@ -19,16 +19,13 @@ SAMPLES, CYCLES, QUIET = 40, 100.0, 0.03
 #: The names of the attempts in messages.
 CALLED = {
     "as it is": "the impacts of the record",
+    "joined": "one impact in each pulse",
     "other walls": "weak impacts on the other wall",
     "fewer": "without the weakest impact",
     "exactly": "sensors as if they were exact",
     "apart": "flight by flight, without a period",
     "twice": "twice the period",
 }
-
-
-class NotTriedError(SingularError):
-    """An attempt that does not apply to the records."""
 
 
 class Attempt(NamedTuple):

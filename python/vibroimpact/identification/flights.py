@@ -190,8 +190,9 @@ def onsets(
         # an impact causes prediction errors as long as it is among the past values
         recent = np.convolve(np.concatenate([strong[-past:], strong]), np.ones(past), "valid")[:-1]
         begins = grid[strong & (recent == 0)]
-        if begins.size:
-            yield begins
+        if not begins.size:
+            continue
+        yield begins
         more = begins
         for spike in spikes % whole:
             away = abs((more - spike + whole / 2) % whole - whole / 2)
@@ -659,7 +660,7 @@ class Flights:
     ) -> FreeFit:
         """The flights between impacts that begin at given angles, including missing impacts; from several starts
         the first good result, or the best. `report` receives the share of the starts that were tried. If the first
-        one is poor, `other` says whether the record is known not to be periodic."""
+        two are poor, `other` says whether the record is known not to be periodic."""
         best: FreeFit | None = None
         failed: SingularError | None = None
         for i, angles in enumerate(starts):
@@ -674,7 +675,7 @@ class Flights:
                 best, self.begin = found, angles
             if best.misfit < GOOD:
                 break
-            if i == 0 and best.misfit > POOR and other():
+            if i == 1 and best.misfit > POOR and other():
                 raise SingularError(
                     f"repeating flights leave residuals of {best.misfit:.3g} times the scatter from period to "
                     "period"

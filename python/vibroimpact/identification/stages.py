@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..base.errors import ParameterError, SingularError
 from .aperiodic import LEAST_IMPACTS, TooFewError, by_flights, by_laws
-from .attempts import Attempts, NotTriedError
+from .attempts import Attempts
 from .fit import DOUBTFUL, Fit, fit
 from .flights import HOPELESS, LEAST_GAIN
 from .known import HINT, unit_hint
@@ -22,7 +22,7 @@ from .laws import KNOWN_OF_LAW, Law
 from .motions import Impacting
 from .signals import LEAST_PICKS, no_rhythm, repeated, scatter_after
 from .start import start_of, start_of_phases, start_of_times, start_together
-from .steps import Step, cycles_of, flown, flown_apart, ordered, silent
+from .steps import NotTriedError, Step, cycles_of, flown, flown_apart, ordered, silent
 from .waves import Measured
 from .windows import unfound_ringing
 
@@ -222,7 +222,10 @@ def halved(
         if len(data) < len(others):
             return None
         # flights of half the period may have other impacts
-        if any(2 * one.angles.size != motion.angles.size for one, motion in zip(data, found.motions, strict=True)):
+        if any(
+            2 * one.angles.size != motion.angles.size
+            for one, motion in zip(data, found.motions, strict=True)
+        ):
             return None
         ensure_possible(others)
         M, K = scale.get("M"), scale.get("K")
@@ -342,14 +345,14 @@ def identified_by(
     seldom needed.
     """
     given = scale, shared, guess, law, law_speed
-    told(steps, progress, 0, 6)
+    told(steps, progress, 0, 7)
     failed: SingularError | None = None
     described = False
     tried = Attempts()
     if any(step.data is None for step in steps):
         return explained(apart(steps, *given), tried, shared)
     single: tuple[list[Step], Fit | None, Law] | None = None
-    attempts = ["as it is", "other walls", "fewer", "exactly", "apart", "twice"]
+    attempts = ["as it is", "joined", "other walls", "fewer", "exactly", "apart", "twice"]
     if len(steps) == 1 and steps[0].restless:
         # an almost periodic record is found sooner by single flights, so little else is tried
         single = apart(steps, *given)
@@ -394,7 +397,7 @@ def identified_by(
                     step.data.calibration and step.data.F0 is not None
                 ):
                     raise NotTriedError("the sensors are exact, or there is no load")
-                flown(step, scale, shared, guess, attempt == "fewer", attempt == "exactly")
+                flown(step, scale, shared, guess, attempt)
                 described |= step.free is not None and step.free.misfit < DOUBTFUL
             if not all(step.rhythm.status == "periodic" for step in others):
                 single = single or apart(steps, *given)

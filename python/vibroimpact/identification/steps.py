@@ -99,6 +99,10 @@ NO_REPETITION = Repetition(0, 0.0, 1.0, 1.0)
 EXACT = 1e-5
 
 
+class NotTriedError(SingularError):
+    """An attempt that does not apply to the records."""
+
+
 def silent(share: float, note: str) -> None:
     """A progress function that does nothing."""
 
@@ -417,14 +421,15 @@ def known_of(
 
 def flown(
     step: Step, scale: Mapping[str, float], known: Mapping[str, float], guess: Mapping[str, float],
-    fewer: bool = False, exactly: bool = False, quick: bool = False,
+    attempt: str = "as it is", quick: bool = False,
 ) -> None:  # fmt: skip
-    """The free flights of a record, which give its impact times to better than a sample. Options: with fewer
-    impacts, one for those that no sample separates or, if there are none, without the weakest; with sensors taken as
-    exact (as the start of a fit); or from one start only."""
+    """The free flights of a record, which give its impact times to better than a sample: of an attempt with one
+    impact in each pulse ("joined"), without the weakest impact ("fewer"), or with sensors taken as exact, as the
+    start of a fit ("exactly"); or from one start only."""
     data, record = step.data, step.record
     assert data is not None
     assert record is not None
+    exactly = attempt == "exactly"
     flights, free = best_of(step, scale, known, guess, exactly, quick)
     uncertain = data.calibration > 0 and data.F0 is not None
     if free.misfit > POOR and uncertain and not (exactly or quick):
@@ -435,10 +440,13 @@ def flown(
             if exact.misfit < LESS * free.misfit:
                 free, flights = exact, other
     data = free.data
-    if fewer and free.data.angles.size > 2:
+    if attempt == "joined":
         joined = flights.joined(free)
-        fewest = int(np.argmin(abs(free.data.jumps)))
-        free = flights.without(free, fewest) if joined is free else joined
+        if joined is free:
+            raise NotTriedError("no two impacts in one pulse")
+        free = joined
+    if attempt == "fewer" and free.data.angles.size > 2:
+        free = flights.without(free, int(np.argmin(abs(free.data.jumps))))
     if free.misfit > HOPELESS:
         raise SingularError(
             f"flights between {free.data.angles.size} impacts in {data.k} load cycles, with up to {MOST_MODES} "

@@ -335,7 +335,10 @@ def multiplier_of_speed(step: Step, found: Fit, i: int, law: Law, harmonics: Any
     }
     other = replace(found, values=found.values | walls)
     try:
-        both = (exact_of(step, found, i, law, harmonics), exact_of(step, other, i, Law("powers", v0=1.0), harmonics))
+        both = (
+            exact_of(step, found, i, law, harmonics),
+            exact_of(step, other, i, Law("powers", v0=1.0), harmonics),
+        )
     except VibroimpactError:
         return 0.0
     change = float(np.diff([abs(largest(one)) for one in both])[0])
