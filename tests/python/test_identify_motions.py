@@ -182,6 +182,24 @@ def test_a_period_doubling_has_a_negative_multiplier_or_its_square():
     assert not remains([0.04, 1.1], "RLRL", 2, twice, None)
 
 
+def test_restitution_that_falls_with_the_speed_changes_a_multiplier(monkeypatch):
+    """In proportion to a small exponent, since the motion with one speed on each wall stays the same; with the
+    exponent of the errors the motion is more stable."""
+    given, change = [], tables.multiplier_of_speed
+    rig = vi.VirtualRig(**BENCH | {"d": 0.0036, "frequency": 20.6}, snr=60, known_bandwidth=True)
+    monkeypatch.setattr(tables, "UNSTABLE", 0.0)
+    monkeypatch.setattr(tables, "remains", lambda *_: True)
+    monkeypatch.setattr(tables, "multiplier_of_speed", lambda *of: given.append(of) or change(*of))
+    found = vi.identify(rig.record(3.0, rng=1), known=KNOWN)
+    assert found.pattern.sides == "RL"
+    by = {}
+    for exponent in (1e-4, 2e-4, 0.25):
+        monkeypatch.setattr(tables, "TYPICAL_EXPONENT", exponent)
+        by[exponent] = change(*given[-1])
+    assert by[2e-4] == pytest.approx(2 * by[1e-4], rel=0.01)
+    assert by[0.25] > 100 * by[1e-4]
+
+
 @pytest.mark.parametrize("other", ["exists", "has no multipliers", "does not exist"])
 def test_the_error_of_a_multiplier(other, monkeypatch):
     """The standard error of the largest multiplier follows from those of the parameters, with their correlation.
