@@ -622,9 +622,11 @@ class Flights:
             if not found.pulse[between].all() or abs(late) > PULSE * self.data.Omega:
                 continue
             angles[first] += late
-            one = found._replace(data=replace(found.data, angles=angles, jumps=jumps))
+            angles, jumps = np.delete(angles, j), np.delete(jumps, j)
+            four, _, _, offset, modes = self.point(found)
+            modes = [Ringing(mode.pole, np.delete(mode.size, j)) for mode in modes]
             with contextlib.suppress(SingularError):
-                one = self.settled(self.without(one, j))
+                one = self.settled(self.fit((four, angles, jumps, offset, modes), found.pulse))
                 if one.misfit < max(GOOD, found.misfit):
                     found, N, i = one, one.data.angles.size, 0
         return found
