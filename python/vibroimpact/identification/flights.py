@@ -183,23 +183,24 @@ def onsets(
     """Candidate sets of angles at which impacts seem to begin in a folded record, by its `news_of`; also the empty
     set.
 
-    Of contacts shorter than a bin only spikes may be left: those that are further than a pulse from the first set
-    are part of the second one."""
+    Of contacts shorter than a bin only spikes may be left: the last set but one contains those that are further than
+    a pulse from the first one."""
+    every: _Array | None = None
     for grid, news, past in sudden:
         strong = news > max(UNPREDICTED, SHARE * news.max())
         # an impact causes prediction errors as long as it is among the past values
         recent = np.convolve(np.concatenate([strong[-past:], strong]), np.ones(past), "valid")[:-1]
         begins = grid[strong & (recent == 0)]
-        if not begins.size:
-            continue
-        yield begins
-        more = begins
+        if begins.size:
+            yield begins
+            every = begins if every is None else every
+    if every is not None:
+        several = every.size
         for spike in spikes % whole:
-            away = abs((more - spike + whole / 2) % whole - whole / 2)
-            more = np.append(more, spike) if (away > pulse).all() else more
-        if more.size > begins.size:
-            yield more
-        spikes = spikes[:0]
+            away = abs((every - spike + whole / 2) % whole - whole / 2)
+            every = np.append(every, spike) if (away > pulse).all() else every
+        if every.size > several:
+            yield every
     yield np.empty(0)
 
 
