@@ -183,8 +183,8 @@ def onsets(
     """Candidate sets of angles at which impacts seem to begin in a folded record, by its `news_of`; also the empty
     set.
 
-    Of contacts shorter than a bin only spikes may be left: the last set but one contains those that are further than
-    a pulse from the first one."""
+    Of contacts shorter than a bin only spikes may be left: the last set but one adds those that are further than a
+    pulse from the first set."""
     every: _Array | None = None
     for grid, news, past in sudden:
         strong = news > max(UNPREDICTED, SHARE * news.max())
