@@ -660,10 +660,11 @@ class Flights:
         starts: Iterable[_Array],
         report: Callable[[float, str], None],
         other: Callable[[], bool],
+        patient: bool = True,
     ) -> FreeFit:
         """The flights between impacts that begin at given angles, including missing impacts; from several starts
         the first good result, or the best. `report` receives the share of the starts that were tried. If the first
-        two are poor, `other` says whether the record is known not to be periodic."""
+        one is poor, or the first two (`patient`), `other` says whether the record is known not to be periodic."""
         best: FreeFit | None = None
         failed: SingularError | None = None
         for i, angles in enumerate(starts):
@@ -678,7 +679,7 @@ class Flights:
                 best, self.begin = found, angles
             if best.misfit < GOOD:
                 break
-            if i == 1 and best.misfit > POOR and other():
+            if i == patient and best.misfit > POOR and other():
                 raise SingularError(
                     f"repeating flights leave residuals of {best.misfit:.3g} times the scatter from period to "
                     "period"

@@ -528,7 +528,8 @@ def best_of(
         )
         starts = iter([begin]) if begin is not None else begins
         try:
-            free = flights.best(islice(starts, 1) if quick else starts, step.report, step.aperiodic)
+            starts = islice(starts, 1) if quick else starts
+            free = flights.best(starts, step.report, step.aperiodic, not step.scattered)
         except SingularError as error:
             step.known_flights[which] = error
         else:
