@@ -522,7 +522,9 @@ def best_of(
         fold = folded(step.motion, record.rate, data.Omega, data.k, PLACES)
         xi = known.get("xi", guess["xi"])
         flights = Flights(data, fold, omega, xi, step.noise, priors, force)
-        of_spikes = step.rhythm.phases if step.rhythm.cycles == data.k else np.empty(0)
+        # spikes have no phases where the motion may not quite repeat
+        repeating = step.rhythm.cycles == data.k and not step.scattered
+        of_spikes = step.rhythm.phases if repeating else np.empty(0)
         begins = onsets(
             step.news(data.k), 2 * math.pi * of_spikes, PULSE * data.Omega, 2 * math.pi * data.k
         )
