@@ -14,6 +14,8 @@ from .problem import Problem, spare_states
 _Array = NDArray[np.float64]
 _Mask = NDArray[np.bool_]
 _Indices = NDArray[np.intp]
+#: Most runs of a candidate that are simulated at once: rare ones that reject it may be anywhere.
+BATCH = 400
 #: Penalty on the level of a design per unit of excess of a figure over its limit.
 PENALTY = 10.0
 #: A level or a risk that is taken for infinite: differences and variances of such numbers are finite.
@@ -174,11 +176,20 @@ class Pool:
         if np.all(np.isposinf(limits)):
             least = order.shape[1]
         while begin < order.shape[1] and going.any():
-            end = max(least, 3 * begin)
+            end = max(least, min(3 * begin, begin + BATCH))
             self.learn(some[going], self._mask(order[going, begin:end]))
             going &= self.bounds[some] <= limits
             begin = end
         return self.bounds[some]
+
+    def go_on(self, some: _Indices) -> None:
+        """Simulates the next runs of some candidates, at most twice as many as are known, in order of risk."""
+        order = self.order()
+        known = self.known[some].reshape(len(some), -1)[:, order]
+        most = np.clip(2 * known.sum(axis=1, keepdims=True), 8, BATCH)
+        runs = np.zeros_like(known)
+        runs[:, order] = ~known & ((~known).cumsum(axis=1) <= most)
+        self.learn(some, runs.reshape(len(some), *self.risk.shape))
 
     def _mask(self, order: _Indices) -> _Mask:
         """The runs (..., nodes, units, states) of indices (..., many)."""

@@ -480,7 +480,7 @@ def elsewhere(
 
 def _least(pool: Pool, share: float) -> int:
     """The best candidate, judged by all runs: no other one is better by more than a share of its level."""
-    many, new = 1, np.flatnonzero(np.isneginf(pool.bounds))
+    new = np.flatnonzero(np.isneginf(pool.bounds))
     pool.learn(new, pool.first(pool.few))
     while True:
         level, done = pool.bounds, pool.complete
@@ -489,11 +489,10 @@ def _least(pool: Pool, share: float) -> int:
         others = np.setdiff1d(np.flatnonzero(level < limit), done)
         if not len(others):
             return best
-        # the most promising ones first: the others may then be above the level of these
-        others = others[np.argsort(level[others], kind="stable")[:many]]
-        none = (pool.race(others, limit, pool.order(), 8) > limit).all()
-        pool.look_at(others[np.argmin(level[others])])
-        many = 2 * many if none else 1
+        # always the most promising ones: none is judged further than the level that is found
+        others = others[np.argsort(level[others], kind="stable")[:2]]
+        pool.go_on(others)
+        pool.look_at(others[np.argmin(pool.bounds[others])])
 
 
 def descended(pool: Pool, here: int, rng: np.random.Generator, steps: int = 8) -> int:
