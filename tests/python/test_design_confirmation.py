@@ -212,6 +212,28 @@ def test_repeated_searches_judge_candidates_by_the_previous_runs_and_others(monk
         assert (units > 1) == (grids[-1].shares.shape[1] == 4 * units)
 
 
+def test_repeated_searches_that_do_not_agree_go_on(monkeypatch, short):
+    """As many again, each from points of its own, but only once, and not if samples contradict the level."""
+
+    def start(*args):
+        shares = even_start(*args)
+        starts.append(float(shares[1, 0]))
+        return shares
+
+    starts, even_start = [], designs_search._even_start
+    monkeypatch.setattr(designs_search, "_even_start", start)
+    monkeypatch.setattr(Archive, "agree", lambda *_: False)
+    for worse, searches, begun in (1, 4, 5), (3, 2, 4), (0, 2, 2):
+        starts.clear()
+        answers = iter(["level"] * worse)
+        monkeypatch.setattr(confirmation, "refuted", lambda *_, these=answers: next(these, ""))
+        found = vi.design(OSC, **{**BRIEF, "searches": 2})
+        assert len(found.searches["level"]) == searches
+        assert found.converged is False
+        # the first search of a repeated set starts from the best candidates
+        assert len(set(starts)) == len(starts) == begun
+
+
 class Chaotic:
     """A host whose targets depend on the initial state by chance: the share of those above t is t**-10."""
 

@@ -176,7 +176,8 @@ def firmer(
 
     They had too few of these if samples of the chosen candidate are worse than its level, or do not meet the
     limits that it meets in the search, see `refuted`. Structures are checked for limits only: their samples take
-    long. In the end an uncertain level of repeated searches is settled, and checked again. After Ctrl-C the last
+    long. In the end an uncertain level of repeated searches is settled. If they do not agree, as many are added
+    until they do, and the level is settled again. If it changes, it is checked again. After Ctrl-C the last
     candidates are returned of which one was judged by all runs.
     """
     limit = math.inf if order.limit is None else order.sign * order.limit
@@ -203,17 +204,27 @@ def firmer(
                 break
             # the new sets contain the previous units, frequencies and initial states
             more = replace(order, specimens=2 * order.specimens, nodes=2 * order.nodes - 1)
-            found = search(problem, more, part_of(progress, turn, 1, ROUNDS), archive)
+            part = part_of(progress, turn, 1, ROUNDS + 1)
+            found = search(problem, more, part, archive)
         except KeyboardInterrupt:
             archive.stopped = True
             break
-        archive, order = found, more
+        archive, order, before = found, more, archive
         if archive.stopped:
             break
     if turn and problem.quick and not archive.stopped:
         archive.refuted = ""
         try:
-            if archive.settle(problem) and archive.contradicted is not None:
+            best, level = archive.best, archive.level[archive.best]
+            archive.settle(problem)
+            if archive.agree(problem) is False and not archive.contradicted:
+                part = part_of(progress, turn, 1, ROUNDS + 1)
+                archive = search(problem, order, part, before, archive)
+                if archive.stopped:
+                    return archive, order
+                archive.settle(problem)
+            same = archive.best == best and archive.level[best] == level
+            if not same and archive.contradicted is not None:
                 best = archive.best
                 chosen = dict(zip(problem.free, archive.values[best], strict=True))
                 wrong = refuted(problem, order, chosen, archive.level[best], False)

@@ -676,7 +676,8 @@ def design(
         `Design.converged` is False. If up to 10,000 samples (of structures at most `samples`) contradict the level
         (`Design.contradicted`), or do not meet limits that the search meets, up to two further sets of searches
         follow, each with at most this number, unless a limit was not reached: each set has twice as many
-        frequencies as the previous one and, with tolerances or an uncertain load, twice as many units.
+        frequencies as the previous one and, with tolerances or an uncertain load, twice as many units. If the last
+        one of them does not agree, at most this number of searches is added to it (not for structures).
     specimens, nodes : int
         Numbers of units and frequencies for which the best candidates are evaluated.
     settling, keep : int

@@ -251,8 +251,9 @@ def levels_of(problem: Problem, target: _Array, excess: _Array) -> tuple[_Array,
 
 
 def search(
-    problem: Problem, order: Order, progress: door.Progress | None, earlier: Archive | None = None
-) -> Archive:
+    problem: Problem, order: Order, progress: door.Progress | None, earlier: Archive | None = None,
+    begun: Archive | None = None,
+) -> Archive:  # fmt: skip
     """Run the searches; return the candidates evaluated for all units. The best one has the lowest level.
 
     Independent searches are run one after another until three of them end at the best design: searches that
@@ -266,15 +267,18 @@ def search(
     earlier : Archive, optional
         Searches with other units: the first search starts from their best candidates. The others start anew, so
         that at least two of the three that must agree are independent of earlier ones.
+    begun : Archive, optional
+        Searches with the same units, to which as many are added.
     """
-    archive, risk, other, states = Archive(), None, None, order.states
+    archive, risk, other, states = begun or Archive(), None, None, order.states
     if earlier is not None and earlier.grid is not None:
         # with fewer states than these, more attractors would not count, see `elsewhere`
         states = earlier.grid.places.shape[1]
     fine = grid(problem, order.specimens, order.nodes, states)
     if earlier is not None and earlier.grid is not None and earlier.targets is not None:
         risk = foreseen(earlier.grid, earlier.targets, fine)
-    for number in range(order.searches):
+    first = len(archive.searches)
+    for number in range(first, first + order.searches):
         pool = Pool(problem, fine, risk)
         pool.other = elsewhere(problem, fine, other.risk if other else None)
         # the random numbers depend only on the seed of the order and the number of the search; those of a repeated
@@ -282,13 +286,14 @@ def search(
         rng = np.random.default_rng(
             (order.seed, number) if earlier is None else (order.seed, number, order.specimens)
         )
-        report = part_of(progress, number, 1, order.searches)
+        report = part_of(progress, number - first, 1, order.searches)
         try:
             if earlier is not None and not number:
                 pool.add(earlier.promising(np.subtract(*problem.ends[::-1])))
             else:
                 many = max(order.evaluations, 8 * len(problem.free))
-                pool.add(problem.at(_even_start(len(problem.free), many << number // 3, rng)))
+                doubled = (number - first) // 3
+                pool.add(problem.at(_even_start(len(problem.free), many << doubled, rng)))
             explored(pool, rng, report)
             refined(pool, rng, archive.at(archive.best) if archive.level else None, report)
             archive.add(pool)
