@@ -466,6 +466,7 @@ def test_a_search_takes_few_runs(runs_of_outcomes):
     assert len(runs_of_outcomes) < 250 * searches
 
 
+@pytest.mark.slow
 def test_limits_hold_for_the_design():
     kwargs = {
         "r": (1.0, 1.02),
@@ -507,6 +508,7 @@ def test_slopes_are_those_of_differences():
             assert slopes[name] == pytest.approx((up - down) / (2 * h), rel=1e-5)
 
 
+@pytest.mark.slow
 def test_steps_down_the_gradient_lower_the_level():
     """From a start near the best clearance the steps reach the lower end of a range with a rising level."""
     kwargs = {**QUICK, "specimens": 1, "nodes": 2, "evaluations": 8, "searches": 1}

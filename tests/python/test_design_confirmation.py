@@ -45,6 +45,7 @@ def test_interval_is_that_of_scipy(good, samples):
     assert interval(good, samples) == pytest.approx((expected.low, expected.high), abs=1e-12)
 
 
+@pytest.mark.slow
 def test_distributions_of_scipy_and_deviations():
     tolerance = {"restitution": stats.norm(0.7, 0.02), "clearance": (-0.5, 0.5), "xi": 0.0114}
     found = vi.design(
@@ -148,6 +149,7 @@ BETWEEN = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_searches_whose_level_samples_contradict_are_repeated(monkeypatch):
     """Samples of another seed confirm the level of the repeated searches; if none does, the verdict says so."""
     found = vi.design(OSC, **BETWEEN)
