@@ -99,6 +99,7 @@ def test_long_names(motion, tmp_path):
 
 LIMITED = """
 import resource, sys, vibroimpact as vi
+sys.dont_write_bytecode = True  # Python renames a bytecode file even if the limit cut it off
 motion = vi.equispaced(vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75), r=0.94, clearance=37.0)[0]
 resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
 try:
