@@ -24,7 +24,14 @@ from .known import Known
 from .laws import KNOWN_OF_LAW, law_of
 from .measured import PerChannel, SensorRecord
 from .motions import oscillator_of, verified
-from .sequence import CALIBRATION, by_parameter, identified, identified_of, records_of
+from .sequence import (
+    CALIBRATION,
+    by_parameter,
+    identified,
+    identified_of,
+    is_good,
+    records_of,
+)
 from .tables import place_in_hertz, said
 
 __all__ = ["Identification", "identify"]
@@ -253,7 +260,7 @@ class Identification(Noun, study="identify"):
     @property
     def good(self) -> bool:
         """Whether parameters were fitted and there is no doubt about them."""
-        return math.isfinite(self.misfit) and not self.doubts
+        return is_good(self._result)
 
     @property
     def pattern(self) -> Pattern | None:
@@ -477,7 +484,7 @@ def identify(
     load_phase: float | None = None,
     known: Mapping[str, Known] | None = None,
     start: Oscillator | None = None,
-    law: str = "constant",
+    law: str | None = None,
     law_speed: float | None = None,
     law_knots: int | None = None,
     friction: float | str | bool | None = None,
@@ -529,9 +536,11 @@ def identify(
     start : Oscillator, optional
         Starting values of the fit for parameters that the records do not give; xi = 0.01, mu = 0.05 and R = 0.7 by
         default.
-    law : {"constant", "power", "powers", "knee", "knees", "table", "tables"}
+    law : {"constant", "power", "powers", "knee", "knees", "table", "tables"}, optional
         The law of the coefficients of restitution as a function of the approach speed v; with a name in the
-        plural, each wall has its own law. "power": R1 (v/v0)^-exponent and R2 (v/v0)^-exponent, a `PowerLaw` far
+        plural, each wall has its own law. By default "constant", or "powers" where the records reject constants,
+        powers of the speed raise no doubt, and no contradicted known value explains the records as well; a note
+        states this. "power": R1 (v/v0)^-exponent and R2 (v/v0)^-exponent, a `PowerLaw` far
         above its knee. "knee": a `PowerLaw` of sharpness 2, with the values R1 and R2 at the speed v0, the
         `exponent` and the speed `knee`. "table": linear between knots, R[1] at the speed v[1] and so on, and
         constant beyond them. With plurals, the parameters are exponent1, knee1 and R1[1] on the right wall, and

@@ -5,29 +5,35 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from typing import Any
 
 import numpy as np
 
 from ..base import checks
-from ..base.errors import ParameterError, ParameterTypeError, SingularError
+from ..base.errors import ParameterError, ParameterTypeError, SingularError, VibroimpactError
 from ..results.tables import Result
 from ..systems.oscillator import Oscillator, of_numbers
 from ..systems.units import SI as SI_UNITS
 from ..systems.units import Units, has_unit, own_number, positive
+from .fit import EXPONENTS, Fit
 from .known import Doubted, Known, known_values, with_errors
 from .laws import KINDS, Law
 from .measured import OF_SENSORS, SensorRecord
 from .sliding import with_friction
-from .stages import identified_by
+from .stages import fitted, identified_by
 from .steps import Step, of_record, of_times
-from .tables import tables_of
+from .tables import is_strained, tables_of
 
 #: Relative standard error of the calibration of a sensor.
 CALIBRATION = 0.01
 #: The keys of &identify for known values.
 OF_KEYS = {
     "mass": "M", "stiffness": "K", "damping": "C", "free_mass": "m", "clearance": "d", "load_amplitude": "F0",
+}  # fmt: skip
+#: The known values that fix a parameter of the fit.
+HELD = {
+    "mu": ("mu", "m"), "omega": ("omega", "K"), "xi": ("xi", "C"), "d": ("d",), "R1": ("R1",), "R2": ("R2",),
 }  # fmt: skip
 #: The shares of the standard error of a known value over which the change of the parameters is computed, in order.
 SHARES = (1.0, 0.3, 0.1)
@@ -36,7 +42,7 @@ SHARES = (1.0, 0.3, 0.1)
 def identified(
     records: Sequence[SensorRecord] = (), *, impact_times: Any = None, impact_sides: Any = None,
     frequency: float | None = None, load_phase: float | None = None, known: Mapping[str, Known] | None = None,
-    start: Oscillator | None = None, law: str = "constant", law_speed: float | None = None,
+    start: Oscillator | None = None, law: str | None = None, law_speed: float | None = None,
     law_knots: int | None = None, friction: float | str | bool | np.bool_ | None = None,
     calibration: float = CALIBRATION, case: str = "", progress: Callable[[float, str], None] | None = None,
 ) -> Result:  # fmt: skip
@@ -50,11 +56,14 @@ def identified(
         raise ParameterError(
             f"calibration = {calibration!r}: must be below 1, such as 0.01 for 1 %"
         )
-    law = checks.choice(law, "law", KINDS)
+    alone = law is None and friction is None
+    law = "constant" if law is None else checks.choice(law, "law", KINDS)
     if law_speed is not None:
         law_speed = positive(law_speed, "law_speed")
     if law_speed is not None and law == "constant":
-        raise ParameterError(f"law_speed = {law_speed!r}: must be left out with law = 'constant'")
+        raise ParameterError(
+            f"law_speed = {law_speed!r}: must be given with a law over the speed, such as law = 'power'"
+        )
     tabulated = law.startswith("table")
     if law_knots is not None and not tabulated:
         raise ParameterError(
@@ -105,17 +114,90 @@ def identified(
         if share is not None:
             shared["friction"] = share
 
-    def refitted(name: str, value: float) -> dict[str, float]:
-        """The values of all parameters with another known value."""
-        other = identified(
-            records, impact_times=impact_times, impact_sides=impact_sides, frequency=frequency,
-            load_phase=load_phase, known={**values, name: value}, start=start, law=law, law_speed=law_speed,
-            law_knots=law_knots, friction=friction, calibration=calibration, progress=lambda share, task: None,
-        )  # fmt: skip
-        return by_parameter(other, "value")
+    def completed(steps: list[Step], found: Fit | None, own: Law) -> Result:
+        """The tables of a fit, with the effects of the errors of known values."""
 
-    changes = {item.name: (item, change_over(item, refitted)) for item in doubted}
-    return tables_of(steps, found, scale, shared, own, case, changes)
+        def refitted(name: str, value: float) -> dict[str, float]:
+            """The values of all parameters with another known value."""
+            other = identified(
+                records, impact_times=impact_times, impact_sides=impact_sides, frequency=frequency,
+                load_phase=load_phase, known={**values, name: value}, start=start, law=own.kind,
+                law_speed=law_speed, law_knots=law_knots, friction=friction, calibration=calibration,
+                progress=lambda share, task: None,
+            )  # fmt: skip
+            return by_parameter(other, "value")
+
+        changes = {item.name: (item, change_over(item, refitted)) for item in doubted}
+        return tables_of(steps, found, scale, shared, own, case, changes)
+
+    result = completed(steps, found, own)
+    if alone and found is not None and found.motions and not is_good(result):
+        other = falling(steps, found, values, guess)
+        result = result if other is None else completed(*other)
+    return result
+
+
+def is_good(result: Result) -> bool:
+    """Whether parameters were fitted and there is no doubt about them."""
+    doubted = any("doubtful: " in text for _, text in result.notes)
+    misfit: float = result.column("records", "misfit").values[0]
+    return math.isfinite(misfit) and not doubted
+
+
+def falling(
+    steps: Sequence[Step], found: Fit, known: Mapping[str, float], guess: dict[str, float]
+) -> tuple[list[Step], Fit, Law] | None:
+    """The fit with coefficients of restitution that fall with the speed, where only these describe the records.
+
+    Constants are rejected, powers of the speed raise no doubt and determine what constants determine, and constants
+    are still doubtful if a known value that the records contradict is fitted, or friction. Otherwise the result is
+    None, since a wrong known value may resemble a law of restitution.
+
+    Parameters
+    ----------
+    found : Fit
+        With constants.
+    known : mapping
+        The known values by their given names.
+    """
+    strained = {name: found.strains[name] for name in found.strains if is_strained(found, name)}
+    rejected = [
+        each.size for name, each in strained.items() if name in EXPONENTS and each.change > 0
+    ]
+    if not rejected:
+        return None
+
+    def described(law: str, without: str = "") -> tuple[list[Step], Fit, Law] | None:
+        """A fit without doubts, with a law, or without one of the known values, or with friction."""
+        scale, shared = known_values({name: known[name] for name in known if name != without})
+        others = [copy(step) for step in steps]
+        try:
+            fit, own = fitted(others, scale, shared, guess, Law(law), None)
+            one: tuple[list[Step], Fit | None, Law] = others, fit, own
+            if without == "friction":
+                one = with_friction(one, scale, shared, guess, None)
+            good = is_good(tables_of(*one[:2], scale, shared, one[2], ""))
+        except VibroimpactError:
+            return None
+        return (others, fit, own) if good else None
+
+    falls = described("powers")
+    if falls is None or set(falls[1].undetermined) - set(EXPONENTS) - set(found.undetermined):
+        return None
+    if any(falls[1].values[name] < 0 for name in EXPONENTS if name not in falls[1].undetermined):
+        return None
+    rivals = [name for name in known for of in strained if name in HELD.get(of, ())]
+    if "friction" in strained and len(steps) == 1:
+        rivals.append("friction")
+    if any(described("constant", name) for name in rivals):
+        return None
+    others = f", and fitting {' or '.join(rivals)} does not explain the record" if rivals else ""
+    falls[0][0].notes.insert(
+        0,
+        f"R falls with the approach speed: constants are rejected ({max(rejected):.2g} standard errors){others}; "
+        "law = 'constant' fits constants",
+    )
+    return falls
 
 
 def by_parameter(result: Result, name: str) -> dict[str, Any]:
@@ -214,7 +296,7 @@ def identified_of(case: Any, progress: Callable[[float, str], None] | None = Non
         "frequency": keys.get("frequency"),
         "known": known,
         "start": case.osc,
-        "law": keys.get("law", "constant"),
+        "law": keys.get("law"),
         "law_speed": keys.get("law_speed"),
         "law_knots": keys.get("law_knots"),
         "friction": friction_of(keys.get("friction")),

@@ -92,17 +92,18 @@ module vi_identify_study
       key_type('fixed', a_word, most=4, words='xi mu R1 R2', may_miss=.true., &
       takes='some of ''xi'', ''mu'', ''R1'' and ''R2''', &
       meaning='parameters of &system that are known; the others are starting values of the fit'), &
-      key_type('law', a_word, default='''constant''', &
+      key_type('law', a_word, may_miss=.true., &
       words='constant power powers knee knees table tables', &
       meaning='restitution at approach speed v: constant, R (v/v0)^-p, with a knee, or a table; &
-      &plural: one for each wall'), &
-      key_type('law_speed', low=tiny_value, high=huge_value, never='law=constant', &
+      &plural: one for each wall; by default constant, or powers where the records reject &
+      &constants and nothing else explains them'), &
+      key_type('law_speed', low=tiny_value, high=huge_value, only='law', never='law=constant', &
       may_miss=.true., unit='m/s', meaning='speed v0 to which R1 and R2 apply; by default the &
       &geometric mean of the speeds of all impacts'), &
-      key_type('law_exponent', low=-10.0_wp, high=10.0_wp, least=1, most=2, never='law=constant', &
+      key_type('law_exponent', low=-10.0_wp, high=10.0_wp, least=1, most=2, only='law', never='law=constant', &
       may_miss=.true., takes='one number, or two if each wall has its own', &
       meaning='exponent p, if it is known; one, or one for the right and one for the left wall'), &
-      key_type('law_knee', low=tiny_value, high=huge_value, least=1, most=2, never='law=constant', &
+      key_type('law_knee', low=tiny_value, high=huge_value, least=1, most=2, only='law', never='law=constant', &
       may_miss=.true., unit='m/s', takes='one speed, or two with law = ''knees''', &
       meaning='speed at which the power law begins, if it is known; one, or one for the right and &
       &one for the left wall'), &
