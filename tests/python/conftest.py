@@ -12,6 +12,7 @@ pytest.register_assert_rewrite(
 
 import vibroimpact as vi  # noqa: E402
 from shared_answers import few_of_each, load  # noqa: E402
+from shared_design import short_searches  # noqa: E402
 from shared_explorer import browser, page, server  # noqa: E402, F401
 from shared_motions import COLUMN, rest_motion  # noqa: E402
 from shared_results import example  # noqa: E402
@@ -97,3 +98,10 @@ class Attractors(dict):
 def attractors():
     """Results of the studies of attractors, which contain motions, exponents and states."""
     return Attractors()
+
+
+@pytest.fixture
+def short():
+    """Designs by few steps and few runs."""
+    with short_searches():
+        yield

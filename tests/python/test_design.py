@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import vibroimpact as vi
-from shared_design import GOOD, OSC, QUICK
+from shared_design import GOOD, OSC, QUICK, asked
 from vibroimpact.designs import confirmation
 from vibroimpact.designs.order import Order, asked_by
 from vibroimpact.designs.pool import Pool
@@ -39,7 +39,7 @@ def runs_of_outcomes(monkeypatch):
     return runs
 
 
-def test_results_do_not_depend_on_the_number_of_threads():
+def test_results_do_not_depend_on_the_number_of_threads(short):
     kwargs = {
         "r": (1.0, 1.02),
         "free": {"clearance": (20, 45)},
@@ -204,8 +204,7 @@ def judged_alone(problem, fine, value):
 def test_a_lucky_candidate_counts_with_its_level_from_other_initial_states():
     """Here the runs of a candidate are made better than they are."""
     osc, options = JOBS["band above resonance"]
-    keys = vi.design(osc, **{**QUICK, **options, "searches": 1, "evaluations": 8}).keys
-    problem, order = asked_by(osc, keys)
+    problem, order = asked(osc, **{**QUICK, **options, "searches": 1, "evaluations": 8})
     fine = grid(problem, order.specimens, order.nodes, order.states)
     pool = judged_alone(problem, fine, [44.0])
     honest = float(pool.bounds[0])
@@ -226,8 +225,7 @@ def test_a_lucky_candidate_counts_with_its_level_from_other_initial_states():
 def test_no_candidate_wins_that_another_one_was_only_better_than_by_luck():
     """A lucky candidate gets its own level; the next best one is then verified as well."""
     osc, options = JOBS["band above resonance"]
-    keys = vi.design(osc, **{**QUICK, **options, "searches": 1, "evaluations": 8}).keys
-    problem, order = asked_by(osc, keys)
+    problem, order = asked(osc, **{**QUICK, **options, "searches": 1, "evaluations": 8})
     pool = Pool(problem, grid(problem, order.specimens, order.nodes, order.states))
     pool.learn(pool.add(np.array([[44.0], [43.9]])), np.ones(pool.risk.shape, bool))
     worse = int(np.argmax(pool.bounds))
@@ -244,14 +242,12 @@ def test_no_candidate_wins_that_another_one_was_only_better_than_by_luck():
 def test_other_initial_states_leave_the_units_that_a_quantile_allows():
     """One of four units has a small mass and is always bad: it counts only if the quantile does not allow it."""
     osc, options = JOBS["band above resonance"]
-    keys = vi.design(
-        osc,
-        **{**QUICK, **options, "searches": 1, "evaluations": 8},
-        tolerance={"mu": [0.001, 0.028, 0.029]},
-    ).keys
     levels = []
     for quantile in (0.6, 0.99):
-        problem, order = asked_by(osc, keys | {"quantile": quantile})
+        problem, order = asked(
+            osc, **{**QUICK, **options, "searches": 1, "evaluations": 8}, quantile=quantile,
+            tolerance={"mu": [0.001, 0.028, 0.029]},
+        )  # fmt: skip
         pool = judged_alone(
             problem, grid(problem, order.specimens, order.nodes, order.states), [30.0]
         )
@@ -281,7 +277,7 @@ def test_the_best_motion_at_resonance_is_equispaced():
     assert found.level <= min(others) * (1 + 1e-3)
 
 
-def test_just_below_resonance_is_dangerous():
+def test_just_below_resonance_is_dangerous(unchecked):
     """Section 5 of the paper: there impacts increase the motion, and no clearance keeps max|X| below A."""
     found = vi.design(
         OSC,
@@ -520,7 +516,7 @@ def test_steps_down_the_gradient_lower_the_level():
     assert found.sensitivity.keys() >= {"clearance", "mu", "xi", "r"}
 
 
-def test_a_report_is_written_completely_or_not_at_all(tmp_path):
+def test_a_report_is_written_completely_or_not_at_all(tmp_path, short):
     pytest.importorskip("matplotlib")
     found = vi.design(OSC, **GOOD, **QUICK, searches=1)
     for place, message in (
@@ -536,7 +532,7 @@ def test_a_report_is_written_completely_or_not_at_all(tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["r.pdf", "r.svg"]
 
 
-def test_a_design_is_converted_to_physical_units(tmp_path):
+def test_a_design_is_converted_to_physical_units(short):
     """Clearances and figures of the target have units, whatever else is chosen; derivatives have none."""
     rig = vi.Oscillator.from_dimensional(M=2.7, K=42e3, C=7.6, m=0.11, restitution=0.7, F0=6.0)
     length = rig.units().length
@@ -571,7 +567,7 @@ def test_a_design_is_converted_to_physical_units(tmp_path):
 
 def test_searches_agree_if_three_end_at_the_best_design():
     one = {"r": (1.0, 1.02), "free": {"clearance": (20, 45)}, "evaluations": 8, "searches": 1}
-    problem, _ = asked_by(OSC, vi.design(OSC, **{**QUICK, **one}).keys)
+    problem, _ = asked(OSC, **{**QUICK, **one})
 
     def archive(*ends):
         found = Archive()
@@ -597,7 +593,7 @@ def test_searches_agree_if_three_end_at_the_best_design():
 def test_a_second_set_of_searches_goes_on_to_new_ones():
     """With more units, searches start from the best candidates so far, then anew."""
     job = {"r": (1.0, 1.02), "free": {"clearance": (20, 45)}, "evaluations": 8, "searches": 1}
-    problem, order = asked_by(OSC, vi.design(OSC, **{**QUICK, **job}).keys)
+    problem, order = asked(OSC, **{**QUICK, **job})
     order = replace(order, specimens=2, nodes=3)
     first = search(problem, order, None)
     more = replace(order, specimens=4, nodes=5, searches=3)
@@ -707,7 +703,7 @@ def test_ctrl_c_keeps_the_best_design(monkeypatch):
 
 
 @pytest.mark.parametrize("what", ["level", "limits"])
-def test_ctrl_c_in_a_search_with_more_units_keeps_the_last_one(monkeypatch, what):
+def test_ctrl_c_in_a_search_with_more_units_keeps_the_last_one(monkeypatch, what, short):
     """Of the searches with more units, the last set that judged a candidate counts."""
     sets = []
 

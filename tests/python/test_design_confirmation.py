@@ -68,7 +68,7 @@ def test_distributions_of_scipy_and_deviations():
     assert found.samples == 300
 
 
-def test_a_tolerance_of_a_chosen_value_is_a_deviation_or_a_factor():
+def test_a_tolerance_of_a_chosen_value_is_a_deviation_or_a_factor(short):
     """Around a clearance of 20, -1 to 1 and 0.95 to 1.05 are the same units, with the same levels."""
     host = OscillatorHost(OSC, None, "attenuation", {}, 120, 16, None)
     shares = np.array([[0.0, 0.3, 1.0], [0.5, 0.5, 0.5]])
@@ -90,7 +90,7 @@ def test_a_tolerance_of_a_chosen_value_is_a_deviation_or_a_factor():
         assert middle == pytest.approx(made.values["clearance"], rel=1e-12)
 
 
-def test_parts_of_a_band_without_samples_have_no_share():
+def test_parts_of_a_band_without_samples_have_no_share(short):
     """With ten samples, parts of the band are empty; the answer is for a part that has samples."""
     found = vi.design(OSC, **GOOD, **QUICK | {"samples": 10}, limit=5.0, searches=1)
     empty = found.bands["samples"] == 0
@@ -133,7 +133,7 @@ def test_over_basins_each_attractor_counts_by_its_share():
     assert upper == pytest.approx(levels[levels > limit].max(), rel=1e-4)
 
 
-def test_a_later_confirmation_is_the_same():
+def test_a_later_confirmation_is_the_same(short):
     """Without samples the same few samples check the chosen values; a confirmation may follow later."""
     kwargs = QUICK | {"r": (1.0, 1.02), "free": {"clearance": (20, 45)}, "limit": 0.5, "rng": 3}
     kwargs["searches"] = 1
@@ -168,13 +168,6 @@ def test_searches_whose_level_samples_contradict_are_repeated(monkeypatch):
     assert never.converged is False
     verdict = "; not converged: samples contradict the search; more nodes or states would help"
     assert verdict in never.verdict
-
-
-@pytest.fixture
-def short(monkeypatch):
-    """Searches of few steps, with few runs from other initial states."""
-    for name, number in (("STEPS", 1), ("TURNS", 0), ("VERIFIED", 400), ("SETTLING", 800)):
-        monkeypatch.setattr(designs_search, name, number)
 
 
 #: Searches of few load cycles.
@@ -355,7 +348,7 @@ def test_samples_beyond_limits_do_not_contradict_a_level(monkeypatch, short):
         assert found.converged is None  # a single search
 
 
-def test_a_level_with_a_penalty_is_not_checked(monkeypatch):
+def test_a_level_with_a_penalty_is_not_checked(monkeypatch, short):
     """Where no candidate meets the limits, the level includes a penalty, and more searches would not help."""
     monkeypatch.setattr(confirmation, "refuted", None)
     found = vi.design(OSC, **{**BETWEEN, "limits": {"speed": 1e-3}})
@@ -364,7 +357,7 @@ def test_a_level_with_a_penalty_is_not_checked(monkeypatch):
     assert "; no candidate meets all limits: " in found.verdict
 
 
-def test_samples_show_whether_a_level_without_a_limit_holds(monkeypatch):
+def test_samples_show_whether_a_level_without_a_limit_holds(monkeypatch, short):
     """Here the searches are not repeated with more units, and the verdict shows how many samples are worse."""
     monkeypatch.setattr(confirmation, "refuted", lambda *_: "")
     found = vi.design(

@@ -9,6 +9,7 @@ import vibroimpact as vi
 
 pytest.importorskip("matplotlib")
 from matplotlib.text import Text
+from shared_design import short_searches
 from vibroimpact.plot.design import _lines
 
 QUICK = {
@@ -40,16 +41,11 @@ def full():
         "R2": (0.5, 0.7),
     }
     spread = dict.fromkeys(("mu", "xi"), (0.98, 1.02)) | {"clearance": (-1, 1), "R1": (0.9, 1, 1.2)}
-    return vi.design(
-        RIG,
-        r=(1.0, 1.02),
-        free=free,
-        tolerance=spread,
-        load=(0.9, 1.1),
-        limit=0.55,
-        limits=LIMITS,
-        **QUICK,
-    )
+    with short_searches():
+        return vi.design(
+            RIG, r=(1.0, 1.02), free=free, tolerance=spread, load=(0.9, 1.1), limit=0.55, limits=LIMITS,
+            **QUICK,
+        )  # fmt: skip
 
 
 def chain(r, load, **values):
@@ -61,10 +57,11 @@ def chain(r, load, **values):
 def named():
     """A design of a structure with long names."""
     free = {f"height_{i}{LONG}": (1, 2) for i in range(6)}
-    return vi.design(
-        chain, r=(1.0, 1.02), free=free, tolerance={f"width{LONG}": (0.5, 0.6)}, limit=0.9,
-        limits={"displacement": 30.0, "rms": 20.0, "speed": 40.0}, **QUICK | {"samples": 10, "searches": 1},
-    )  # fmt: skip
+    with short_searches():
+        return vi.design(
+            chain, r=(1.0, 1.02), free=free, tolerance={f"width{LONG}": (0.5, 0.6)}, limit=0.9,
+            limits={"displacement": 30.0, "rms": 20.0, "speed": 40.0}, **QUICK | {"samples": 10, "searches": 1},
+        )  # fmt: skip
 
 
 @pytest.mark.parametrize("ask", [full, named])

@@ -5,6 +5,7 @@ from urllib.parse import urlsplit
 
 import pytest
 import vibroimpact as vi
+from shared_design import short_searches
 from shared_motions import rest_motion
 from vibroimpact.base.errors import ParameterError, ParameterTypeError
 from vibroimpact.commands.command import main
@@ -27,10 +28,11 @@ def motion():
 @pytest.fixture(scope="module")
 def made():
     """A design of the rig with tolerances of clearance and restitution, and loads that vary."""
-    return vi.design(
-        RIG, r=(1.0, 1.02), free={"clearance": (25, 40)}, load=(0.9, 1.1), limit=0.5, evaluations=8,
-        tolerance={"clearance": (-2, 3), "restitution": (0.7, 0.8)}, specimens=4, nodes=3, samples=0,
-    )  # fmt: skip
+    with short_searches():
+        return vi.design(
+            RIG, r=(1.0, 1.02), free={"clearance": (25, 40)}, load=(0.9, 1.1), limit=0.5, evaluations=8,
+            tolerance={"clearance": (-2, 3), "restitution": (0.7, 0.8)}, specimens=4, nodes=3, samples=0,
+        )  # fmt: skip
 
 
 def shown(state):
@@ -90,7 +92,7 @@ def test_a_design_has_its_box(made):
     assert State.read(state.query) == (state, [])
 
 
-def test_what_cannot_be_shown_is_named(motion, capsys):
+def test_what_cannot_be_shown_is_named(motion, capsys, short):
     """Other results, a load of 0, free vibration and missing files give one message each."""
     with pytest.raises(
         ParameterTypeError,

@@ -106,7 +106,7 @@ def test_results_take_units():
         run.sample("4 mm")
 
 
-def test_shares_and_masses():
+def test_shares_and_masses(short):
     """A damping ratio may be in %, and a mass ratio the free mass."""
     motion = vi.equispaced(RIG, "20.6 Hz", "3.5 mm")[0]
     path = vi.branch(motion, "xi", ("1.2 %", "1 %"))
@@ -410,7 +410,7 @@ def test_a_decay_needs_no_load():
         vi.decay(bare, "2 mm")
 
 
-def test_the_output_of_a_structure_is_designed():
+def test_the_output_of_a_structure_is_designed(short):
     """A design may judge an output; an output equal to a coordinate gives the result of that coordinate."""
 
     def host(clearance, load, r):

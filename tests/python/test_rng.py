@@ -80,7 +80,7 @@ def test_the_seed_that_was_drawn_is_in_the_case():
     assert again.to_dict() == result.to_dict()
 
 
-def test_the_design_takes_a_generator():
+def test_the_design_takes_a_generator(short):
     """Both the search and its confirmation are reproduced; the keys keep the seed."""
     order = {
         "r": (1.0, 1.02), "free": {"clearance": (20, 45)}, "samples": 0, "evaluations": 8, "specimens": 1,
