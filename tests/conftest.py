@@ -55,7 +55,7 @@ def pytest_configure(config):
             f"--share {config.getoption('--share')}: must be a number from 0.1 to 1"
         )
     if config.getoption("--once"):
-        os.environ["VIBROIMPACT_EXAMPLES"] = "25"
+        os.environ["VIBROIMPACT_EXAMPLES"] = "10"
 
 
 def pytest_collection_modifyitems(config, items):

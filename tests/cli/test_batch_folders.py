@@ -117,7 +117,9 @@ def test_kill_leaves_whole_results(program, complete_run, binary, tmp_path):
 def limit_file_size():
     """Limit files of the child process to 1000 bytes; a write then fails as on a full disk."""
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    os.environ["PYTHONDONTWRITEBYTECODE"] = "1"  # Python keeps bytecode files that the limit cut off
+    os.environ["PYTHONDONTWRITEBYTECODE"] = (
+        "1"  # Python keeps bytecode files that the limit cut off
+    )
     resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
 
 

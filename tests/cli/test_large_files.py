@@ -108,7 +108,9 @@ def test_line_feed_in_a_path(batch, command):
 
 def limit_file_size():
     """Limit files of the child process to 1000 bytes as `ulimit -f` does; the signal has its default action."""
-    os.environ["PYTHONDONTWRITEBYTECODE"] = "1"  # Python keeps bytecode files that the limit cut off
+    os.environ["PYTHONDONTWRITEBYTECODE"] = (
+        "1"  # Python keeps bytecode files that the limit cut off
+    )
     resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
 
 

@@ -165,7 +165,9 @@ def test_result_on_a_full_disk(form, tool):
 
     def limit():
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-        os.environ["PYTHONDONTWRITEBYTECODE"] = "1"  # Python keeps bytecode files that the limit cut off
+        os.environ["PYTHONDONTWRITEBYTECODE"] = (
+            "1"  # Python keeps bytecode files that the limit cut off
+        )
         resource.setrlimit(resource.RLIMIT_FSIZE, (2048, 2048))
 
     plane = [

@@ -172,11 +172,11 @@ def load():
 
 
 def few_of_each(cases):
-    """Every fifteenth of the refused cases, and of the others with the same groups, or three of few."""
+    """Every thirtieth of the refused cases, and of the others with the same groups, or two of few."""
     kinds = {}
     for case in cases:
         groups = frozenset(re.findall(r"&\w+|\brecord\b", case["text"]))
         kinds.setdefault(groups if case["answer"]["status"] != 2 else None, []).append(case)
-    steps = {kind: max(1, min(15, len(same) // 3)) for kind, same in kinds.items()}
+    steps = {kind: max(1, min(30, len(same) // 2)) for kind, same in kinds.items()}
     # from the first one on, the longest cases would be among them
     return [case for kind, same in kinds.items() for case in same[steps[kind] - 1 :: steps[kind]]]

@@ -277,7 +277,7 @@ def test_the_best_motion_at_resonance_is_equispaced():
     assert found.level <= min(others) * (1 + 1e-3)
 
 
-def test_just_below_resonance_is_dangerous(unchecked):
+def test_just_below_resonance_is_dangerous(short):
     """Section 5 of the paper: there impacts increase the motion, and no clearance keeps max|X| below A."""
     found = vi.design(
         OSC,
@@ -590,7 +590,7 @@ def test_searches_agree_if_three_end_at_the_best_design():
     assert archive((1.0, 30.0), (1.5, 25.0), (1.0, 30.0), (2.0, 40.0), (1.0, 30.0)) is True
 
 
-def test_a_second_set_of_searches_goes_on_to_new_ones():
+def test_a_second_set_of_searches_goes_on_to_new_ones(short):
     """With more units, searches start from the best candidates so far, then anew."""
     job = {"r": (1.0, 1.02), "free": {"clearance": (20, 45)}, "evaluations": 8, "searches": 1}
     problem, order = asked(OSC, **{**QUICK, **job})

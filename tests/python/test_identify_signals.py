@@ -95,9 +95,10 @@ def test_faults_of_records_are_named(change, message):
     ],
 )
 def test_what_is_known_wrongly_is_no_result(known, message):
-    """With wrong known values there is no fit."""
-    with pytest.raises(vi.SingularError, match=message):
+    """With wrong known values there is no fit, and the error lists what was tried."""
+    with pytest.raises(vi.SingularError, match=message) as refused:
         vi.identify(vi.VirtualRig(**BENCH).record(rng=1), known=known)
+    assert "tried: " in str(refused.value)
 
 
 def test_a_bandwidth_above_half_the_rate_is_an_error():

@@ -1,6 +1,7 @@
 """The imports of the package: no cycles, and each subpackage imports only from earlier ones."""
 
 import ast
+import functools
 import graphlib
 import os
 import subprocess
@@ -39,12 +40,18 @@ def target(path, node, name):
     return None
 
 
+@functools.cache
+def parsed(path):
+    """The syntax tree of a file, which several tests walk through."""
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
 def imports(path, inside, typed=False):
     """The files that a file imports when it is imported, and (`inside`) when its functions run.
 
     typed: also those that only type checkers import.
     """
-    tree = ast.parse(path.read_text(encoding="utf-8"))
+    tree = parsed(path)
     for node in ast.walk(tree) if typed else statements(tree, inside):
         if isinstance(node, ast.ImportFrom):
             for item in node.names:
