@@ -66,6 +66,7 @@ print(-pages(5) + pages(20))
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not LINUX, reason="no /proc")
 def test_runs_give_their_memory_back(complete_run, tmp_path):
     """In one Python process the 25th run of a file needs no more memory than the 5th."""

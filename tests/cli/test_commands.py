@@ -133,6 +133,7 @@ def test_simulate_draws(words, kind, tool):
     assert found[f"case.{kind}"].startswith(MAGIC[kind])
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a terminal of POSIX")
 def test_bar_of_a_simulation(tool):
     """The bar of a simulation gives the time left, also with --plot, and includes the discarded cycles."""

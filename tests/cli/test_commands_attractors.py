@@ -238,6 +238,7 @@ LONG = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a terminal of POSIX")
 @pytest.mark.parametrize("name", LONG)
 def test_bar_and_interrupt_on_a_terminal(name, tool):
@@ -271,6 +272,7 @@ def test_bar_and_interrupt_on_a_terminal(name, tool):
         assert (n, asked) == (len(table), {"lyapunov": 150, "response": 300}[name])
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a terminal of POSIX")
 @pytest.mark.parametrize("name", LONG)
 def test_what_was_cut_short_says_so(name, tool):

@@ -44,6 +44,7 @@ def test_motions_are_proven(tool):
     assert done.out.decode().count("exists, admissible, not stable") == 2
 
 
+@pytest.mark.slow
 def test_branch_is_proven(tool):
     """The gaps of a branch are printed with their reasons; `--tolerance` changes them."""
     write(

@@ -37,6 +37,7 @@ def test_long_files_are_read(kind, binary, tmp_path):
     assert time < 20
 
 
+@pytest.mark.slow
 def test_many_cases(binary, tmp_path):
     """Sixteen times as many cases take about sixteen times as long, and not 256 times."""
     times = []

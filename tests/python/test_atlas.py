@@ -41,6 +41,7 @@ def test_simulated_attractors_lie_in_a_zone_of_their_pattern(atlas):
     assert checked > 30
 
 
+@pytest.mark.slow
 def test_patterns_with_rest_do_not_depend_on_the_survey():
     """Even without a survey, every attractor of simulations within the limits lies in a zone of its pattern.
 
@@ -393,6 +394,7 @@ def test_vertices_of_a_zone_with_rest_by_simulation():
     assert kinds == {"rest_vanishes", "window"}
 
 
+@pytest.mark.slow
 def test_a_stopped_atlas_keeps_the_zones_that_were_finished():
     """Each zone kept equals that of the complete atlas, and the result says how many are missing."""
     window = {"r": (0.8, 1.2), "clearance": (2, 200), "max_impacts": 3, "survey": 20}

@@ -133,6 +133,7 @@ def test_exponents_are_logarithms_of_the_multipliers(seed):
     assert found.impacts == 1000 // motion.cycles * len(motion.gaps) or len(motion.rests)
 
 
+@pytest.mark.slow
 def test_chaos_on_a_spring():
     """Without a dashpot the sum of the exponents is that of the damping alone."""
     s = vi.Structure([1], [0.04], [1], [vi.Stop([1], 0.0, 100)])

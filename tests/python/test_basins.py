@@ -187,6 +187,7 @@ def test_a_long_chaotic_transient_with_slow_phases_is_no_attractor():
     assert (result.labels == 0).all()
 
 
+@pytest.mark.slow
 def test_a_chaotic_attractor_that_was_seen_in_a_quiet_phase_is_one():
     """At times its motions have few impacts for thousands of load cycles."""
     osc = vi.Oscillator(xi=0.1203, mu=0.5491, restitution=0.4072)
@@ -195,6 +196,7 @@ def test_a_chaotic_attractor_that_was_seen_in_a_quiet_phase_is_one():
     assert (result.labels == 0).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("states", [
     12, *(pytest.param(states, marks=pytest.mark.slow) for states in (60, 600))
 ])  # fmt: skip
@@ -408,6 +410,7 @@ def test_a_chaotic_transient_with_many_impacts_is_no_attractor():
     assert (result.labels >= 0).all()
 
 
+@pytest.mark.slow
 def test_labels_do_not_depend_on_rounding_where_transients_are_long():
     """Each state wanders for 10^4 to 10^6 load cycles; its final motion does not depend on its last bits."""
     wall, r, clearance = 0.7189674455988654, 1.4616163504310702, 33.7456669137705
@@ -432,6 +435,7 @@ def test_a_transient_of_half_a_million_impacts_is_no_attractor():
     assert [item.name for item in result.attractors] == ["RRL/1"]
 
 
+@pytest.mark.slow
 def test_a_period_that_is_not_considered_is_not_decided_soon():
     """The motion has a period of 19 load cycles, while periods up to 16 are considered."""
     osc = vi.Oscillator(

@@ -273,6 +273,7 @@ def test_neimark_sacker_and_flip_in_one_step():
         assert np.abs(multipliers_of(between)).max() < 1
 
 
+@pytest.mark.slow
 def test_two_neimark_sacker_points_within_one_step():
     """Motions are stable between r = 2.2444 and 2.2463, less than a step apart, from either start."""
     osc = vi.Oscillator(
@@ -298,6 +299,7 @@ def test_two_neimark_sacker_points_within_one_step():
         assert np.abs(multipliers_of(between)).max() < 1
 
 
+@pytest.mark.slow
 def test_no_fold_where_approach_speeds_vanish_together():
     """Where two impacts merge, multipliers exceed 1e10, but no fold is reported, as none is near 1."""
     osc = vi.Oscillator(

@@ -36,6 +36,7 @@ def inner(branch, most):
     return found[:: max(1, -(-len(found) // most))].tolist()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("first", "last"), [
     (0, 8), pytest.param(8, 60, marks=pytest.mark.slow),
 ])  # fmt: skip

@@ -247,6 +247,7 @@ def repacked(data, change):
     return bytes(found)
 
 
+@pytest.mark.slow
 def test_matlab_files_with_other_bytes(results, tmp_path):
     """A byte that is changed in a part that is not compressed, or before it is, gives an error or a result: tags
     that scipy trusts can end the interpreter."""

@@ -51,6 +51,7 @@ def test_example_of_the_command(tmp_path):
     assert vi.Campaign(tmp_path / "store").finished.all()
 
 
+@pytest.mark.slow
 def test_stores_do_not_depend_on_threads(tmp_path, undisturbed):
     """A continued campaign has the same files byte for byte, and computes nothing twice."""
     (case,) = vi.read_namelist(undisturbed.parent / "sweep.nml")

@@ -106,6 +106,7 @@ def test_exact_points(three):
         assert product == pytest.approx(math.exp(-4 * math.pi * OSC.xi / r) * 0.75**6, rel=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("sides", "cycles"), [("RL", 1), ("RRL", 1), ("RRLL", 1), ("RL", 2)])
 def test_nothing_missed(sides, cycles):
     """The chart contains the motions that an independent, denser search finds at random points."""

@@ -57,6 +57,7 @@ def unchecked(monkeypatch):
     monkeypatch.setattr(confirmation, "refuted", lambda *_: "")
 
 
+@pytest.mark.slow
 def test_the_search_is_as_good_as_brute_force(unchecked):
     """On a grid of clearances, judged by the study `response`, no clearance is better by more than 1 %."""
     band = (1.0, 1.03)
@@ -171,6 +172,7 @@ def test_other_samples_do_not_contradict_a_level_that_has_converged(share):
         assert not levels or max(levels) <= 1.02 * min(levels)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("job", ["clearance and mass", "rig"])
 def test_candidates_do_not_win_by_luck(job, unchecked):
     """At the level found no unit of a design without tolerances has a bad attractor with a noticeable share, from
@@ -449,6 +451,7 @@ def test_a_candidate_with_failed_runs_is_not_chosen(excess):
     ]
 
 
+@pytest.mark.slow
 def test_a_search_takes_few_runs(runs_of_outcomes):
     """Counts of simulations, not times: a search by 16 units at 9 frequencies, each search and each judgement."""
     found = vi.design(

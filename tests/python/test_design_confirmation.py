@@ -208,6 +208,7 @@ def test_repeated_searches_judge_candidates_by_the_previous_runs_and_others(monk
         assert (units > 1) == (grids[-1].shares.shape[1] == 4 * units)
 
 
+@pytest.mark.slow
 def test_repeated_searches_that_do_not_agree_go_on(monkeypatch, short):
     """As many again, each from points of its own, but only once, and not if samples contradict the level."""
 
@@ -249,6 +250,7 @@ class Chaotic:
         return None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rough", [True, False])
 def test_the_best_of_many_uncertain_levels_is_not_too_low(rough):
     """Of 30 equally good candidates, the level of the best one by chance becomes that of many runs."""
@@ -329,6 +331,7 @@ def test_a_structure_is_checked_by_as_many_samples_as_confirm_it(bad, found):
     assert runs == [80]
 
 
+@pytest.mark.slow
 def test_samples_beyond_limits_do_not_contradict_a_level(monkeypatch, short):
     """Searches are repeated for them; the confirmation decides on limits. A level of structures is not checked."""
 

@@ -161,6 +161,7 @@ def test_some_figures_are_as_with_all_others():
             np.testing.assert_array_equal(getattr(some, name), getattr(whole, name))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["least_speed", "least_gap"])
 def test_distances_to_boundaries_have_limits(name):
     """For lower limits the excess is the limit over the least figure, scaled by the load of each unit."""

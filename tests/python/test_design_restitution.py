@@ -49,6 +49,7 @@ def test_equal_restitution_is_not_best_elsewhere():
     assert (equal < unequal).tolist() == [True, True, False, True, True]
 
 
+@pytest.mark.slow
 def test_the_search_chooses_equal_restitution():
     """With the clearance free too, the least max|X|/A belongs to the greatest and equal coefficients."""
     kwargs = {**QUICK, "specimens": 1, "evaluations": 72}

@@ -544,6 +544,7 @@ def test_an_old_account_can_be_read():
     assert search.wandering == search.lost == 0
 
 
+@pytest.mark.slow
 def test_states_that_settle_slowly_are_examined_again():
     """With the multiplier .99892 no state has settled after 600 cycles."""
     osc = vi.Oscillator(

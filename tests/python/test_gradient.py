@@ -51,6 +51,7 @@ def reference(motion, parameter):
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", range(3))
 def test_agrees_with_differences_of_50_digits(number):
     """Every quantity by every parameter, to 1e-10 of the largest derivative of that quantity."""

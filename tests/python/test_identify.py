@@ -79,6 +79,7 @@ def test_units_of_a_record_do_not_matter():
     assert second == pytest.approx(first, rel=1e-7)
 
 
+@pytest.mark.slow
 def test_two_records_tell_more_than_one():
     """Two records of one rig, fitted together, give smaller errors than either, and agree with the true values."""
     first = vi.VirtualRig(**BENCH)
@@ -161,6 +162,7 @@ def test_impact_times_alone_tell_the_clearance():
     assert f": undetermined: {', '.join(found.undetermined)}>" in repr(found)
 
 
+@pytest.mark.slow
 def test_drifting_restitution_is_an_average():
     """Coefficients that fall by 9 % in a record are found as their means, with errors that grow."""
     with pytest.warns(vi.PoorFitWarning, match="the rig changed during the record"):

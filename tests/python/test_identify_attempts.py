@@ -22,6 +22,7 @@ def quietly(record, known):
         return vi.identify(record, known=known)
 
 
+@pytest.mark.slow
 def test_a_refusal_lists_what_was_tried_once(monkeypatch):
     """With a wrong mass no motion exists: the error lists every attempt, the best one, and possible remedies.
 

@@ -43,6 +43,7 @@ def test_what_changes_during_a_chaotic_record_is_named(change, size, seed, kind,
     assert float(doubt.split(said)[1].split()[0]) == pytest.approx(100 * size, rel=0.33)
 
 
+@pytest.mark.slow
 def test_a_steady_chaotic_record_raises_no_doubt():
     """Without the change, the same rig raises no doubt."""
     found = identified(chaotic_rig(5, "defg")[0], 5)
@@ -95,6 +96,7 @@ def test_a_growing_load_of_an_almost_periodic_motion_is_a_doubt():
     assert named >= 1
 
 
+@pytest.mark.slow
 def test_a_period_that_leaves_all_open_is_doubted():
     """Chaos that a sensor with a growing gain makes look like RLRL/2: the fit tells neither mass nor restitution,
     and its period is doubted."""
@@ -105,6 +107,7 @@ def test_a_period_that_leaves_all_open_is_doubted():
     assert any("the motion may not be periodic" in doubt for doubt in found.doubts)
 
 
+@pytest.mark.slow
 def test_a_growth_of_the_load_is_measured():
     """The share of the change is within five of its own errors, and zero where nothing changes."""
     rig, _, _, _ = random_rig(0, "abc")
@@ -133,6 +136,7 @@ def test_a_periodic_motion_bears_a_gain_within_its_calibration():
         vi.identify(**given, known=known, calibration=0)
 
 
+@pytest.mark.slow
 def test_ringing_is_found_at_two_samples_a_millisecond(monkeypatch):
     """At 2 kHz a mode of 250 Hz rings after contacts of 1.5 ms: it is found, and no parameter is four stated
     errors off. Where it is not looked for, what it leaves just after impacts is a doubt."""

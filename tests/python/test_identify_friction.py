@@ -140,6 +140,7 @@ def recorded(D, friction):
     return vi.SensorRecord(rig.rate, load=load, acceleration=acceleration)
 
 
+@pytest.mark.slow
 def test_without_friction_its_test_is_standard_normal():
     """The squared statistics over noise and load phases have a chi-square distribution: 99.9 % interval."""
     rig = vi.VirtualRig(**BENCH)
@@ -166,6 +167,7 @@ def quietly(*args, **options):
         return vi.identify(*args, **options)
 
 
+@pytest.mark.slow
 def test_friction_that_shows_is_a_doubt():
     """Friction is reported with its size for periodic records of three unequal impacts and for chaotic records."""
     periodic = quietly(vi.VirtualRig(**BENCH, **IDEAL, friction=0.02).record(rng=1), known=KNOWN)
@@ -248,6 +250,7 @@ def test_friction_is_fitted_where_the_record_determines_it(slot):
     assert " N" not in shown
 
 
+@pytest.mark.slow
 def test_namelists_take_friction(slot, monkeypatch):
     """Known friction as a share or a force, and a fitted one, as in Python; other words are refused."""
     path, record, python = slot
@@ -339,6 +342,7 @@ def test_the_response_to_the_slip_obeys_newtons_law():
         assert mean[i] == pytest.approx(float(np.mean(0.5 * (own[1:] + own[:-1]))), abs=1e-7)
 
 
+@pytest.mark.slow
 def test_no_friction_is_the_limit_of_a_known_one(monkeypatch):
     """Of a chaotic record without friction: with a known friction of 0 the parameters are those that the same
     impacts give without one. The impacts that are left out only add information: with them errors are smaller, but
@@ -449,6 +453,7 @@ def exactly(friction, noise=5e-4, rate=10e3, duration=6.0):
     return vi.SensorRecord(rate, load=force, acceleration=a), true | {"friction": friction}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("friction", [1e-3, 1e-2])
 def test_with_little_noise_friction_is_that_of_the_exact_motion(friction):
     """All parameters of a chaotic record agree with those of the motion to 1e-3, friction to 1 % and within its
@@ -461,6 +466,7 @@ def test_with_little_noise_friction_is_that_of_the_exact_motion(friction):
     assert max(map(abs, off(found, true).values())) < 4
 
 
+@pytest.mark.slow
 def test_friction_of_a_chaotic_record_is_fitted():
     """From a record of another program all parameters are right with a fitted and with a known friction, which are
     in the table of parameters; the doubts of the fit without friction are gone."""

@@ -24,6 +24,7 @@ def exact(record):
     return vi.identify(record, known=KNOWN)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("damping", [{}, {"xi": 0.01143}])
 def test_picked_phases_scatter_by_their_errors(damping):
     """Impact times from the flights alone differ from those of the motion by their errors; known damping leaves
@@ -88,6 +89,7 @@ def test_forms_of_an_error(record, exact, of_stiffness, error):
     assert found.errors["omega"] == pytest.approx(0.005 * found.values["omega"], rel=1e-4)
 
 
+@pytest.mark.slow
 def test_mass_alone(record):
     """With M alone, the stiffness M omega^2 changes with M and with omega, which M shifts; m/M with M alone."""
     plain = vi.identify(record, known={"M": 2.7, "m": 0.11})
@@ -138,6 +140,7 @@ def test_intervals_cover_the_truth():
     assert np.square(narrow).sum() > 16.8
 
 
+@pytest.mark.slow
 def test_a_stated_error_explains_a_contradiction(record):
     """A wrong m is doubtful unless its error is stated."""
     stated = vi.SensorRecord(

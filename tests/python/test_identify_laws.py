@@ -59,6 +59,7 @@ def test_a_power_law_is_found(walls):
         )
 
 
+@pytest.mark.slow
 def test_a_power_law_holds_where_constants_fail():
     """Impacts of different speeds in one period also determine the exponent; constants do not fit them."""
     record = records_at_loads(LAW, 1)[1]
@@ -185,6 +186,7 @@ def test_equal_speeds_do_not_tell_the_exponent():
     assert found.values["R1"] == pytest.approx(float(walls[0](found.values["v0"])), abs=1e-3)
 
 
+@pytest.mark.slow
 def test_a_power_law_of_each_wall_is_found():
     """Walls with different exponents need one exponent each; the misfit shows it if both share one."""
     walls = tuple(

@@ -157,6 +157,7 @@ def test_the_noise_of_a_load_is_part_of_the_errors_and_of_the_misfit(monkeypatch
     assert with_noise.errors["mu"] > plain.errors["mu"]
 
 
+@pytest.mark.slow
 def test_noise_of_a_load_adds_little_information(monkeypatch):
     """The noise of a load changes the equations less than that of the motion, whose spurious information is small:
     this is why that of the load is not determined. The derivatives with respect to it leave the data unchanged."""

@@ -110,6 +110,7 @@ def test_a_boundary_is_where_the_motion_is_lost():
     assert nearest.distance == pytest.approx(abs(nearest.value / here[nearest.parameter] - 1))
 
 
+@pytest.mark.slow
 def test_a_motion_that_settles_is_named_as_such():
     """Just beyond a period doubling at a clearance of 39.35, 60 load cycles are too few: the motion of the record
     is no exact one, and the doubt says why. The errors, which grow with the misfit, contain it. After 1000 cycles

@@ -106,6 +106,7 @@ def test_cycles_that_differ_slightly_are_a_longer_period(seed, impacts):
     assert max(map(abs, off)) < 4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cycles", [14, 24])
 def test_too_few_cycles_leave_no_shorter_period_without_a_doubt(cycles):
     """Parts of a record with a period of four cycles, of three and six periods: right or doubted."""
@@ -215,6 +216,7 @@ def chaotic_score(seed, kind):
     return rig, found, off
 
 
+@pytest.mark.slow
 def test_a_chaotic_rig_makes_one_record():
     """A change of the load by 1e-14, as from different rounding, does not grow: all impacts stay the same."""
     rig, _ = chaotic_rig(1, "defg")
@@ -265,6 +267,7 @@ def test_a_chaotic_record_contradicts_its_load(change, text):
         assert float(said.split(" ms ")[0].split()[-1]) == pytest.approx(1.0, rel=0.2)
 
 
+@pytest.mark.slow
 def test_a_chaotic_record_contradicts_what_is_known():
     """A known value that is 6 % wrong (K 1 %) is doubted, and a right one is not. At least three of four are the
     first doubt by name, with the true value within a few per cent of the change."""
@@ -285,6 +288,7 @@ def test_a_chaotic_record_contradicts_what_is_known():
     assert named >= 3
 
 
+@pytest.mark.slow
 def test_what_a_chaotic_record_assumes_is_a_derivative():
     """Changes of parameters with the known natural frequency agree with fits of the same impacts."""
     rig, (_, load, acceleration, _) = chaotic_rig(1, "defg")
@@ -308,6 +312,7 @@ def test_what_a_chaotic_record_assumes_is_a_derivative():
         ), name
 
 
+@pytest.mark.slow
 def test_an_impact_that_may_have_been_at_two_times_is_at_the_right_one(monkeypatch):
     """Whichever minimum a fit reaches first, that with a weak impact at another time or the lowest, it uses the
     lowest."""
@@ -329,6 +334,7 @@ def test_an_impact_that_may_have_been_at_two_times_is_at_the_right_one(monkeypat
     assert search(impacts)[0].chi == pytest.approx(lowest, abs=0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [2067, 2063, 2071])
 def test_an_impact_hidden_in_a_long_flight_is_noticed(seed):
     """A weak impact within a flight of 1.1 s, behind a low-pass, does not show in its residuals, but makes
@@ -489,6 +495,7 @@ def test_a_known_filter_and_ringing_are_not_taken_for_a_contact(contact):
     assert read == pytest.approx(contact, rel=0.02, abs=5e-5)
 
 
+@pytest.mark.slow
 def test_the_errors_contain_what_contacts_may_change(monkeypatch):
     """The errors by the score of the two effects of contacts, of a fit without these, are those of a fit of all
     parameters and both effects, although these resemble each other."""
@@ -607,6 +614,7 @@ def test_a_known_delay_of_a_channel_is_taken_out(late, channel):
     assert found.errors["xi"] < 2e-4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("frequency", [19.5, 20.2])
 def test_channels_may_be_read_in_turn(frequency, monkeypatch):
     """Half a sampling interval between channels whose bandwidth is stated is fitted; if they are declared
@@ -675,6 +683,7 @@ def test_a_contact_has_its_restitution_and_duration():
         assert middle == pytest.approx(R / (1 + R) * times[-1], rel=5e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "seed",
     [
@@ -698,6 +707,7 @@ def test_rigs_with_contacts_are_identified(seed):
         assert abs(found.values[name] - value) < 3 * found.errors[name], name
 
 
+@pytest.mark.slow
 def test_impacts_that_repeat_without_a_motion_are_doubted(monkeypatch):
     """No motion is found for a periodic record: that single flights describe it does not make it chaotic."""
     monkeypatch.setattr(Flights, "joined", lambda _, found: found)
@@ -726,6 +736,7 @@ def test_contacts_that_last_are_within_the_errors(monkeypatch):
     assert min(abs(other[name]) for name in ("R1", "R2")) > 15
 
 
+@pytest.mark.slow
 def test_impacts_of_different_speeds_show_how_long_contacts_last(monkeypatch):
     """Contacts of 1.5 ms of a motion that does not repeat: the distance between the walls and all else, where
     impacts of no duration describe nothing."""

@@ -169,6 +169,7 @@ def test_ringing_is_that_of_a_passive_mode():
         assert abs(found.values[name] - value) < 4 * found.errors[name], name
 
 
+@pytest.mark.slow
 def test_what_the_errors_do_not_contain_is_said():
     """Dropped samples, for which impacts repeat without a motion, and drifting coefficients are doubted."""
     record = vi.VirtualRig(**BENCH).record(rng=1)

@@ -284,6 +284,7 @@ def test_fork():
     assert_answers(child(FORKED, 120), "0 True")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")
 def test_fork_from_another_thread():
     """A child forked by a thread other than the main one computes the same."""

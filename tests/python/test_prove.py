@@ -512,6 +512,7 @@ def test_bounds_of_multipliers_lie_between_0_and_1(kind, text):
             check(data)
 
 
+@pytest.mark.slow
 def test_restitution_from_zero_to_one():
     """At R = 0 nothing is proven, with the reason; for all larger R up to 1 certificates are accepted."""
     wall = structures()[0]
@@ -566,6 +567,7 @@ def test_branch():
     checker.check(json.loads(stable.to_json()))
 
 
+@pytest.mark.slow
 def test_branch_in_halves():
     """The independent program halves a box whose models are too wide; a false certificate stays false."""
     motion = vi.equispaced(OSC, 1.04, 22.0)[1]
@@ -684,6 +686,7 @@ def proof_of_zone(tolerance=0.1, low=20.0):
     return zone, zone.prove(tolerance)
 
 
+@pytest.mark.slow
 def test_zone(tmp_path):
     """Boxes proven inside and outside agree with the boundary and exact motions; most boxes are decided."""
     zone, proof = proof_of_zone()
@@ -1135,6 +1138,7 @@ def test_all_motions_of_two_impacts(point):
     assert "complete" in repr(proof)
 
 
+@pytest.mark.slow
 def test_all_motions_of_several_cycles():
     """The same for periods of one and of two load cycles."""
     proof = assert_all(*POINTS[5], 2, 2)
@@ -1206,6 +1210,7 @@ def test_linear_laws_of_given_times(sides, cycles):
         )
 
 
+@pytest.mark.slow
 def test_false_certificates_of_all_motions_are_rejected():
     """A certificate with a motion missing or duplicated, or with changed words or numbers, is rejected."""
     data = json.loads(vi.prove_all(TABLE1, 0.94, 37.0, max_impacts=2).to_json())
@@ -1257,6 +1262,7 @@ def test_all_motions_are_not_promised_in_vain():
         vi.prove_all(OSC, 0.9, 5.0, max_impacts=4)
 
 
+@pytest.mark.slow
 def test_branch_across_resonance():
     """Over wide boxes of r the amplitude without impacts has no bound: they are halved, and all is proven."""
     motion = vi.equispaced(vi.Oscillator(xi=0.005, mu=0.042, restitution=0.75), 1.01, 37.0)[0]
@@ -1456,6 +1462,7 @@ def test_branch_of_structure(motion, parameter, bounds, symmetric):
     assert f"for {parameter} {bounds[0]:g} to {bounds[1]:g} in " in repr(proof)
 
 
+@pytest.mark.slow
 def test_branches_of_symmetric_pairs():
     """Certificates of random pairs as structures are accepted, also of motions with large multipliers, and where
     a number of Routh's array changes its sign."""
@@ -1527,6 +1534,7 @@ def wrong_branches(data):
             yield changed(f"radius {i} {k}", "boxes", 0, "radius", i, k, value=lambda _: "0x0p0")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [
     1, *(pytest.param(number, marks=pytest.mark.slow) for number in (0, 2))
 ])  # fmt: skip

@@ -415,6 +415,7 @@ def test_thinned_outline_is_the_same_curve():
     assert away.max() <= canvas.THINNED
 
 
+@pytest.mark.slow
 def test_proof_of_figure_6a(tmp_path, monkeypatch):
     """A coarse proof of a part of the zone agrees with the traced zone, and its certificate is kept."""
     pytest.importorskip("flint")
@@ -449,6 +450,7 @@ def test_report_stands_alone(whole):
     assert text.count("<section") == text.count("</section>")
 
 
+@pytest.mark.slow
 def test_interrupt_leaves_whole_items(tmp_path):
     """Ctrl-C ends with status 1; the outputs of finished tasks are complete."""
     code = "import sys; from vibroimpact.commands.command import main; sys.exit(main(sys.argv[1:]))"
@@ -516,6 +518,7 @@ def test_workers_end_with_a_killed_program(tmp_path):
                 os.kill(number, signal.SIGKILL)
 
 
+@pytest.mark.slow
 def test_proofs_of_statements(monkeypatch):
     """The proofs agree with the motions found; without python-flint there are none, and the page states this."""
     pytest.importorskip("flint")

@@ -263,6 +263,7 @@ def test_zone_in_closed_form(squeal, tmp_path):
     assert one == two
 
 
+@pytest.mark.slow
 def test_an_atlas_has_the_zone(squeal, tmp_path):
     """An atlas knows no motion, and finds the same zone: each motion of its survey lies in it."""
     atlas = vi.atlas(bow(0.05), vi.Load.none(), *PLANE, survey=12, settling=60, lines=9)
@@ -388,6 +389,7 @@ def test_period_doubling():
     assert doubled.period[-place] == pytest.approx(2 * branch.period[flip.index], rel=1e-8)
 
 
+@pytest.mark.slow
 def test_zone_of_two_masses():
     """Motions scale with the speed of the belt and all friction forces together, so that flips lie on rays from
     the origin, along which the period is constant; inside, simulations of disturbed motions return to them."""

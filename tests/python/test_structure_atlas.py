@@ -48,6 +48,7 @@ def test_motions_of_the_survey_lie_in_the_zones(atlas):
         assert any((len(zone.gaps), zone.cycles) == (impacts, cycles) for zone in atlas.at(x, y))
 
 
+@pytest.mark.slow
 def test_simulations_stay_on_the_motions_of_zones(atlas):
     rng = np.random.default_rng(4)
     for zone in atlas.zones:

@@ -298,6 +298,7 @@ def test_a_chaotic_attractor_has_a_positive_exponent():
         assert (exponents.impacts == 0) == (name == "no impacts")
 
 
+@pytest.mark.slow
 def test_a_chaotic_transient_is_no_attractor():
     """States settle after 10^4 to 10^6 load cycles; two algorithms and two orders of rounding agree."""
     wall, r, clearance = 0.7189674455988654, 1.4616163504310702, 33.7456669137705

@@ -108,6 +108,7 @@ def law_of(kind, branch, i):
     return 0.0
 
 
+@pytest.mark.slow
 def test_steps_stay_long_where_a_flight_almost_turns():
     """A branch reaches both bounds: touches between which a gap hardly reverses do not shorten its steps."""
     structure = vi.Structure(
@@ -348,6 +349,7 @@ def test_a_zone_down_to_impacts_without_restitution():
     assert {piece.type for piece in zone.boundary} == {"window", "flip"}
 
 
+@pytest.mark.slow
 def test_a_motion_in_a_zone_is_the_stable_one():
     """Near a fold the nearest vertex of the boundary may lead to the unstable motion."""
     undamped = vi.Structure([1], [0], [1], [vi.Gap([1], 1, 0.8)])
@@ -491,6 +493,7 @@ def test_the_symmetric_zone_of_figure_6():
     assert (ours.contains(r, clearance / 2) == inside).all()
 
 
+@pytest.mark.slow
 def test_a_corner_where_two_multipliers_are_1():
     """A fold ends on a Neimark-Sacker curve where two multipliers are 1; the loop is that of the oscillator."""
     osc = vi.Oscillator(xi=0.0114, mu=0.028, restitution=(0.75, 0.61))

@@ -95,6 +95,7 @@ def test_mirror_images_are_found():
     assert not all(any(mirrored(motion, other) for other in found) for motion in found)
 
 
+@pytest.mark.slow
 def test_lines_reach_what_few_times_do_not():
     """With few sets of times, the lines through the motions found reach all motions found from many sets."""
     point = vi.Oscillator(xi=0.0429, mu=0.1937, restitution=0.7833).at(0.8855, 10.2346)

@@ -283,6 +283,7 @@ def test_a_doubled_period_ends_at_its_flip():
     assert min(abs(value - end.value) for value in flips) < 1e-6
 
 
+@pytest.mark.slow
 def test_zone_ends_where_events_exchange():
     """Lines are not followed beyond two simultaneous events; the zone has a bound there."""
     structure, load = random_structure(28)

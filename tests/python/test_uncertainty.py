@@ -162,6 +162,7 @@ def has_stable_pair(point, states):
     return False
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("parts", "stops"), [
     ({"friction": (0.0, 0.4), "r": (0.99, 1.01)}, None),
     ({"friction": (0.0, 0.3), "wall_stiffness": (10.0, 60.0)}, (None, (20.0, 0.3))),
@@ -198,6 +199,7 @@ def test_a_map_with_friction_is_that_of_simulations_at_each_point(parts, stops):
     assert not found.undecided.any()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("symmetric", [True, None])
 def test_weak_friction_and_stiff_walls_do_not_change_a_map(symmetric):
     """Friction of 1e-7, and walls of stiffness 1e8 with the dashpot of the coefficient of restitution, leave the
@@ -235,6 +237,7 @@ def test_limits_of_a_map_with_friction_are_those_of_its_motions():
             assert found.within.item() == (factor > 1)
 
 
+@pytest.mark.slow
 def test_threads_do_not_change_a_map_with_friction():
     given = {"friction": (0.0, 0.2), "r": (0.99, 1.01)}
     r, clearance = np.linspace(0.95, 1.05, 3), [12.0, 25.0]

@@ -595,6 +595,7 @@ def test_windows_and_columns_of_every_system(every):
     np.testing.assert_array_equal(p.gaps, motion.gaps)
 
 
+@pytest.mark.slow
 def test_animations(every, tmp_path):
     """The masses, walls and cursor in physical units, and an animation."""
     import matplotlib.pyplot as plt

@@ -27,6 +27,7 @@ def bifurcations(osc, r, clearance):
         yield from (point for point in line.special_points if point.type in TYPES)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("place", PLACES)
 def test_stable_is_true_or_none_beside_a_bifurcation(place):
     """At relative distances of 1e-6 to 1e-14 from a bifurcation `stable` is correct, or None within 5e-9.

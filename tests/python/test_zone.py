@@ -41,6 +41,7 @@ def test_equispaced_zone_against_the_closed_form(equispaced):
     assert 500 < inside.sum() < 9500
 
 
+@pytest.mark.slow
 def test_a_wide_window_against_the_closed_form():
     """The same in a window of two decades of r and five of d K/F0, where resonance needs a denser lattice."""
     window = ((0.1, 10.0), (0.01, 1000.0))
@@ -407,6 +408,7 @@ def test_the_motion_of_a_zone_is_stable_where_there_is_a_stable_one():
         assert motion.admissible
 
 
+@pytest.mark.slow
 def test_a_cascade_is_searched_once():
     """Simulations show motions of many narrow zones of one sheet: their lines are followed only once."""
     osc = vi.Oscillator(

@@ -79,6 +79,7 @@ def test_border_of_stops():
     assert "stick begins" in zone.plot().get_legend_handles_labels()[1]
 
 
+@pytest.mark.slow
 def test_zone_of_contacts(tmp_path):
     """The zone ends where the motion without contact just reaches the stop, and at the folds of branches."""
     s = one_stop(1.0, stiffness=10, damping=0.05)

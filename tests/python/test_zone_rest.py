@@ -144,6 +144,7 @@ def least_force(motion):
     return least
 
 
+@pytest.mark.slow
 def test_a_rest_splits_on_the_boundary():
     """A zone closes where the contact force touches zero inside a rest; beyond it there are two rests.
 
@@ -296,6 +297,7 @@ def test_long_accumulations():
     assert zone.contains(0.6794256273928386, 0.011559364174016444)
 
 
+@pytest.mark.slow
 def test_a_narrow_zone_closes_where_a_fold_meets_the_end_of_rest():
     """A zone that is very narrow in places closes, and is the same for another lattice."""
     zone = vi.zone(HEAVY, vi.Pattern("R*L"), (0.82, 0.88), (7, 12))
