@@ -13,13 +13,12 @@
 !! omitted terms are below rounding (vi_series).
 module vi_channels
    use vi_kinds, only: wp
-   use vi_lane_groups, only: bound_pairs, sizes_of_pairs
-   use vi_lane_groups_wide, only: bound_pairs_wide => bound_pairs, &
-      sizes_of_pairs_wide => sizes_of_pairs
-   use vi_lane_rows, only: add_derivatives, mark_doubts, side_by_side, start_series, step_pairs
-   use vi_lane_rows_wide, only: add_derivatives_wide => add_derivatives, &
-      mark_doubts_wide => mark_doubts, start_series_wide => start_series, &
-      step_pairs_wide => step_pairs
+   use vi_lane_groups, only: add_derivatives, bound_pairs, sizes_of_pairs
+   use vi_lane_groups_wide, only: add_derivatives_wide => add_derivatives, &
+      bound_pairs_wide => bound_pairs, sizes_of_pairs_wide => sizes_of_pairs
+   use vi_lane_rows, only: mark_doubts, side_by_side, start_series, step_pairs
+   use vi_lane_rows_wide, only: mark_doubts_wide => mark_doubts, &
+      start_series_wide => start_series, step_pairs_wide => step_pairs
    use vi_modes, only: advance, advance_pair, bound_on, levels
    use vi_rows, only: add_ripple, bound_values, row_values, rows_type
    use vi_series, only: follow, new_opening, opening_type, order, series_type, step_budget, &
@@ -184,12 +183,12 @@ contains
       type(reached_type), intent(out) :: reached
       real(wp) :: bounded, brief, found, h, horizon, speed, t, time
       integer :: clear, hold, j, level, longest, n, next, now, row, steps, taken, wall
-      logical :: crowded, fresh, grouped, small
+      logical :: crowded, fresh, alone, small
 
       ! where a cell costs less than a search, long cells in doubt are divided, not searched
       small = m*rows <= 64
       brief = 1/max(regime%rows%most_fastest, tiny(1.0_wp))
-      grouped = regime%rows%groups > 0 .and. .not. regime%rows%grows
+      alone = regime%rows%alone .and. .not. regime%rows%grows
       bounded = pace%bounded
       if (bounded > 0) then
          call pairs_at(regime, m, harmonics, x0, v0, phase, bounded, pairs(:, 1), pairs(:, 2), &
@@ -198,7 +197,7 @@ contains
       else
          call bound_fourth_of_pairs(regime, m, x0, v0, pairs(:, 5), pairs(:, 6))
       end if
-      if (grouped) then
+      if (alone) then
          call begin_watch(regime, x0, v0, pairs(:, 5), watch)
          do j = 1, starts
             call leave_row(leaving(j)%row, watch)
@@ -212,7 +211,7 @@ contains
       horizon = t + cells*regime%steps%length(level)
       now = 1
       call start_afresh(regime, m, rows, harmonics, starts, leaving, x0, v0, phase, t, &
-         cells*regime%steps%length(level), grouped, 1, pairs, turns, values, watch)
+         cells*regime%steps%length(level), alone, 1, pairs, turns, values, watch)
       fresh = .true.
       steps = pace%cells
       clear = pace%clear
@@ -233,7 +232,7 @@ contains
          if (t + h > horizon) then
             horizon = t + cells*h
             call start_afresh(regime, m, rows, harmonics, starts, leaving, x0, v0, phase, t, &
-               cells*h, grouped, now, pairs, turns, values, watch)
+               cells*h, alone, now, pairs, turns, values, watch)
             fresh = .true.
          end if
          if (regime%modes%wide) then
@@ -249,7 +248,7 @@ contains
             turns(j, next) = turns(j, now)*regime%turns(j, level)
          end do
          n = 0
-         if (grouped) then
+         if (alone) then
             call look_at_rows(regime, m, rows, harmonics, starts, leaving, t, h, now, pairs, &
                turns, values, watch, doubtful, n)
          else
@@ -300,7 +299,7 @@ contains
          t = t + h
          now = next
          fresh = .false.
-         if (crowded .and. .not. (grouped .or. regime%rows%grows)) then
+         if (crowded .and. .not. (alone .or. regime%rows%grows)) then
             ! what is left of a damped motion may be far below the bound of its beginning
             bounded = t
             call pairs_at(regime, m, harmonics, x0, v0, phase, t, pairs(:, 2*now - 1), &
@@ -318,7 +317,7 @@ contains
    !! errors of the products do not add up, and bounds the rounding errors of the rows for some time
    !! after it.
    pure subroutine start_afresh(regime, m, rows, harmonics, starts, leaving, x0, v0, phase, t, &
-      duration, grouped, at, pairs, turns, values, watch)
+      duration, alone, at, pairs, turns, values, watch)
       !> The regime.
       type(regime_type), intent(in) :: regime
       !> Number of pairs, of rows, and of harmonics of the load.
@@ -330,8 +329,8 @@ contains
       real(wp), intent(in) :: x0(m), v0(m)
       !> Load phase there (rad), the time after it, and how long the bound has to hold.
       real(wp), intent(in) :: phase, t, duration
-      !> Whether groups of rows are looked at, not all.
-      logical, intent(in) :: grouped
+      !> Whether single rows are looked at, not all.
+      logical, intent(in) :: alone
       !> Which of the columns.
       integer, intent(in) :: at
       !> As in `search_cells`.
@@ -341,7 +340,7 @@ contains
 
       associate (x => pairs(:, 2*at - 1), v => pairs(:, 2*at))
          call pairs_at(regime, m, harmonics, x0, v0, phase, t, x, v, turns(:, at))
-         if (.not. grouped) then
+         if (.not. alone) then
             call row_values(regime%rows, regime%frequency, x, v, turns(:, at), &
                values(:, 2*at - 1), values(:, 2*at), t)
             if (t <= 0) call set_at_limit(starts, leaving, regime, 1, rows, values(:, 2*at - 1), &
@@ -349,9 +348,7 @@ contains
          end if
          call find_roots(regime, m, x, v, t + duration, watch%root_x, watch%root_v)
       end associate
-      if (grouped) then
-         watch%valued(:, at) = .false.
-         watch%weighed = .false.
+      if (alone) then
          watch%reserve = rounding_share*(regime%rows%most_constant + regime%rows%most_norm &
             *watch%root_x)
       else
@@ -939,11 +936,11 @@ contains
 
       associate (i => rows%begins(row), j => rows%begins(row + 1) - 1)
          if (rows%wide) then
-            call add_derivatives_wide(j - i + 1, first, last, rows%stiffness(i:j), rows%drag(i:j), &
-               rows%of_x(i:j), rows%of_v(i:j), x, v, total)
+            call add_derivatives_wide(j - i + 1, first, last, rows%bare, rows%stiffness(i:j), &
+               rows%drag(i:j), rows%of_x(i:j), rows%of_v(i:j), x, v, total)
          else
-            call add_derivatives(j - i + 1, first, last, rows%stiffness(i:j), rows%drag(i:j), &
-               rows%of_x(i:j), rows%of_v(i:j), x, v, total)
+            call add_derivatives(j - i + 1, first, last, rows%bare, rows%stiffness(i:j), &
+               rows%drag(i:j), rows%of_x(i:j), rows%of_v(i:j), x, v, total)
          end if
       end associate
    end subroutine add_terms

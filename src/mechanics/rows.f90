@@ -5,9 +5,9 @@
 !! Pairs that occur in most rows of a range form dense blocks; the others are listed one by one.
 module vi_rows
    use vi_kinds, only: wp
-   use vi_lane_groups, only: add_group, add_rows, bound_group, group
-   use vi_lane_groups_wide, only: add_group_wide => add_group, add_rows_wide => add_rows, &
-      bound_group_wide => bound_group
+   use vi_lane_groups, only: add_rows, add_stacked, bound_row, group
+   use vi_lane_groups_wide, only: add_rows_wide => add_rows, add_stacked_wide => add_stacked, &
+      bound_row_wide => bound_row
    use vi_lane_rows, only: add_product, add_products, side_by_side
    use vi_lane_rows_wide, only: add_product_wide => add_product, add_products_wide => add_products
    use vi_modes, only: modes_type
@@ -15,8 +15,8 @@ module vi_rows
    implicit none (type, external)
    private
 
-   public :: add_harmonic, add_ripple, bound_of_group, bound_values, free_sums, free_value, &
-      free_values, group_values, new_rows, renew_rows, row_values, rough_values
+   public :: add_harmonic, add_ripple, bound_of_row, bound_values, free_sums, free_value, &
+      free_values, new_rows, renew_rows, rough_values, row_values, values_of_row
 
    !> Pairs (first_pair to last_pair) that occur in most rows from first_row to last_row.
    type, public :: block_type
@@ -25,10 +25,6 @@ module vi_rows
       real(wp), allocatable, dimension(:, :) :: position, velocity, rate_position, rate_velocity
       !> Absolute values of the first two.
       real(wp), allocatable, dimension(:, :) :: position_size, velocity_size
-      !> (group, pairs, groups) The coefficients of x by groups of rows of which some are in the
-      !! block, 0 in the others, and the first of these groups.
-      real(wp), allocatable :: grouped(:, :, :)
-      integer :: first_group = 1
       !> (pairs, rows) The coefficients of x by rows, where no row depends on v.
       real(wp), allocatable :: by_row(:, :)
    end type block_type
@@ -41,10 +37,12 @@ module vi_rows
       !> Row and pair of each coefficient that is in no block, and the coefficients.
       integer, allocatable, dimension(:) :: row, pair
       real(wp), allocatable, dimension(:) :: position, velocity, rate_position, rate_velocity
-      !> Groups of `group` rows that can be evaluated alone, 0 if none can; where no row depends on
-      !! v, the coefficients that are in no block by rows: listed(listed_begins(i):
+      !> Whether single rows are evaluated where certificates do not cover them (vi_watch); where no
+      !! row depends on v, the coefficients that are in no block by rows: listed(listed_begins(i):
       !! listed_begins(i + 1) - 1) of row i.
-      integer :: groups = 0
+      logical :: alone = .false.
+      !> Number of pairs up to the last one in a block.
+      integer :: dense = 0
       !> The largest norm of positions and size of constants, and (harmonics) the largest ripples.
       real(wp) :: most_norm = 0, most_constant = 0
       real(wp), allocatable :: most_ripple(:)
@@ -69,6 +67,8 @@ module vi_rows
       integer, allocatable :: runs(:)
       !> (as touched) omega^2, 2 sigma, and the coefficients of x and of v.
       real(wp), allocatable, dimension(:) :: stiffness, drag, of_x, of_v
+      !> Whether all of drag and of of_v are 0.
+      logical :: bare = .false.
       !> (rows) No derivative grows faster than by this factor an order; the largest of them.
       real(wp), allocatable :: fastest(:)
       real(wp) :: most_fastest = 0
@@ -76,8 +76,8 @@ module vi_rows
       logical :: wide = .false.
    end type rows_type
 
-   !> Rows from which on groups of them are evaluated alone: with less there is little to leave out.
-   integer, parameter :: many = 4*group
+   !> Rows from which on they are evaluated alone: with less there is little to leave out.
+   integer, parameter :: many = 16
 
 contains
 
@@ -152,6 +152,7 @@ contains
          end associate
          i = k + 1
       end do
+      if (j > 0) rows%dense = rows%blocks(j)%last_pair
       rows%row = pack(spread([(i, i=1, n)], 2, m), occurs .and. .not. spread(dense, 1, n))
       rows%pair = pack(spread([(k, k=1, m)], 1, n), occurs .and. .not. spread(dense, 1, n))
       allocate (rows%position(size(rows%row)), rows%velocity(size(rows%row)), &
@@ -169,7 +170,8 @@ contains
          rows%listed_begins = [1, (1 + count(rows%row <= i), i=1, n)]
          rows%listed = [(pack([(k, k=1, size(rows%row))], rows%row == i), i=1, n)]
       end if
-      if (rows%by_position .and. n >= many .and. .not. present(of_x)) call set_groups(rows)
+      rows%alone = rows%by_position .and. n >= many .and. .not. present(of_x)
+      rows%most_norm = maxval(rows%position_norm)
       call set_touched(modes, position, velocity, occurs, rows)
       call set_fastest(frequency, rows)
    end subroutine new_rows
@@ -189,8 +191,6 @@ contains
       type(rows_type), intent(inout) :: rows
 
       call set_constants(modes, position, velocity, offset, ripple, rates_known, rows)
-      if (rows%groups > 0) rows%most_constant = maxval(rows%constant_size)
-      if (rows%groups > 0) rows%most_ripple = maxval(rows%ripple_size, 1)
       call set_fastest(frequency, rows)
    end subroutine renew_rows
 
@@ -209,6 +209,8 @@ contains
       rows%ripple = ripple
       rows%ripple_size = abs(ripple)
       rows%constant_size = abs(offset) + sum(rows%ripple_size, 2)
+      rows%most_constant = maxval(rows%constant_size)
+      rows%most_ripple = maxval(rows%ripple_size, 1)
       rows%rate_offset = 0
       if (rates_known) return
       do k = 1, size(position, 2)
@@ -216,30 +218,6 @@ contains
             + velocity(:, k)*modes%force(k)
       end do
    end subroutine set_constants
-
-   !> The groups of rows.
-   pure subroutine set_groups(rows)
-      !> In and out: filled in.
-      type(rows_type), intent(inout) :: rows
-      integer :: i, j, k, n
-
-      n = size(rows%offset)
-      rows%groups = (n + group - 1)/group
-      rows%most_norm = maxval(rows%position_norm)
-      rows%most_constant = maxval(rows%constant_size)
-      rows%most_ripple = maxval(rows%ripple_size, 1)
-      do j = 1, size(rows%blocks)
-         associate (b => rows%blocks(j))
-            b%first_group = (b%first_row - 1)/group + 1
-            allocate (b%grouped(group, b%last_pair - b%first_pair + 1, &
-               (b%last_row - 1)/group + 2 - b%first_group), source=0.0_wp)
-            do i = b%first_row, b%last_row
-               k = (i - 1)/group
-               b%grouped(i - k*group, :, k + 2 - b%first_group) = b%position(i - b%first_row + 1, :)
-            end do
-         end associate
-      end do
-   end subroutine set_groups
 
    !> The pairs of each row.
    pure subroutine set_touched(modes, position, velocity, occurs, rows)
@@ -276,6 +254,7 @@ contains
          i = rows%begins(j) + filled(i - rows%begins(j))
       end do
       rows%begins(size(occurs, 1) + 1) = i
+      rows%bare = .not. any(abs(rows%drag) + abs(rows%of_v) > 0)
    end subroutine set_touched
 
    !> The factors of the growth of derivatives.
@@ -424,76 +403,53 @@ contains
       end do
    end subroutine add_row
 
-   !> As `row_values`, of a group of rows, with the same bits. The constants must not grow.
-   pure subroutine group_values(rows, frequency, g, n, x, v, turn, y, rate)
+   !> As `row_values`, of one row at two times, with the same bits, where no row depends on v. The
+   !! constants must not grow.
+   pure subroutine values_of_row(rows, frequency, i, stacked, x, v, x_next, v_next, turn, &
+      turn_next, sums)
       !> The rows.
       type(rows_type), intent(in) :: rows
       !> Omega of the load.
       real(wp), intent(in) :: frequency
-      !> Number of the group, and of its rows.
-      integer, intent(in) :: g, n
-      !> The pairs.
-      real(wp), intent(in) :: x(rows%pairs), v(rows%pairs)
-      !> (harmonics) e^(i h Omega t).
-      complex(wp), intent(in) :: turn(size(rows%ripple, 2))
-      !> Values and rates.
-      real(wp), intent(out) :: y(n), rate(n)
-      real(wp) :: all_y(group), all_rate(group)
-      integer :: h
+      !> The number of the row.
+      integer, intent(in) :: i
+      !> (group, m) The pairs of blocks at the two times, side by side; all pairs then.
+      real(wp), intent(in) :: stacked(group, rows%pairs)
+      real(wp), dimension(rows%pairs), intent(in) :: x, v, x_next, v_next
+      !> (harmonics) e^(i h Omega t) at these.
+      complex(wp), dimension(size(rows%ripple, 2)), intent(in) :: turn, turn_next
+      !> Value and rate at the first time, and at the second one.
+      real(wp), intent(out) :: sums(group)
+      complex(wp) :: here, there
+      integer :: at, h, j, k, m
 
-      associate (before => (g - 1)*group)
-         if (n == group) then
-            y = rows%offset(before + 1:before + group)
-            rate = rows%rate_offset(before + 1:before + group)
-            call add_sums(rows, g, x, v, y, rate)
-         else
-            all_y = 0
-            all_rate = 0
-            all_y(:n) = rows%offset(before + 1:before + n)
-            all_rate(:n) = rows%rate_offset(before + 1:before + n)
-            call add_sums(rows, g, x, v, all_y, all_rate)
-            y = all_y(:n)
-            rate = all_rate(:n)
-         end if
-         do h = 1, size(turn)
-            call add_harmonic(n, rows%ripple(before + 1:before + n, h), h*frequency, turn(h), y, &
-               rate)
-         end do
-      end associate
-   end subroutine group_values
-
-   !> Adds the sums over the pairs to a group of rows and to their rates.
-   pure subroutine add_sums(rows, g, x, v, y, rate)
-      !> The rows, and the number of the group.
-      type(rows_type), intent(in) :: rows
-      integer, intent(in) :: g
-      !> The pairs.
-      real(wp), intent(in) :: x(rows%pairs), v(rows%pairs)
-      !> In and out: values and rates.
-      real(wp), intent(inout) :: y(group), rate(group)
-      integer :: at, i, j
-
+      sums = [rows%offset(i), rows%rate_offset(i), rows%offset(i), rows%rate_offset(i)]
       do j = 1, size(rows%blocks)
          associate (b => rows%blocks(j))
-            i = g + 1 - b%first_group
-            if (i < 1 .or. i > size(b%grouped, 3)) cycle
+            if (i < b%first_row .or. i > b%last_row) cycle
+            at = i - b%first_row + 1
+            m = size(b%by_row, 1)
             if (rows%wide) then
-               call add_group_wide(size(b%grouped, 2), b%grouped(:, :, i), x(b%first_pair), &
-                  v(b%first_pair), y, rate)
+               call add_stacked_wide(m, b%by_row(:, at), stacked(1, b%first_pair), sums)
             else
-               call add_group(size(b%grouped, 2), b%grouped(:, :, i), x(b%first_pair), &
-                  v(b%first_pair), y, rate)
+               call add_stacked(m, b%by_row(:, at), stacked(1, b%first_pair), sums)
             end if
          end associate
       end do
-      do j = rows%listed_begins((g - 1)*group + 1), &
-         rows%listed_begins(min(g*group, size(rows%offset)) + 1) - 1
-         i = rows%listed(j)
-         at = rows%row(i) - (g - 1)*group
-         y(at) = y(at) + rows%position(i)*x(rows%pair(i))
-         rate(at) = rate(at) + rows%position(i)*v(rows%pair(i))
+      do j = rows%listed_begins(i), rows%listed_begins(i + 1) - 1
+         k = rows%listed(j)
+         m = rows%pair(k)
+         sums = sums + rows%position(k)*[x(m), v(m), x_next(m), v_next(m)]
       end do
-   end subroutine add_sums
+      do h = 1, size(turn)
+         here = rows%ripple(i, h)*turn(h)
+         there = rows%ripple(i, h)*turn_next(h)
+         sums(1) = sums(1) + here%re
+         sums(2) = sums(2) - (h*frequency)*here%im
+         sums(3) = sums(3) + there%re
+         sums(4) = sums(4) - (h*frequency)*there%im
+      end do
+   end subroutine values_of_row
 
    !> Values and first two derivatives of some rows, in an order of sums of their own: only for
    !! bounds. The constants must not grow.
@@ -569,42 +525,33 @@ contains
       end do
    end subroutine start_listed
 
-   !> As `bound_values`, of a group of rows.
-   pure subroutine bound_of_group(rows, g, n, of_x, bound)
-      !> The rows.
+   !> As `bound_values`, of one row, with the same bits, where no row depends on v.
+   pure real(wp) function bound_of_row(rows, i, of_x) result(bound)
+      !> The rows, and the number of the row.
       type(rows_type), intent(in) :: rows
-      !> Number of the group, and of its rows.
-      integer, intent(in) :: g, n
+      integer, intent(in) :: i
       !> (m) Bounds on |x|.
       real(wp), intent(in) :: of_x(rows%pairs)
-      !> The bounds.
-      real(wp), intent(out) :: bound(n)
-      real(wp) :: all(group)
-      integer :: at, i, j
+      integer :: at, j, k, m
 
-      all = 0
+      bound = 0
       do j = 1, size(rows%blocks)
          associate (b => rows%blocks(j))
-            i = g + 1 - b%first_group
-            if (i < 1 .or. i > size(b%grouped, 3)) cycle
+            if (i < b%first_row .or. i > b%last_row) cycle
+            at = i - b%first_row + 1
+            m = size(b%by_row, 1)
             if (rows%wide) then
-               call bound_group_wide(size(b%grouped, 2), b%grouped(:, :, i), of_x(b%first_pair), &
-                  all)
+               call bound_row_wide(m, b%by_row(:, at), of_x(b%first_pair), bound)
             else
-               call bound_group(size(b%grouped, 2), b%grouped(:, :, i), of_x(b%first_pair), all)
+               call bound_row(m, b%by_row(:, at), of_x(b%first_pair), bound)
             end if
          end associate
       end do
-      do j = rows%listed_begins((g - 1)*group + 1), &
-         rows%listed_begins(min(g*group, size(rows%offset)) + 1) - 1
-         i = rows%listed(j)
-         at = rows%row(i) - (g - 1)*group
-         all(at) = all(at) + abs(rows%position(i))*of_x(rows%pair(i))
+      do j = rows%listed_begins(i), rows%listed_begins(i + 1) - 1
+         k = rows%listed(j)
+         bound = bound + abs(rows%position(k))*of_x(rows%pair(k))
       end do
-      do i = 1, n
-         bound(i) = all(i)
-      end do
-   end subroutine bound_of_group
+   end function bound_of_row
 
    !> Adds the fourth derivatives of the harmonics of the load to the bounds of a range of rows.
    pure subroutine add_ripple(rows, frequency, before, here, bound)

@@ -7,18 +7,18 @@
 !! change, as the first derivatives of that motion are 0.
 !!
 !! A row without a certificate is evaluated in an order of sums that is fast for a single row.
-!! Where this does not prove that it stays within its limits for a cell, its group is evaluated as
-!! if all rows were, with the same bits.
+!! Where this does not prove that it stays within its limits for a cell, it is evaluated as if all
+!! rows were, with the same bits.
 module vi_watch
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_kinds, only: wp
-   use vi_lane_groups, only: accelerate, certify, group, list_uncovered, lower_slack, sum_bounds
+   use vi_lane_groups, only: accelerate, certify, group, list_uncovered, lower_slack, stack, &
+      sum_bounds
    use vi_lane_groups_wide, only: accelerate_wide => accelerate, certify_wide => certify, &
       list_uncovered_wide => list_uncovered, lower_slack_wide => lower_slack, &
-      sum_bounds_wide => sum_bounds
+      stack_wide => stack, sum_bounds_wide => sum_bounds
    use vi_lane_rows, only: mark_doubts
-   use vi_lane_rows_wide, only: mark_doubts_wide => mark_doubts
-   use vi_rows, only: add_ripple, bound_of_group, free_sums, group_values, rough_values, rows_type
+   use vi_rows, only: add_ripple, bound_of_row, free_sums, rough_values, rows_type, values_of_row
    use vi_series, only: order
    use vi_structure, only: regime_type
    implicit none (type, external)
@@ -51,15 +51,14 @@ module vi_watch
       real(wp) :: most_fourth = 0, reserve = 0
       !> Roots of sums of squares of bounds on the pairs.
       real(wp) :: root_x = 0, root_v = 0
-      !> How often a row was evaluated for a cell, roughly or with its group.
+      !> How often a row was evaluated for a cell, roughly or as if all rows were.
       integer(int64) :: looks = 0
-      !> (groups, 2) Whether the values of the rows at the beginning and at the end of a cell, in
-      !! turns, are known; (groups) the bounds on their fourth derivatives and on
-      !! their rounding errors.
-      logical, allocatable :: valued(:, :), bounded(:), weighed(:)
-      !> (rows) The rows without a certificate; (rows, 10) room for these; (m) the rates of v.
+      !> (rows) Whether the bound on the fourth derivative is known.
+      logical, allocatable :: bounded(:)
+      !> (rows) The rows without a certificate; (rows, 10) room for these; (m) the rates of v;
+      !! (group, m) the pairs of blocks at the beginning and at the end of a cell.
       integer, allocatable :: list(:)
-      real(wp), allocatable :: room(:, :), rates(:)
+      real(wp), allocatable :: room(:, :), rates(:), stacked(:, :)
    end type watch_type
 
    !> The order of a function of which no derivative differs from 0.
@@ -86,20 +85,20 @@ contains
       integer :: h
       logical :: fits
 
-      associate (groups => regime%rows%groups, n => size(regime%upper), modes => regime%modes, &
-         rows => regime%rows)
+      associate (n => size(regime%upper), modes => regime%modes, rows => regime%rows)
          fits = allocated(watch%due)
          if (fits) fits = size(watch%due) == n .and. size(watch%rates) == size(x0)
          if (.not. fits) then
             if (allocated(watch%due)) deallocate (watch%due, watch%slack, watch%speed, &
-               watch%valued, watch%bounded, watch%weighed, watch%list, watch%room, watch%rates)
-            allocate (watch%due(n), watch%slack(n), watch%speed(n), watch%valued(groups, 2), &
-               watch%bounded(groups), watch%weighed(groups), watch%list(n), watch%room(n, 10), &
-               watch%rates(size(x0)))
+               watch%bounded, watch%list, watch%room, watch%rates, watch%stacked)
+            allocate (watch%due(n), watch%slack(n), watch%speed(n), watch%bounded(n), &
+               watch%list(n), watch%room(n, 10), watch%rates(size(x0)), &
+               watch%stacked(group, size(x0)))
          end if
          if (.not. (fits .and. watch%kept)) watch%due = -1
          watch%kept = .false.
          watch%bounded = .false.
+         watch%rates(modes%bent + 1:) = 0
          if (modes%wide) then
             call sum_bounds_wide(modes%bent, modes%stiffness, modes%damping, modes%inverse, &
                modes%drift, modes%force, x0, v0, of_x, second, third, fourth)
@@ -154,9 +153,9 @@ contains
       !! both. Their number.
       integer, intent(inout) :: doubtful(2, rows), n
       real(wp) :: margin, sag
-      integer :: g, i, j, last, listed
+      integer :: j, listed
+      logical :: stacked
 
-      watch%valued(:, 3 - now) = .false.
       sag = (h*h)**2/144*watch%most_fourth
       margin = sag + 2*watch%reserve
       if (regime%modes%wide) then
@@ -169,14 +168,19 @@ contains
       if (listed == 0) return
       call certify_listed(regime, m, harmonics, listed, t, h, sag, pairs(:, 2*now - 1), &
          pairs(:, 2*now), turns(:, now), watch)
-      last = 0
+      stacked = .false.
       do j = 1, listed
-         i = watch%list(j)
-         g = (i - 1)/group + 1
-         if (g == last .or. .not. watch%room(j, 10) > 0) cycle
-         last = g
-         call look_at_group(regime, m, rows, harmonics, starts, leaving, t, h, now, g, pairs, &
-            turns, values, watch, doubtful, n)
+         if (.not. watch%room(j, 10) > 0) cycle
+         if (.not. stacked .and. regime%modes%wide) then
+            call stack_wide(regime%rows%dense, pairs(:, 2*now - 1), pairs(:, 2*now), pairs(:, 5 - 2*now), &
+               pairs(:, 6 - 2*now), watch%stacked)
+         else if (.not. stacked) then
+            call stack(regime%rows%dense, pairs(:, 2*now - 1), pairs(:, 2*now), pairs(:, 5 - 2*now), &
+               pairs(:, 6 - 2*now), watch%stacked)
+         end if
+         stacked = .true.
+         call look_at_row(regime, m, rows, harmonics, starts, leaving, t, h, now, watch%list(j), &
+            pairs, turns, values, watch, doubtful, n)
       end do
    end subroutine look_at_rows
 
@@ -202,9 +206,9 @@ contains
          margin = 3*watch%reserve + 2*rounding_share*regime%rows%most_norm*(watch%root_x &
             + unit*watch%root_v)*max(1.0_wp, (h/unit)**2)
          if (modes%wide) then
-            call accelerate_wide(m, modes%stiffness, modes%damping, modes%force, x, v, watch%rates)
+            call accelerate_wide(modes%bent, modes%stiffness, modes%damping, modes%force, x, v, watch%rates)
          else
-            call accelerate(m, modes%stiffness, modes%damping, modes%force, x, v, watch%rates)
+            call accelerate(modes%bent, modes%stiffness, modes%damping, modes%force, x, v, watch%rates)
          end if
          call rough_values(regime%rows, regime%frequency, listed, watch%list, x, v, watch%rates, &
             turn, room(:, 1), room(:, 2), room(:, 3))
@@ -259,8 +263,8 @@ contains
       end do
    end subroutine keep_certificates
 
-   !> Looks at a group of rows, as if all rows were looked at.
-   pure subroutine look_at_group(regime, m, rows, harmonics, starts, leaving, t, h, now, g, pairs, &
+   !> Looks at a row, as if all rows were looked at.
+   pure subroutine look_at_row(regime, m, rows, harmonics, starts, leaving, t, h, now, i, pairs, &
       turns, values, watch, doubtful, n)
       !> As in `look_at_rows`.
       type(regime_type), intent(in) :: regime
@@ -268,51 +272,37 @@ contains
       type(leaving_type), intent(in) :: leaving(starts)
       real(wp), intent(in) :: t, h
       integer, intent(in) :: now
-      !> The number of the group.
-      integer, intent(in) :: g
+      !> The number of the row.
+      integer, intent(in) :: i
       !> As in `look_at_rows`.
       real(wp), intent(in) :: pairs(m, 6)
       complex(wp), intent(in) :: turns(harmonics, 2)
       real(wp), intent(inout) :: values(rows, 8)
       type(watch_type), intent(inout) :: watch
       integer, intent(inout) :: doubtful(2, rows), n
-      integer :: before, here, next
+      real(wp) :: sums(group)
 
-      next = 3 - now
-      before = (g - 1)*group
-      here = min(group, rows - before)
-      associate (i => before + 1)
-         if (.not. watch%valued(g, now)) then
-            call group_values(regime%rows, regime%frequency, g, here, pairs(:, 2*now - 1), &
-               pairs(:, 2*now), turns(:, now), values(i, 2*now - 1), values(i, 2*now))
-            if (t <= 0) call set_at_limit(starts, leaving, regime, i, before + here, &
-               values(i, 2*now - 1), values(i, 2*now))
-            watch%valued(g, now) = .true.
-         end if
-         if (.not. watch%bounded(g)) then
-            call bound_of_group(regime%rows, g, here, pairs(:, 5), values(i, 5))
-            call add_ripple(regime%rows, regime%frequency, before, here, values(i, 5))
-            watch%bounded(g) = .true.
-         end if
-         if (.not. watch%weighed(g)) call rounding(regime%rows, i, before + here, &
-            watch%root_x, watch%root_v, values(:, 6))
-         watch%weighed(g) = .true.
-         call group_values(regime%rows, regime%frequency, g, here, pairs(:, 2*next - 1), &
-            pairs(:, 2*next), turns(:, next), values(i, 2*next - 1), values(i, 2*next))
-         watch%valued(g, next) = .true.
-         watch%looks = watch%looks + here
-         if (regime%rows%wide) then
-            call mark_doubts_wide(here, h, values(i, 2*now - 1), values(i, 2*now), &
-               values(i, 2*next - 1), values(i, 2*next), values(i, 5), values(i, 6), &
-               regime%upper(i), regime%lower(i), values(i, 7), values(i, 8))
-         else
-            call mark_doubts(here, h, values(i, 2*now - 1), values(i, 2*now), &
-               values(i, 2*next - 1), values(i, 2*next), values(i, 5), values(i, 6), &
-               regime%upper(i), regime%lower(i), values(i, 7), values(i, 8))
-         end if
-      end associate
-      call list_doubts(regime, rows, before, here, starts, leaving, t, h, now, values, doubtful, n)
-   end subroutine look_at_group
+      call values_of_row(regime%rows, regime%frequency, i, watch%stacked, pairs(:, 2*now - 1), &
+         pairs(:, 2*now), pairs(:, 5 - 2*now), pairs(:, 6 - 2*now), turns(:, now), &
+         turns(:, 3 - now), sums)
+      values(i, 2*now - 1) = sums(1)
+      values(i, 2*now) = sums(2)
+      values(i, 5 - 2*now) = sums(3)
+      values(i, 6 - 2*now) = sums(4)
+      if (t <= 0) call set_at_limit(starts, leaving, regime, i, i, values(i:i, 2*now - 1), &
+         values(i:i, 2*now))
+      if (.not. watch%bounded(i)) then
+         values(i, 5) = bound_of_row(regime%rows, i, pairs(:, 5))
+         call add_ripple(regime%rows, regime%frequency, i - 1, 1, values(i:i, 5))
+         watch%bounded(i) = .true.
+      end if
+      call rounding(regime%rows, i, i, watch%root_x, watch%root_v, values(:, 6))
+      watch%looks = watch%looks + 1
+      call mark_doubts(1, h, values(i, 2*now - 1), values(i, 2*now), values(i, 5 - 2*now), &
+         values(i, 6 - 2*now), values(i, 5), values(i, 6), regime%upper(i), regime%lower(i), &
+         values(i, 7), values(i, 8))
+      call list_doubts(regime, rows, i - 1, 1, starts, leaving, t, h, now, values, doubtful, n)
+   end subroutine look_at_row
 
    !> Lists the rows of a range that are marked: not proved to stay within their limits over a cell.
    pure subroutine list_doubts(regime, rows, before, here, starts, leaving, t, h, now, values, &
@@ -328,7 +318,7 @@ contains
       integer, intent(in) :: now
       !> As in `search_cells` of vi_channels, with the marks.
       real(wp), intent(inout) :: values(rows, 8)
-      !> As in `look_at_groups`.
+      !> As in `look_at_rows`.
       integer, intent(inout) :: doubtful(2, rows), n
       real(wp) :: limit, next(4)
       integer :: i, j, side
@@ -412,7 +402,7 @@ contains
       !> In and out: the certificates.
       type(watch_type), intent(inout) :: watch
 
-      if (regime%rows%groups == 0) return
+      if (.not. regime%rows%alone) return
       watch%kept = .true.
       if (.not. allocated(regime%reach)) then
          allocate (regime%reach(size(regime%upper), size(regime%upper)), source=-1.0_wp)

@@ -1,57 +1,51 @@
-!> A few rows of a dense matrix at a time, as many as a vector register has lanes, how long they
-!! stay away from limits, and bounds on pairs.
+!> Single rows of a dense matrix, how long they stay away from limits, and bounds on pairs.
 !!
-!! The loops are for vector instructions, also where they have conditions, and the sums of a group
-!! stay in registers. They are taken in the order of vi_lane_rows, so that the results do not depend
-!! on how rows are evaluated.
+!! The loops are for vector instructions, also where they have conditions. A row is multiplied with
+!! as many vectors at a time as a register has lanes, so that the sums stay in registers. They are
+!! taken in the order of vi_lane_rows, so that the results do not depend on how rows are evaluated.
 module vi_lane_groups
    use vi_kinds, only: wp
-   use vi_plan, only: lanes
    implicit none (type, external)
    private
 
-   public :: accelerate, add_group, add_rows, bound_group, bound_pairs, certify, list_uncovered, &
-      lower_slack, sizes_of_pairs, sum_bounds
+   public :: accelerate, add_derivatives, add_rows, add_stacked, bound_pairs, bound_row, certify, list_uncovered, &
+      lower_slack, sizes_of_pairs, stack, sum_bounds
 
-   !> Rows of a group.
+   !> Numbers that are summed side by side.
    integer, parameter, public :: group = 4
 
 contains
 
-   !> y = y + a x and z = z + a v with a group of rows, in the order of `add_products` of
+   !> Writes as many vectors as a group has members side by side.
+   pure subroutine stack(m, x, v, x_next, v_next, stacked)
+      !> Their length.
+      integer, intent(in) :: m
+      !> (m) The vectors.
+      real(wp), dimension(m), intent(in) :: x, v, x_next, v_next
+      !> The vectors as rows.
+      real(wp), intent(out) :: stacked(group, m)
+      integer :: k, l
+
+      do k = 1, m - group + 1, group
+         do l = 0, group - 1
+            stacked(1, k + l) = x(k + l)
+            stacked(2, k + l) = v(k + l)
+            stacked(3, k + l) = x_next(k + l)
+            stacked(4, k + l) = v_next(k + l)
+         end do
+      end do
+      do k = m - mod(m, group) + 1, m
+         stacked(:, k) = [x(k), v(k), x_next(k), v_next(k)]
+      end do
+   end subroutine stack
+
+   !> Adds the products of a row with vectors that are stacked, in the order of `add_products` of
    !! vi_lane_rows.
-   pure subroutine add_group(m, a, x, v, y, z)
+   pure subroutine add_stacked(m, a, stacked, y)
       !> Columns.
       integer, intent(in) :: m
-      !> The rows of the matrix; x and v (m).
-      real(wp), intent(in) :: a(group, m), x(m), v(m)
-      !> The sums.
-      real(wp), intent(inout) :: y(group), z(group)
-      real(wp) :: p(group), q(group)
-      integer :: k
-
-      p = y
-      q = z
-      do k = 1, m - 3, 4
-         p = p + ((a(:, k)*x(k) + a(:, k + 1)*x(k + 1)) &
-            + (a(:, k + 2)*x(k + 2) + a(:, k + 3)*x(k + 3)))
-         q = q + ((a(:, k)*v(k) + a(:, k + 1)*v(k + 1)) &
-            + (a(:, k + 2)*v(k + 2) + a(:, k + 3)*v(k + 3)))
-      end do
-      do k = m - mod(m, 4) + 1, m
-         p = p + a(:, k)*x(k)
-         q = q + a(:, k)*v(k)
-      end do
-      y = p
-      z = q
-   end subroutine add_group
-
-   !> y = y + |a| x with a group of rows.
-   pure subroutine bound_group(m, a, x, y)
-      !> Columns.
-      integer, intent(in) :: m
-      !> The rows of the matrix, and x (m).
-      real(wp), intent(in) :: a(group, m), x(m)
+      !> The row, and the vectors.
+      real(wp), intent(in) :: a(m), stacked(group, m)
       !> The sums.
       real(wp), intent(inout) :: y(group)
       real(wp) :: p(group)
@@ -59,14 +53,33 @@ contains
 
       p = y
       do k = 1, m - 3, 4
-         p = p + ((abs(a(:, k))*x(k) + abs(a(:, k + 1))*x(k + 1)) &
-            + (abs(a(:, k + 2))*x(k + 2) + abs(a(:, k + 3))*x(k + 3)))
+         p = p + ((stacked(:, k)*a(k) + stacked(:, k + 1)*a(k + 1)) &
+            + (stacked(:, k + 2)*a(k + 2) + stacked(:, k + 3)*a(k + 3)))
       end do
       do k = m - mod(m, 4) + 1, m
-         p = p + abs(a(:, k))*x(k)
+         p = p + stacked(:, k)*a(k)
       end do
       y = p
-   end subroutine bound_group
+   end subroutine add_stacked
+
+   !> Adds the products of the moduli of a row with a vector, in the same order.
+   pure subroutine bound_row(m, a, x, y)
+      !> Columns.
+      integer, intent(in) :: m
+      !> The row, and the vector.
+      real(wp), intent(in) :: a(m), x(m)
+      !> The sum.
+      real(wp), intent(inout) :: y
+      integer :: k
+
+      do k = 1, m - 3, 4
+         y = y + ((abs(a(k))*x(k) + abs(a(k + 1))*x(k + 1)) &
+            + (abs(a(k + 2))*x(k + 2) + abs(a(k + 3))*x(k + 3)))
+      end do
+      do k = m - mod(m, 4) + 1, m
+         y = y + abs(a(k))*x(k)
+      end do
+   end subroutine bound_row
 
    !> Adds the products of rows of a list with x, v and w, in an order of sums of their own: only
    !! for bounds.
@@ -105,6 +118,65 @@ contains
          second(j) = second(j) + ((r(0) + r(1)) + (r(2) + r(3)))
       end do
    end subroutine add_rows
+
+   !> Adds derivatives of pairs without constant terms: x' = v, v' = -stiffness x - drag v.
+   pure subroutine add_derivatives(n, first, last, bare, stiffness, drag, of_x, of_v, x, v, total)
+      !> Number of pairs, a multiple of `group`.
+      integer, intent(in) :: n
+      !> Orders of the derivatives that are added.
+      integer, intent(in) :: first, last
+      !> Whether all of drag and of of_v are 0.
+      logical, intent(in) :: bare
+      !> (n) omega^2 and 2 sigma; factors of x and of v in the sums.
+      real(wp), intent(in) :: stiffness(n), drag(n), of_x(n), of_v(n)
+      !> (n) In: derivatives of order first - 1. Out: of order last.
+      real(wp), intent(inout) :: x(n), v(n)
+      !> In and out: the sum over the pairs is added to each order.
+      real(wp), intent(inout) :: total(0:last)
+      real(wp), dimension(0:group - 1) :: part, second, third, fourth, a, b, c, factor, fall
+      real(wp) :: before
+      integer :: begin, i, j, l
+
+      begin = first
+      if (bare) begin = last + 1 - mod(last + 1 - first, 4)
+      ! four orders at a time: v, -stiffness x, and these times -stiffness
+      do i = first, begin - 1, 4
+         part = 0
+         second = 0
+         third = 0
+         fourth = 0
+         do j = 1, n, group
+            factor = of_x(j:j + group - 1)
+            fall = -stiffness(j:j + group - 1)
+            a = fall*x(j:j + group - 1)
+            b = v(j:j + group - 1)
+            c = fall*b
+            part = part + factor*b
+            second = second + factor*a
+            third = third + factor*c
+            a = fall*a
+            fourth = fourth + factor*a
+            x(j:j + group - 1) = a
+            v(j:j + group - 1) = fall*c
+         end do
+         total(i) = total(i) + ((part(0) + part(1)) + (part(2) + part(3)))
+         total(i + 1) = total(i + 1) + ((second(0) + second(1)) + (second(2) + second(3)))
+         total(i + 2) = total(i + 2) + ((third(0) + third(1)) + (third(2) + third(3)))
+         total(i + 3) = total(i + 3) + ((fourth(0) + fourth(1)) + (fourth(2) + fourth(3)))
+      end do
+      do i = begin, last
+         part = 0
+         do j = 1, n, group
+            do l = 0, group - 1
+               before = x(j + l)
+               x(j + l) = v(j + l)
+               v(j + l) = -stiffness(j + l)*before - drag(j + l)*v(j + l)
+               part(l) = part(l) + (of_x(j + l)*x(j + l) + of_v(j + l)*v(j + l))
+            end do
+         end do
+         total(i) = total(i) + ((part(0) + part(1)) + (part(2) + part(3)))
+      end do
+   end subroutine add_derivatives
 
    !> The rates of v of pairs.
    pure subroutine accelerate(n, stiffness, damping, force, x, v, w)
@@ -292,37 +364,50 @@ contains
       real(wp), intent(in) :: x(n), v(n)
       !> The sums.
       real(wp), intent(out) :: sum_x, sum_v
-      real(wp) :: f, p, of_x, of_v, squares(lanes, 2), part(0:group - 1, 2)
-      integer :: j, k, l, m
+      real(wp), dimension(0:group - 1) :: of_x, of_v
+      integer :: k, l
 
-      part = 0
-      do k = 0, n - 1, lanes
-         m = min(lanes, n - k)
-         do j = 1, m
-            f = abs(force(k + j)) + duration*abs(force_rate(k + j))
-            p = abs(drift(k + j)) + duration*abs(drift_rate(k + j))
-            ! v^2 + omega^2 x^2 never grows, x without the part due to the constant terms
-            of_x = abs(x(k + j)) + (f + 2*damping(k + j)*p)*inverse(k + j)**2
-            of_v = (abs(v(k + j)) + p)**2 + stiffness(k + j)*of_x**2
-            ! within the time, |x| from v = 1 is at most the time, and from x = 1 at most 1; at
-            ! frequency 0 that is all, and at a tiny frequency it is far less
-            f = abs(v(k + j)) + f*duration
-            p = abs(x(k + j)) + (f + p)*duration
-            f = f + stiffness(k + j)*p*duration
-            squares(j, 1) = merge(of_v*inverse(k + j)**2, p**2, stiffness(k + j) > 0 .and. &
-               of_v*inverse(k + j)**2 < p**2)
-            squares(j, 2) = merge(of_v, f**2, stiffness(k + j) > 0 .and. of_v < f**2)
-         end do
-         l = group*((m + group - 1)/group)
-         squares(m + 1:l, :) = 0
-         do j = 1, l, group
-            part(:, 1) = part(:, 1) + squares(j:j + group - 1, 1)
-            part(:, 2) = part(:, 2) + squares(j:j + group - 1, 2)
+      of_x = 0
+      of_v = 0
+      do k = 1, n - group + 1, group
+         do l = 0, group - 1
+            call add_sizes(duration, stiffness(k + l), damping(k + l), inverse(k + l), &
+               drift(k + l), drift_rate(k + l), force(k + l), force_rate(k + l), x(k + l), &
+               v(k + l), of_x(l), of_v(l))
          end do
       end do
-      sum_x = (part(0, 1) + part(1, 1)) + (part(2, 1) + part(3, 1))
-      sum_v = (part(0, 2) + part(1, 2)) + (part(2, 2) + part(3, 2))
+      do k = n - mod(n, group) + 1, n
+         call add_sizes(duration, stiffness(k), damping(k), inverse(k), drift(k), drift_rate(k), &
+            force(k), force_rate(k), x(k), v(k), of_x(0), of_v(0))
+      end do
+      sum_x = (of_x(0) + of_x(1)) + (of_x(2) + of_x(3))
+      sum_v = (of_v(0) + of_v(1)) + (of_v(2) + of_v(3))
    end subroutine sizes_of_pairs
+
+   !> Adds those of a pair.
+   pure subroutine add_sizes(duration, stiffness, damping, inverse, drift, drift_rate, force, &
+      force_rate, x, v, sum_x, sum_v)
+      !> As in `sizes_of_pairs`.
+      real(wp), intent(in) :: duration, stiffness, damping, inverse, drift, drift_rate, force, &
+         force_rate, x, v
+      !> In and out: the sums.
+      real(wp), intent(inout) :: sum_x, sum_v
+      real(wp) :: f, p, of_x, of_v
+
+      f = abs(force) + duration*abs(force_rate)
+      p = abs(drift) + duration*abs(drift_rate)
+      ! v^2 + omega^2 x^2 never grows, x without the part due to the constant terms
+      of_x = abs(x) + (f + 2*damping*p)*inverse**2
+      of_v = (abs(v) + p)**2 + stiffness*of_x**2
+      ! within the time, |x| from v = 1 is at most the time, and from x = 1 at most 1; at
+      ! frequency 0 that is all, and at a tiny frequency it is far less
+      f = abs(v) + f*duration
+      p = abs(x) + (f + p)*duration
+      f = f + stiffness*p*duration
+      of_x = of_v*inverse**2
+      sum_x = sum_x + merge(of_x, p**2, stiffness > 0 .and. of_x < p**2)
+      sum_v = sum_v + merge(of_v, f**2, stiffness > 0 .and. of_v < f**2)
+   end subroutine add_sizes
 
    !> Sums over pairs of the squares of bounds on their second, third and fourth derivatives, from
    !! now on, where the constant terms do not grow.

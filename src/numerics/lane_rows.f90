@@ -1,5 +1,4 @@
-!> Products of dense matrices with vectors, and flights and sums of derivatives of pairs, for
-!! structures.
+!> Products of dense matrices with vectors, and flights of pairs, for structures.
 !!
 !! The loops over rows and over pairs are for vector instructions. Sums are taken in a fixed order,
 !! so that the results do not depend on the instructions.
@@ -10,7 +9,7 @@ module vi_lane_rows
    implicit none (type, external)
    private
 
-   public :: add_product, add_products, add_derivatives, advance_pairs, mark_doubts, start_series, &
+   public :: add_product, add_products, advance_pairs, mark_doubts, start_series, &
       step_pairs, subtract
 
    !> Pairs that are summed side by side; lists of pairs are filled up to a multiple of it.
@@ -66,35 +65,6 @@ contains
          end do
       end do
    end subroutine add_products
-
-   !> Adds derivatives of pairs without constant terms: x' = v, v' = -stiffness x - drag v.
-   pure subroutine add_derivatives(n, first, last, stiffness, drag, of_x, of_v, x, v, total)
-      !> Number of pairs, a multiple of `side_by_side`.
-      integer, intent(in) :: n
-      !> Orders of the derivatives that are added.
-      integer, intent(in) :: first, last
-      !> (n) omega^2 and 2 sigma; factors of x and of v in the sums.
-      real(wp), intent(in) :: stiffness(n), drag(n), of_x(n), of_v(n)
-      !> (n) In: derivatives of order first - 1. Out: of order last.
-      real(wp), intent(inout) :: x(n), v(n)
-      !> In and out: the sum over the pairs is added to each order.
-      real(wp), intent(inout) :: total(0:last)
-      real(wp) :: part(0:side_by_side - 1), before
-      integer :: i, j, l
-
-      do i = first, last
-         part = 0
-         do j = 1, n, side_by_side
-            do l = 0, side_by_side - 1
-               before = x(j + l)
-               x(j + l) = v(j + l)
-               v(j + l) = -stiffness(j + l)*before - drag(j + l)*v(j + l)
-               part(l) = part(l) + (of_x(j + l)*x(j + l) + of_v(j + l)*v(j + l))
-            end do
-         end do
-         total(i) = total(i) + ((part(0) + part(1)) + (part(2) + part(3)))
-      end do
-   end subroutine add_derivatives
 
    !> Pairs without constant terms after a given time: free masses, and oscillations with damping
    !! below the critical one.

@@ -6,12 +6,11 @@ module mechanics_channels
    use vi_channels, only: bound_fourth, bound_second, first_event, leaving_type, pace_type, &
       reached_type, row_derivatives, space_type
    use vi_kinds, only: wp
-   use vi_lane_groups, only: bound_pairs, sizes_of_pairs
-   use vi_lane_groups_wide, only: bound_pairs_wide => bound_pairs, &
-      sizes_of_pairs_wide => sizes_of_pairs
-   use vi_lane_rows, only: add_derivatives, advance_pairs, side_by_side, step_pairs
-   use vi_lane_rows_wide, only: add_derivatives_wide => add_derivatives, &
-      advance_pairs_wide => advance_pairs, step_pairs_wide => step_pairs
+   use vi_lane_groups, only: add_derivatives, bound_pairs, sizes_of_pairs
+   use vi_lane_groups_wide, only: add_derivatives_wide => add_derivatives, &
+      bound_pairs_wide => bound_pairs, sizes_of_pairs_wide => sizes_of_pairs
+   use vi_lane_rows, only: advance_pairs, side_by_side, step_pairs
+   use vi_lane_rows_wide, only: advance_pairs_wide => advance_pairs, step_pairs_wide => step_pairs
    use vi_modes, only: advance, advance_in_place, advance_pair, bound_on, modes_type, prepare, &
       step_functions
    use vi_processor, only: runs_wide
@@ -300,14 +299,25 @@ contains
          x = spread(x0, 2, 2)
          v = spread(v0, 2, 2)
          total = 0
-         call add_derivatives(n, 1, 4, stiffness, 2*damping, map(:, 1), map(:, 2), x(:, 1), &
-            v(:, 1), total(:, 1))
-         call add_derivatives_wide(n, 1, 4, stiffness, 2*damping, map(:, 1), map(:, 2), x(:, 2), &
-            v(:, 2), total(:, 2))
+         call add_derivatives(n, 1, 4, .false., stiffness, 2*damping, map(:, 1), map(:, 2), &
+            x(:, 1), v(:, 1), total(:, 1))
+         call add_derivatives_wide(n, 1, 4, .false., stiffness, 2*damping, map(:, 1), map(:, 2), &
+            x(:, 2), v(:, 2), total(:, 2))
          call check_bits('derivatives')
          call check(all(transfer(total(:, 1), [0]) == transfer(total(:, 2), [0])), &
             'derivatives: the same bits of their sums')
          call check(all(abs(total(1:, 1) - exact) <= 1e-13_wp*most), 'derivatives: their sums')
+         ! without damping and v in the sums, four orders at a time give what one by one do
+         total = 0
+         x = spread(x0, 2, 2)
+         v = spread(v0, 2, 2)
+         call add_derivatives(n, 1, 4, .true., stiffness, 0*damping, map(:, 1), 0*damping, &
+            x(:, 1), v(:, 1), total(:, 1))
+         call add_derivatives_wide(n, 1, 4, .false., stiffness, 0*damping, map(:, 1), 0*damping, &
+            x(:, 2), v(:, 2), total(:, 2))
+         call check(all(abs(x(:, 1) - x(:, 2)) + abs(v(:, 1) - v(:, 2)) <= 0), &
+            'derivatives: without damping')
+         call check(all(abs(total(:, 1) - total(:, 2)) <= 0), 'derivatives: their sums without it')
       end associate
    contains
       !> Both give the same x and v.

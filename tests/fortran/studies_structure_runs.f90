@@ -99,9 +99,9 @@ contains
          constant)
       call new_run(new_structure(matrices, directions, gaps), load, run, status)
       call start_at(run, 0.0_wp, q, rate, state, status)
-      call check(status == stat%ok .and. run%regimes(1)%rows%groups > 0, 'lattices: a chain')
+      call check(status == stat%ok .and. run%regimes(1)%rows%alone, 'lattices: a chain')
       plain = run
-      plain%regimes(1)%rows%groups = 0
+      plain%regimes(1)%rows%alone = .false.
       other = state
       bare = state
       bare%bare = .true.
