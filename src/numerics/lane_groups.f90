@@ -133,8 +133,8 @@ contains
       real(wp), intent(inout) :: x(n), v(n)
       !> In and out: the sum over the pairs is added to each order.
       real(wp), intent(inout) :: total(0:last)
-      real(wp), dimension(0:group - 1) :: part, second, third, fourth, a, b, c, factor, fall
-      real(wp) :: before
+      real(wp), dimension(0:group - 1) :: part, second, third, fourth
+      real(wp) :: a, b, before, c, fall
       integer :: begin, i, j, l
 
       begin = first
@@ -146,18 +146,19 @@ contains
          third = 0
          fourth = 0
          do j = 1, n, group
-            factor = of_x(j:j + group - 1)
-            fall = -stiffness(j:j + group - 1)
-            a = fall*x(j:j + group - 1)
-            b = v(j:j + group - 1)
-            c = fall*b
-            part = part + factor*b
-            second = second + factor*a
-            third = third + factor*c
-            a = fall*a
-            fourth = fourth + factor*a
-            x(j:j + group - 1) = a
-            v(j:j + group - 1) = fall*c
+            do l = 0, group - 1
+               fall = -stiffness(j + l)
+               a = fall*x(j + l)
+               b = v(j + l)
+               c = fall*b
+               part(l) = part(l) + of_x(j + l)*b
+               second(l) = second(l) + of_x(j + l)*a
+               third(l) = third(l) + of_x(j + l)*c
+               a = fall*a
+               fourth(l) = fourth(l) + of_x(j + l)*a
+               x(j + l) = a
+               v(j + l) = fall*c
+            end do
          end do
          total(i) = total(i) + ((part(0) + part(1)) + (part(2) + part(3)))
          total(i + 1) = total(i + 1) + ((second(0) + second(1)) + (second(2) + second(3)))
