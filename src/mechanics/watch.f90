@@ -172,11 +172,11 @@ contains
       do j = 1, listed
          if (.not. watch%room(j, 10) > 0) cycle
          if (.not. stacked .and. regime%modes%wide) then
-            call stack_wide(regime%rows%dense, pairs(:, 2*now - 1), pairs(:, 2*now), pairs(:, 5 - 2*now), &
-               pairs(:, 6 - 2*now), watch%stacked)
+            call stack_wide(regime%rows%dense, pairs(:, 2*now - 1), pairs(:, 2*now), &
+               pairs(:, 5 - 2*now), pairs(:, 6 - 2*now), watch%stacked)
          else if (.not. stacked) then
-            call stack(regime%rows%dense, pairs(:, 2*now - 1), pairs(:, 2*now), pairs(:, 5 - 2*now), &
-               pairs(:, 6 - 2*now), watch%stacked)
+            call stack(regime%rows%dense, pairs(:, 2*now - 1), pairs(:, 2*now), &
+               pairs(:, 5 - 2*now), pairs(:, 6 - 2*now), watch%stacked)
          end if
          stacked = .true.
          call look_at_row(regime, m, rows, harmonics, starts, leaving, t, h, now, watch%list(j), &
@@ -206,9 +206,11 @@ contains
          margin = 3*watch%reserve + 2*rounding_share*regime%rows%most_norm*(watch%root_x &
             + unit*watch%root_v)*max(1.0_wp, (h/unit)**2)
          if (modes%wide) then
-            call accelerate_wide(modes%bent, modes%stiffness, modes%damping, modes%force, x, v, watch%rates)
+            call accelerate_wide(modes%bent, modes%stiffness, modes%damping, modes%force, x, v, &
+               watch%rates)
          else
-            call accelerate(modes%bent, modes%stiffness, modes%damping, modes%force, x, v, watch%rates)
+            call accelerate(modes%bent, modes%stiffness, modes%damping, modes%force, x, v, &
+               watch%rates)
          end if
          call rough_values(regime%rows, regime%frequency, listed, watch%list, x, v, watch%rates, &
             turn, room(:, 1), room(:, 2), room(:, 3))

@@ -8,8 +8,8 @@ module vi_lane_groups
    implicit none (type, external)
    private
 
-   public :: accelerate, add_derivatives, add_rows, add_stacked, bound_pairs, bound_row, certify, list_uncovered, &
-      lower_slack, sizes_of_pairs, stack, sum_bounds
+   public :: accelerate, add_derivatives, add_rows, add_stacked, bound_pairs, bound_row, certify, &
+      list_uncovered, lower_slack, sizes_of_pairs, stack, sum_bounds
 
    !> Numbers that are summed side by side.
    integer, parameter, public :: group = 4
