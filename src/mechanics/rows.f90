@@ -171,7 +171,7 @@ contains
          rows%listed = [(pack([(k, k=1, size(rows%row))], rows%row == i), i=1, n)]
       end if
       rows%alone = rows%by_position .and. n >= many .and. .not. present(of_x)
-      rows%most_norm = maxval(rows%position_norm)
+      if (rows%alone) call set_largest(rows)
       call set_touched(modes, position, velocity, occurs, rows)
       call set_fastest(frequency, rows)
    end subroutine new_rows
@@ -191,8 +191,19 @@ contains
       type(rows_type), intent(inout) :: rows
 
       call set_constants(modes, position, velocity, offset, ripple, rates_known, rows)
+      if (rows%alone) call set_largest(rows)
       call set_fastest(frequency, rows)
    end subroutine renew_rows
+
+   !> The largest numbers of all rows, which certificates need.
+   pure subroutine set_largest(rows)
+      !> In and out: filled in.
+      type(rows_type), intent(inout) :: rows
+
+      rows%most_norm = maxval(rows%position_norm)
+      rows%most_constant = maxval(rows%constant_size)
+      rows%most_ripple = maxval(rows%ripple_size, 1)
+   end subroutine set_largest
 
    !> The constants of the rows and their rates, and the harmonics.
    pure subroutine set_constants(modes, position, velocity, offset, ripple, rates_known, rows)
@@ -209,8 +220,6 @@ contains
       rows%ripple = ripple
       rows%ripple_size = abs(ripple)
       rows%constant_size = abs(offset) + sum(rows%ripple_size, 2)
-      rows%most_constant = maxval(rows%constant_size)
-      rows%most_ripple = maxval(rows%ripple_size, 1)
       rows%rate_offset = 0
       if (rates_known) return
       do k = 1, size(position, 2)

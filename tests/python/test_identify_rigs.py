@@ -779,6 +779,36 @@ def test_contacts_that_last_are_part_of_a_periodic_fit(monkeypatch):
     assert any("known mu = m/M" in doubt for doubt in found_with().doubts)
 
 
+def test_a_law_is_fitted_where_nothing_else_describes_the_record():
+    """Walls by the law of Hunt and Crossley with impacts of two speeds on each: constants are doubtful, whether or
+    not the mass is fitted, and powers of the speed are right. A wrong mass with constant walls stays a doubt."""
+    rig, given, k, sides = recorded(8468, "contacts", False)
+    assert rig.wall == "hunt-crossley"
+    known = {"M": M, "K": K, "m": M * rig.mu}
+    found = vi.identify(given, known=known, calibration=rig.calibration)
+    assert found.good
+    assert found.law == "powers"
+    assert found.pattern == vi.Pattern(sides, k).standard()
+    assert any(
+        "constants are rejected" in text and "fitting m or friction" in text
+        for _, text in found._result.notes
+    )
+    R1, R2, d = truth(rig, wide_rig(8468, "contacts", False)[1][3], found.values["v0"])
+    for name, value in {"xi": rig.xi, "R1": R1, "R2": R2, "d": d}.items():
+        assert abs(found.values[name] - value) < 3 * found.errors[name], name
+    with pytest.warns(vi.PoorFitWarning):
+        constant = vi.identify(given, known=known, calibration=rig.calibration, law="constant")
+    assert constant.law == "constant"
+    assert any("restitution that depends on the speed" in doubt for doubt in constant.doubts)
+    rig, given, *_ = recorded(8019, "contacts", False)
+    assert rig.wall == "linear"
+    with pytest.warns(vi.PoorFitWarning, match="known mu"):
+        wrong = vi.identify(
+            given, known=known | {"m": 0.98 * M * rig.mu}, calibration=rig.calibration
+        )
+    assert wrong.law == "constant"
+
+
 @pytest.mark.parametrize("seed", [234, pytest.param(22, marks=pytest.mark.slow)])
 def test_walls_whose_restitution_falls_with_the_speed_are_within_the_errors(seed, monkeypatch):
     """Two walls by the law of Hunt and Crossley, with impacts of different speeds on one of them, which the record

@@ -237,7 +237,10 @@ def test_other_records_have_a_status(clearance, contact, status):
         ({"bandwidth": 300.0}, "bandwidth: must be left out if a record is given"),
         ({"impact_times": [0, 1]}, "impact_times: must be given without a record"),
         ({"law": "cubic"}, "law = 'cubic': must be"),
-        ({"law_speed": 0.3}, "law_speed = 0.3: must be given with a law over the speed, such as law = 'power'"),
+        (
+            {"law_speed": 0.3},
+            "law_speed = 0.3: must be given with a law over the speed, such as law = 'power'",
+        ),
         ({"law_knots": 3}, "law_knots = 3: must be given with law = 'table' or 'tables'"),
         ({"law": "table", "law_knots": 1}, "law_knots = 1: must be"),
         (

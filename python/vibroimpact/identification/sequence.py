@@ -149,8 +149,8 @@ def falling(
 ) -> tuple[list[Step], Fit, Law] | None:
     """The fit with coefficients of restitution that fall with the speed, where only these describe the records.
 
-    Constants are rejected, powers of the speed raise no doubt and determine what constants determine, and constants
-    are still doubtful if a known value that the records contradict is fitted, or friction. Otherwise the result is
+    Constants are rejected; powers of the speed raise no doubt and determine what constants determine; constants
+    remain doubtful if a known value that the records contradict is fitted, or friction. Otherwise the result is
     None, since a wrong known value may resemble a law of restitution.
 
     Parameters

@@ -100,10 +100,12 @@ module vi_identify_study
       key_type('law_speed', low=tiny_value, high=huge_value, only='law', never='law=constant', &
       may_miss=.true., unit='m/s', meaning='speed v0 to which R1 and R2 apply; by default the &
       &geometric mean of the speeds of all impacts'), &
-      key_type('law_exponent', low=-10.0_wp, high=10.0_wp, least=1, most=2, only='law', never='law=constant', &
+      key_type('law_exponent', low=-10.0_wp, high=10.0_wp, least=1, most=2, only='law', &
+      never='law=constant', &
       may_miss=.true., takes='one number, or two if each wall has its own', &
       meaning='exponent p, if it is known; one, or one for the right and one for the left wall'), &
-      key_type('law_knee', low=tiny_value, high=huge_value, least=1, most=2, only='law', never='law=constant', &
+      key_type('law_knee', low=tiny_value, high=huge_value, least=1, most=2, only='law', &
+      never='law=constant', &
       may_miss=.true., unit='m/s', takes='one speed, or two with law = ''knees''', &
       meaning='speed at which the power law begins, if it is known; one, or one for the right and &
       &one for the left wall'), &
