@@ -56,7 +56,7 @@ def identified(
         raise ParameterError(
             f"calibration = {calibration!r}: must be below 1, such as 0.01 for 1 %"
         )
-    alone = law is None and friction is None
+    may_fall = law is None and friction is None
     law = "constant" if law is None else checks.choice(law, "law", KINDS)
     if law_speed is not None:
         law_speed = positive(law_speed, "law_speed")
@@ -131,7 +131,7 @@ def identified(
         return tables_of(steps, found, scale, shared, own, case, changes)
 
     result = completed(steps, found, own)
-    if alone and found is not None and found.motions and not is_good(result):
+    if may_fall and found is not None and found.motions and not is_good(result):
         other = falling(steps, found, values, guess)
         result = result if other is None else completed(*other)
     return result
@@ -176,10 +176,10 @@ def falling(
             one: tuple[list[Step], Fit | None, Law] = others, fit, own
             if without == "friction":
                 one = with_friction(one, scale, shared, guess, None)
-            good = is_good(tables_of(*one[:2], scale, shared, one[2], ""))
+            result = tables_of(*one[:2], scale, shared, one[2], "")
         except VibroimpactError:
             return None
-        return (others, fit, own) if good else None
+        return (others, fit, own) if is_good(result) else None
 
     falls = described("powers")
     if falls is None or set(falls[1].undetermined) - set(EXPONENTS) - set(found.undetermined):
