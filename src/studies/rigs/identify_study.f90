@@ -94,9 +94,8 @@ module vi_identify_study
       meaning='parameters of &system that are known; the others are starting values of the fit'), &
       key_type('law', a_word, may_miss=.true., &
       words='constant power powers knee knees table tables', &
-      meaning='restitution at approach speed v: constant, R (v/v0)^-p, with a knee, or a table; &
-      &plural: one for each wall; by default constant, or powers where the records reject &
-      &constants and nothing else explains them'), &
+      meaning='restitution at speed v: constant, R (v/v0)^-p, with a knee, or a table; plural: &
+      &one for each wall; by default constant, or powers where only these fit'), &
       key_type('law_speed', low=tiny_value, high=huge_value, only='law', never='law=constant', &
       may_miss=.true., unit='m/s', meaning='speed v0 to which R1 and R2 apply; by default the &
       &geometric mean of the speeds of all impacts'), &
