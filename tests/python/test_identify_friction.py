@@ -250,7 +250,6 @@ def test_friction_is_fitted_where_the_record_determines_it(slot):
     assert " N" not in shown
 
 
-@pytest.mark.slow
 def test_namelists_take_friction(slot, monkeypatch):
     """Known friction as a share or a force, and a fitted one, as in Python; other words are refused."""
     path, record, python = slot

@@ -518,7 +518,6 @@ def test_workers_end_with_a_killed_program(tmp_path):
                 os.kill(number, signal.SIGKILL)
 
 
-@pytest.mark.slow
 def test_proofs_of_statements(monkeypatch):
     """The proofs agree with the motions found; without python-flint there are none, and the page states this."""
     pytest.importorskip("flint")
