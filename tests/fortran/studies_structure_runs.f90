@@ -49,8 +49,9 @@ contains
             looks(i) = looks_of_lattice(cells(i), kind)
          end do
          if (kind > 1) cycle
-         call check(looks(4) < 50, 'lattices: few looks an event')
-         call check(looks(4) < 1.7_wp*looks(2), 'lattices: and hardly more in long chains')
+         call check(looks(4) < 40, 'lattices: few looks an event')
+         call check(looks(4) - looks(2) < 0.18_wp*(cells(4) - cells(2)), &
+            'lattices: and hardly more in long chains')
       end do
    end subroutine test_lattices
 
