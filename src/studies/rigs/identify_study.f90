@@ -95,7 +95,7 @@ module vi_identify_study
       key_type('law', a_word, may_miss=.true., &
       words='constant power powers knee knees table tables', &
       meaning='restitution at speed v: constant, R (v/v0)^-p, with a knee, or a table; plural: &
-      &one for each wall; by default constant, or powers where only these fit'), &
+      &one for each wall; by default constant or powers'), &
       key_type('law_speed', low=tiny_value, high=huge_value, only='law', never='law=constant', &
       may_miss=.true., unit='m/s', meaning='speed v0 to which R1 and R2 apply; by default the &
       &geometric mean of the speeds of all impacts'), &
