@@ -538,15 +538,14 @@ def identify(
         default.
     law : {"constant", "power", "powers", "knee", "knees", "table", "tables"}, optional
         The law of the coefficients of restitution as a function of the approach speed v; with a name in the
-        plural, each wall has its own law. By default "constant", or "powers" where the records reject constants,
-        powers of the speed raise no doubt, and no contradicted known value explains the records as well; a note
-        states this. "power": R1 (v/v0)^-exponent and R2 (v/v0)^-exponent, a `PowerLaw` far
-        above its knee. "knee": a `PowerLaw` of sharpness 2, with the values R1 and R2 at the speed v0, the
-        `exponent` and the speed `knee`. "table": linear between knots, R[1] at the speed v[1] and so on, and
-        constant beyond them. With plurals, the parameters are exponent1, knee1 and R1[1] on the right wall, and
-        exponent2, knee2 and R2[1] on the left one. A law requires impacts of different speeds, from records at
-        different loads or within one period. Parameters that the impacts do not determine are listed in
-        `undetermined`.
+        plural, each wall has its own law. By default "constant"; if a periodic record rejects constants and only
+        powers of the speed describe it, "powers", which a note states. "power": R1 (v/v0)^-exponent and R2
+        (v/v0)^-exponent, a `PowerLaw` far above its knee. "knee": a `PowerLaw` of sharpness 2, with the values R1
+        and R2 at the speed v0, the `exponent` and the speed `knee`. "table": linear between knots, R[1] at the
+        speed v[1] and so on, and constant beyond them. With plurals, the parameters are exponent1, knee1 and R1[1]
+        on the right wall, and exponent2, knee2 and R2[1] on the left one. A law requires impacts of different
+        speeds, from records at different loads or within one period. Parameters that the impacts do not determine
+        are listed in `undetermined`.
     law_speed : float, optional
         Speed v0 in m/s; by default the geometric mean of the approach speeds of all impacts.
     law_knots : int, optional

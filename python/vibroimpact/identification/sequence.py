@@ -33,7 +33,7 @@ OF_KEYS = {
 }  # fmt: skip
 #: The known values that fix a parameter of the fit.
 HELD = {
-    "mu": ("mu", "m"), "omega": ("omega", "K"), "xi": ("xi", "C"), "d": ("d",), "R1": ("R1",), "R2": ("R2",),
+    "mu": ("mu", "m"), "omega": ("omega", "K"), "xi": ("xi", "C"), "d": ("d",),
 }  # fmt: skip
 #: The shares of the standard error of a known value over which the change of the parameters is computed, in order.
 SHARES = (1.0, 0.3, 0.1)
@@ -56,7 +56,8 @@ def identified(
         raise ParameterError(
             f"calibration = {calibration!r}: must be below 1, such as 0.01 for 1 %"
         )
-    may_fall = law is None and friction is None
+    # a known R1 or R2 without a speed is a constant
+    may_fall = law is None and friction is None and not {"R1", "R2"} & shared.keys()
     law = "constant" if law is None else checks.choice(law, "law", KINDS)
     if law_speed is not None:
         law_speed = positive(law_speed, "law_speed")
@@ -150,8 +151,8 @@ def falling(
     """The fit with coefficients of restitution that fall with the speed, where only these describe the records.
 
     Constants are rejected; powers of the speed raise no doubt and determine what constants determine; constants
-    remain doubtful if a known value that the records contradict is fitted, or friction. Otherwise the result is
-    None, since a wrong known value may resemble a law of restitution.
+    remain doubtful even if a contradicted known value, or friction, is fitted as well. Otherwise the result is None,
+    since a wrong known value may resemble a law of restitution.
 
     Parameters
     ----------
