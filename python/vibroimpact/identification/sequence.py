@@ -151,8 +151,8 @@ def falling(
     """The fit with coefficients of restitution that fall with the speed, where only these describe the records.
 
     Constants are rejected; powers of the speed raise no doubt and determine what constants determine; constants
-    remain doubtful even if a contradicted known value, or friction, is fitted as well. Otherwise the result is None,
-    since a wrong known value may resemble a law of restitution.
+    remain doubtful even if a contradicted known value, or friction, is fitted as well. Otherwise the result is
+    None, since a wrong known value may resemble a law of restitution.
 
     Parameters
     ----------
