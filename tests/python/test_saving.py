@@ -81,6 +81,23 @@ def test_planted_links_are_not_followed(motion, tmp_path, monkeypatch):
     assert not (tmp_path / "motion.json").is_symlink()
 
 
+@pytest.mark.parametrize("call", ["open", "close", "replace"])
+def test_an_interrupt_in_any_call_leaves_no_temporary_file(call, tmp_path, monkeypatch):
+    """Ctrl-C that arrives during one of the system's calls leaves the old file or the new one, and nothing else."""
+    (tmp_path / "file").write_bytes(b"old")
+    real = getattr(os, call)
+
+    def interrupted(*words):
+        real(*words)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(os, call, interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        write_bytes(tmp_path / "file", b"new")
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+    assert (tmp_path / "file").read_bytes() == (b"new" if call == "replace" else b"old")
+
+
 def test_permissions_follow_the_umask(tmp_path):
     """A saved file has the permissions of any new file."""
     before = os.umask(0o027)

@@ -68,6 +68,11 @@ def new_file(path: Path, ending: str = "") -> Path:
     """
     while True:
         place = path.with_name(f"{path.stem[:40]}.{secrets.token_hex(8)}.part{ending}")
-        with contextlib.suppress(FileExistsError):
+        try:
             os.close(os.open(place, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
             return place
+        except FileExistsError:
+            continue
+        except KeyboardInterrupt:  # comes after the file is there, before its name is known to anyone
+            place.unlink(missing_ok=True)
+            raise
