@@ -26,7 +26,7 @@ for start in ([0.0], [0.6]), ([2.0], [-1.0]):
     other = vi.simulate(bow, duration=30, state=start)
     q, q_dot = other.sample(np.linspace(0, 30, 3000))
     ax.plot(q[0], q_dot[0])
-ax.set(xlabel="displacement q", ylabel="velocity q'")
+ax.set(xlabel="displacement $q$", ylabel=r"velocity $\dot q$")
 
 # %%
 # Damping shortens the slip until it no longer reaches the speed of the belt. There the limit cycle ends: with
@@ -37,4 +37,4 @@ for point in branch.special_points:
     print(point)
 fig, ax = plt.subplots(figsize=(5, 3.4), layout="constrained")
 ax.plot(branch.values, branch.period)
-ax.set(xlabel="damping C", ylabel="period T")
+ax.set(xlabel="damping $C$", ylabel="period $T$")
