@@ -3,6 +3,7 @@
 import functools
 import math
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -250,35 +251,42 @@ def test_friction_is_fitted_where_the_record_determines_it(slot):
     assert " N" not in shown
 
 
+def run_namelist(name, friction, bandwidth):
+    """The case of a namelist in the working folder that names `name.csv` and the friction."""
+    Path(f"{name}.nml").write_text(
+        f"&system xi = 0.01, mu = 0.05, restitution = 0.7 /\n&identify records = '{name}.csv', "
+        f"bandwidth = 0, {bandwidth['load']}, {bandwidth['acceleration']}, mass = 2.7, stiffness = 42e3, "
+        f"free_mass = 0.11, friction = '{friction}' /\n"
+    )
+    (case,) = vi.read_namelist(f"{name}.nml")
+    return case.run()[0]
+
+
 def test_namelists_take_friction(slot, monkeypatch):
-    """Known friction as a share or a force, and a fitted one, as in Python; other words are refused."""
-    path, record, python = slot
+    """Known friction is a share or a force, as in Python; other words are refused."""
+    path, record, _ = slot
     lines = path.read_text().splitlines(keepends=True)
+    # a third of the record is enough where the friction is known
     path.with_stem("short").write_text("".join(lines[: len(lines) // 3]))
     monkeypatch.chdir(path.parent)
-    both = [record.bandwidth[name] for name in ("load", "acceleration")]
-
-    def run(name, friction):
-        path.with_name(f"{name}.nml").write_text(
-            f"&system xi = 0.01, mu = 0.05, restitution = 0.7 /\n&identify records = '{name}.csv', "
-            f"bandwidth = 0, {both[0]}, {both[1]}, mass = 2.7, stiffness = 42e3, free_mass = 0.11, "
-            f"friction = '{friction}' /\n"
-        )
-        (case,) = vi.read_namelist(f"{name}.nml")
-        return case.run()[0]
-
-    fitted = run("slot", "fit")
-    assert fitted.values == pytest.approx(python.values, rel=1e-6)
-    assert fitted.errors["friction"] == pytest.approx(python.errors["friction"], rel=1e-4)
-    # a third of the record is enough where the friction is known
-    share, force = run("short", "0.02"), run("short", "0.12 N")
+    share, force = (run_namelist("short", words, record.bandwidth) for words in ("0.02", "0.12 N"))
     assert share.values["friction"] == 0.02
     assert force.values["friction"] == pytest.approx(0.02, rel=0.02)
     assert "friction" not in share.errors
     with pytest.raises(
         vi.ParameterError, match="friction = 'much': must be 'fit', a fraction of F0, or a force"
     ):
-        run("short", "much")
+        run_namelist("short", "much", record.bandwidth)
+
+
+@pytest.mark.slow
+def test_namelists_fit_friction(slot, monkeypatch):
+    """Values and errors are those from Python."""
+    path, record, python = slot
+    monkeypatch.chdir(path.parent)
+    fitted = run_namelist("slot", "fit", record.bandwidth)
+    assert fitted.values == pytest.approx(python.values, rel=1e-6)
+    assert fitted.errors["friction"] == pytest.approx(python.errors["friction"], rel=1e-4)
 
 
 @pytest.mark.parametrize(

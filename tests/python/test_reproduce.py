@@ -518,6 +518,22 @@ def test_workers_end_with_a_killed_program(tmp_path):
                 os.kill(number, signal.SIGKILL)
 
 
+@pytest.mark.parametrize(
+    ("end", "stable"), [(0, (False, True)), pytest.param(1, (True, False), marks=pytest.mark.slow)]
+)
+def test_proofs_of_the_ends_of_a_range(end, stable):
+    """They are between a stable and an unstable motion less than 1e-12 apart."""
+    pytest.importorskip("flint")
+    start = next(one for one in vi.equispaced(MASRI, 1.04, 37.0) if one.stable)
+    line = vi.branch(start, "r", bounds=(0.9975, 1.0965))
+    ends = [point.r for point in line.special_points if point.type in statements.ENDS]
+    assert len(ends) == 2
+    sides = statements.certificates_of_end(line, ends[end])
+    assert tuple(side.stable for side in sides) == stable
+    places = [float(side.system["r"]) for side in sides]
+    assert 0 < places[1] - places[0] < 1e-12
+
+
 def test_proofs_of_statements(monkeypatch):
     """The proofs agree with the motions found; without python-flint there are none, and the page states this."""
     pytest.importorskip("flint")
@@ -529,16 +545,7 @@ def test_proofs_of_statements(monkeypatch):
     # the whole range crosses resonance; beyond its ends not all motions are stable
     assert "from 1.0390 to 1.0410" in statements.proof_of_line(1.039, 1.041)
     assert statements.proof_of_line(1.09, 1.1) == ""
-    # the ends of that range, from a stable and an unstable motion less than 1e-12 apart
     start = next(one for one in vi.equispaced(MASRI, 1.04, 37.0) if one.stable)
-    line = vi.branch(start, "r", bounds=(0.9975, 1.0965))
-    ends = [point.r for point in line.special_points if point.type in statements.ENDS]
-    assert len(ends) == 2
-    for r, stable in zip(ends, ((False, True), (True, False)), strict=True):
-        sides = statements.certificates_of_end(line, r)
-        assert tuple(side.stable for side in sides) == stable
-        places = [float(side.system["r"]) for side in sides]
-        assert 0 < places[1] - places[0] < 1e-12
     # another motion at these parameters is not on this branch
     other = next(one for one in vi.equispaced(MASRI, 1.04, 37.0) if not one.stable)
     near = vi.branch(start, "r", bounds=(1.0399, 1.0401)).prove()

@@ -83,7 +83,7 @@ def test_planted_links_are_not_followed(motion, tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("call", ["open", "close", "replace"])
 def test_an_interrupt_in_any_call_leaves_no_temporary_file(call, tmp_path, monkeypatch):
-    """Ctrl-C that arrives during one of the system's calls leaves the old file or the new one, and nothing else."""
+    """Ctrl-C during one of the calls of the system leaves the old file or the new one, and nothing else."""
     (tmp_path / "file").write_bytes(b"old")
     real = getattr(os, call)
 
