@@ -73,8 +73,6 @@ def new_file(path: Path, ending: str = "") -> Path:
             return place
         except FileExistsError:
             continue
-        except (
-            KeyboardInterrupt
-        ):  # comes after the file is there, before its name is known to anyone
+        except KeyboardInterrupt:  # nobody else knows the name yet
             place.unlink(missing_ok=True)
             raise
