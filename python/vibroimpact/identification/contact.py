@@ -27,6 +27,8 @@ FADED, MOST_ROUNDS = 8.0, 60
 #: part of the transient of the filter, at a smaller one the record does not show its response; and the share of a
 #: mode that must be left after a pulse.
 BLOCKED, OWN_POLE, LEFT = 0.1, 2.0, 0.1
+#: Standard errors, and share, by which a spectrum that rises with the frequency is no pulse of a short contact.
+CLEARLY, RISEN = 3.0, 0.01
 #: Seconds after an impact that are excluded at most.
 LONGEST_PULSE = 12e-3
 
@@ -140,6 +142,10 @@ def duration(
     least = np.clip(ratio - off, 0.1, None)
     squares = np.zeros(least.size)
     for i, w in enumerate(pulse_frequencies(data).tolist()):
+        seen = weights @ abs(expected(data, forces[:, 0].real, modes, 0.0))
+        # modes that a filter hides raise the spectrum; contacts may then lower it by as much
+        rise = (ratio - CLEARLY * off)[i] * seen[0] / max(seen[i + 1], 1e-300)
+        hidden = 2 * math.log(rise) / w**2 if rise > 1 + RISEN else 0.0
         for _ in range(MOST_ROUNDS):
             seen = weights @ abs(expected(data, forces[:, 0].real, modes, squares[i]))
             more = 2 * math.log(max(seen[i + 1] / max(seen[0], 1e-300), 1e-300) / least[i]) / w**2
@@ -147,4 +153,5 @@ def duration(
             done, squares[i] = abs(new - squares[i]) < 1e-3 * new, new
             if done:
                 break
+        squares[i] = max(squares[i], hidden)
     return math.sqrt(float(squares.max())) / HALF_SINE
