@@ -44,6 +44,9 @@ FIRST_PULSE, LEAST_FLIGHT = 4e-3, 0.3
 #: Residual, relative to its error, at which a pulse has ended. The excluded part is extended beyond that by a
 #: multiple of the time in which the pulse fades by a factor of ten, but at most by a share of its length.
 ENDED, MARGIN, FADES = 3.0, 0.6, 1.0
+#: Time (s) over which residuals are summed to find transients that are weaker than the noise of a bin, and such a
+#: sum, relative to its error, above which a pulse is extended.
+LASTS, LASTING = 0.4e-3, 4.0
 #: Misfit of periodic flights above which they do not describe the record.
 HOPELESS = 25.0
 #: Misfit of free flights above which others are tried.
@@ -429,10 +432,7 @@ class Flights:
         limit = ENDED * max(1.0, math.sqrt(min(found.misfit, 25.0)))
         bad, large = abs(found.left) > limit, abs(found.left) > 10 * limit
         order = np.argsort(angles)
-        gaps = np.empty(angles.size)
-        gaps[order] = (
-            np.diff(np.append(angles[order], angles[order[:1]] + self.whole)) / self.data.Omega
-        )
+        gaps = self.gaps(angles)
         gaps_before = np.empty(angles.size)
         gaps_before[order] = np.roll(gaps[order], 1)
         before, after = np.empty(angles.size), np.empty(angles.size)
@@ -455,6 +455,33 @@ class Flights:
             first = ahead[ends[0]] if ends.size else ahead[-1] if ahead.size else 0.0
             before[i] = first * (1 + MARGIN) + 2 * step
         return before, after
+
+    def gaps(self, angles: _Array) -> _Array:
+        """The times from impacts to the next ones (s)."""
+        order = np.argsort(angles)
+        gaps = np.empty(angles.size)
+        gaps[order] = (
+            np.diff(np.append(angles[order], angles[order[:1]] + self.whole)) / self.data.Omega
+        )
+        return gaps
+
+    def faded(self, found: FreeFit) -> NDArray[np.bool_]:
+        """The pulses of a fit, extended by what is left of their transients: residuals that last, each below the
+        noise of its bin."""
+        angles = found.data.angles
+        if not angles.size:
+            return found.pulse
+        several = max(1, round(LASTS * self.data.Omega / self.whole * self.fold.angles.size))
+        left = np.where(found.pulse, 0.0, found.left)
+        sums = np.cumsum(np.concatenate([[0.0], left, left[: several - 1]]))
+        limit = LASTING * math.sqrt(several * max(1.0, found.misfit))
+        tau = since(self.fold.angles, angles, self.data)
+        impact, tau = np.argmin(tau, axis=1), np.min(tau, axis=1)
+        late = (abs(sums[several:] - sums[:-several]) > limit) & (tau < 2 * FIRST_PULSE)
+        after = np.zeros(angles.size)
+        np.maximum.at(after, impact[late], tau[late] + LASTS)
+        after = np.minimum(after, (1 - LEAST_FLIGHT) * self.gaps(angles))
+        return found.pulse | self.pulses(angles, np.zeros(angles.size), after)
 
     def contact(self, found: FreeFit) -> float:
         """The duration of the contacts (s), from the pulses."""
@@ -539,7 +566,13 @@ class Flights:
             good = found if found.misfit < GOOD else good
             found = self.fit(self.point(found), pulse)
         # pulses that have just become too short are replaced by those of the previous round
-        return good if good is not None and found.misfit > GOOD else found
+        found = good if good is not None and found.misfit > GOOD else found
+        for _ in range(rounds):
+            pulse = self.faded(found)
+            if found.misfit > GOOD or (pulse == found.pulse).all():
+                break
+            found = self.fit(self.point(found), pulse)
+        return found
 
     def begun(self, angles: _Array) -> FreeFit:
         """The first fit, with pulses that are certainly long enough."""
