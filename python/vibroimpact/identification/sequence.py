@@ -21,7 +21,7 @@ from .known import Doubted, Known, known_values, with_errors
 from .laws import KINDS, Law
 from .measured import OF_SENSORS, SensorRecord
 from .sliding import with_friction
-from .stages import fitted, identified_by
+from .stages import again, fitted, identified_by
 from .steps import Step, of_record, of_times
 from .tables import is_strained, tables_of
 
@@ -108,7 +108,8 @@ def identified(
             of_record(record, frequency, scale, i, len(records), calibration)
             for i, record in enumerate(records)
         ]
-    steps, found, own = identified_by(steps, scale, shared, guess, own, law_speed, progress)
+    begun = steps
+    steps, found, own = identified_by(begun, scale, shared, guess, own, law_speed, progress)
     if friction is not None:
         share = friction_over(friction, steps[0], scale)
         steps, found, own = with_friction((steps, found, own), scale, shared, guess, share)
@@ -132,8 +133,8 @@ def identified(
         return tables_of(steps, found, scale, shared, own, case, changes)
 
     result = completed(steps, found, own)
-    if may_fall and found is not None and found.motions and not is_good(result):
-        other = falling(steps, found, values, guess)
+    if may_fall and found is not None and not is_good(result):
+        other = falling(steps if found.motions else begun, steps, found, values, guess)
         result = result if other is None else completed(*other)
     return result
 
@@ -146,16 +147,21 @@ def is_good(result: Result) -> bool:
 
 
 def falling(
-    steps: Sequence[Step], found: Fit, known: Mapping[str, float], guess: dict[str, float]
-) -> tuple[list[Step], Fit, Law] | None:
+    begun: Sequence[Step], steps: Sequence[Step], found: Fit, known: Mapping[str, float], guess: dict[str, float],
+) -> tuple[list[Step], Fit, Law] | None:  # fmt: skip
     """The fit with coefficients of restitution that fall with the speed, where only these describe the records.
 
     Constants are rejected; powers of the speed raise no doubt and determine what constants determine; constants
     remain doubtful even if a contradicted known value, or friction, is fitted as well. Otherwise the result is
-    None, since a wrong known value may resemble a law of restitution.
+    None, since a wrong known value may resemble a law of restitution. Impacts that repeat although no motion with
+    constants has them may be those of a motion with powers, which is then searched for like any other.
 
     Parameters
     ----------
+    begun : sequence of Step
+        From which the fits begin: with the flights of the motions, or without, if no motion was found.
+    steps : sequence of Step
+        Those of the fit with constants.
     found : Fit
         With constants.
     known : mapping
@@ -165,25 +171,31 @@ def falling(
     rejected = [
         each.size for name, each in strained.items() if name in EXPONENTS and each.change > 0
     ]
-    if not rejected:
+    if not (rejected and (found.motions or all(again(step) for step in steps))):
         return None
 
     def described(law: str, without: str = "") -> tuple[list[Step], Fit, Law] | None:
         """A fit without doubts, with a law, or without one of the known values, or with friction."""
         scale, shared = known_values({name: known[name] for name in known if name != without})
-        others = [copy(step) for step in steps]
+        others = [copy(step) for step in begun]
         try:
-            fit, own = fitted(others, scale, shared, guess, Law(law), None)
-            one: tuple[list[Step], Fit | None, Law] = others, fit, own
+            one: tuple[list[Step], Fit | None, Law]
+            if found.motions:
+                one = others, *fitted(others, scale, shared, guess, Law(law), None)
+            else:
+                one = identified_by(others, scale, shared, guess, Law(law), None)
+            others, fit, own = one
             if without == "friction":
                 one = with_friction(one, scale, shared, guess, None)
             result = tables_of(*one[:2], scale, shared, one[2], "")
         except VibroimpactError:
             return None
-        return (others, fit, own) if is_good(result) else None
+        return (others, fit, own) if fit is not None and is_good(result) else None
 
     falls = described("powers")
-    if falls is None or set(falls[1].undetermined) - set(EXPONENTS) - set(found.undetermined):
+    if falls is None or not falls[1].motions:
+        return None
+    if set(falls[1].undetermined) - set(EXPONENTS) - set(found.undetermined):
         return None
     if any(falls[1].values[name] < 0 for name in EXPONENTS if name not in falls[1].undetermined):
         return None
