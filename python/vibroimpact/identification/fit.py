@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.errors import SingularError
+from .contact import HALF_SINE
 from .flights import HOPELESS
 from .friction import Rubbing, of_no_friction
 from .known import HINT
@@ -387,17 +388,21 @@ def allow_effects(
     if not size.any():
         return
     by = np.array([[lean.get(own, 0.0) for lean in leans] for own in found.names]) * size
-    # the covariance of the effects, and the mean where it is clear
+    # by rounding, values may be negative: this is no information, and would give negative variances
     own, pull = information * np.outer(size, size), pull * size
     values, axes = np.linalg.eigh(own)
-    if values[0] < 0:  # by rounding: this is no information, and would give negative variances
-        own = axes * np.maximum(values, 0.0) @ axes.T
-    spread = np.linalg.inv(own + np.eye(size.size))
-    mean = spread @ pull
-    if mean @ np.linalg.solve(spread, mean) > CLEAR**2:
-        bound = np.clip(mean, -1.0, 1.0)
-        spread += np.outer(bound, bound)
+    values = np.maximum(values, 0.0)
+    own = axes * values @ axes.T
+    # the mean square of the effects: their covariance, and their mean, which the fit does not have
+    spread = axes / (values + 1) @ axes.T
+    mean = np.clip(spread @ pull, -1.0, 1.0)
+    spread += np.outer(mean, mean)
     found.allowance = by @ spread @ by.T
+    # a force that lasts makes the primary mass swing less than its impulse, as a lighter free mass would
+    share = 0.5 * (HALF_SINE * contact * found.values["omega"]) ** 2
+    of_mass = {"mu": 1.0} if "mu" in found.names else found.leans.get("mu", {})
+    by_mass = share * found.values["mu"] * np.array([of_mass.get(own, 0.0) for own in found.names])
+    found.allowance += np.outer(by_mass, by_mass)
     lasts = np.array([name in CONTACT for name in names])
     of_speed = by[:, ~lasts] @ spread[np.ix_(~lasts, ~lasts)] @ by[:, ~lasts].T
     shares = np.diag(of_speed) / np.maximum(np.diag(found.stated), 1e-300)
