@@ -13,12 +13,14 @@
 !! omitted terms are below rounding (vi_series).
 module vi_channels
    use vi_kinds, only: wp
-   use vi_lane_groups, only: add_derivatives, bound_pairs, sizes_of_pairs
+   use vi_lane_groups, only: add_derivatives, bound_pairs, sizes_of_free_pairs, sizes_of_pairs
    use vi_lane_groups_wide, only: add_derivatives_wide => add_derivatives, &
-      bound_pairs_wide => bound_pairs, sizes_of_pairs_wide => sizes_of_pairs
-   use vi_lane_rows, only: mark_doubts, side_by_side, start_series, step_pairs
+      bound_pairs_wide => bound_pairs, sizes_of_free_pairs_wide => sizes_of_free_pairs, &
+      sizes_of_pairs_wide => sizes_of_pairs
+   use vi_lane_rows, only: mark_doubts, side_by_side, start_free_series, start_series, step_pairs
    use vi_lane_rows_wide, only: mark_doubts_wide => mark_doubts, &
-      start_series_wide => start_series, step_pairs_wide => step_pairs
+      start_free_series_wide => start_free_series, start_series_wide => start_series, &
+      step_pairs_wide => step_pairs
    use vi_modes, only: advance, advance_pair, bound_on, levels
    use vi_rows, only: add_ripple, bound_values, row_values, rows_type
    use vi_series, only: follow, new_opening, opening_type, order, series_type, step_budget, &
@@ -194,7 +196,7 @@ contains
          call pairs_at(regime, m, harmonics, x0, v0, phase, bounded, pairs(:, 1), pairs(:, 2), &
             turns(:, 1))
          call bound_fourth_of_pairs(regime, m, pairs(:, 1), pairs(:, 2), pairs(:, 5), pairs(:, 6))
-      else
+      else if (.not. (alone .and. regime%modes%conserves)) then
          call bound_fourth_of_pairs(regime, m, x0, v0, pairs(:, 5), pairs(:, 6))
       end if
       if (alone) then
@@ -446,7 +448,13 @@ contains
       real(wp) :: sum_x, sum_v
 
       associate (modes => regime%modes)
-         if (modes%wide) then
+         if (modes%conserves .and. modes%wide) then
+            call sizes_of_free_pairs_wide(m, modes%bent, duration, modes%stiffness, &
+               modes%inverse, x, v, sum_x, sum_v)
+         else if (modes%conserves) then
+            call sizes_of_free_pairs(m, modes%bent, duration, modes%stiffness, modes%inverse, x, &
+               v, sum_x, sum_v)
+         else if (modes%wide) then
             call sizes_of_pairs_wide(m, duration, modes%stiffness, modes%damping, modes%inverse, &
                modes%drift, modes%drift_rate, modes%force, modes%force_rate, x, v, sum_x, sum_v)
          else
@@ -856,7 +864,13 @@ contains
       size_now = abs(total(0))
       associate (rows => regime%rows, modes => regime%modes, x => work(:, 1), v => work(:, 2))
          ! of a row without pairs, as of a gap at rest, the offset is all
-         if (n > 0 .and. rows%wide) then
+         if (n > 0 .and. rows%bare .and. modes%conserves .and. rows%wide) then
+            call start_free_series_wide(n, size(x0), rows%runs(row), rows%touched(begin), &
+               modes%stiffness, rows%of_x(begin), x0, v0, x, v, work(:, 5:6), total, size_now)
+         else if (n > 0 .and. rows%bare .and. modes%conserves) then
+            call start_free_series(n, size(x0), rows%runs(row), rows%touched(begin), &
+               modes%stiffness, rows%of_x(begin), x0, v0, x, v, work(:, 5:6), total, size_now)
+         else if (n > 0 .and. rows%wide) then
             call start_series_wide(n, size(x0), rows%runs(row), t, rows%touched(begin), &
                modes%stiffness, modes%damping, modes%drift, modes%drift_rate, modes%force, &
                modes%force_rate, rows%of_x(begin), rows%of_v(begin), x0, v0, x, v, work(:, 5:8), &

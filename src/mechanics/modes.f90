@@ -45,6 +45,8 @@ module vi_modes
       integer :: turning = 0, bent = 0
       !> Whether any of the former is damped.
       logical :: damps = .false.
+      !> Whether no pair is damped or has constant terms.
+      logical :: conserves = .false.
    end type modes_type
 
    !> Formulas: a free mass; an oscillation below critical damping, without and with constant
@@ -244,6 +246,7 @@ contains
       modes%damps = any(modes%damping(:modes%turning) > 0)
       modes%bent = findloc(driven .or. modes%stiffness + modes%damping + abs(modes%force) &
          + abs(modes%drift) > 0, .true., dim=1, back=.true.)
+      modes%conserves = all(modes%kind < pushed .and. .not. modes%damping > 0)
       modes%wide = runs_wide() /= 0
    end subroutine prepare
 
@@ -308,11 +311,11 @@ contains
       real(wp), intent(in) :: t
       !> (n) As in `advance_in_place`.
       real(wp), contiguous, intent(inout) :: x(:), v(:)
-      real(wp), dimension(size(x)) :: x_old, v_old
+      real(wp) :: old(size(x), 2)
 
-      x_old = x
-      v_old = v
-      call advance(modes, t, x_old, v_old, x, v)
+      old(:, 1) = x
+      old(:, 2) = v
+      call advance(modes, t, old(:, 1), old(:, 2), x, v)
    end subroutine advance_copies
 
    !> One pair after a given time.

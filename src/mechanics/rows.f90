@@ -33,6 +33,8 @@ module vi_rows
    type, public :: rows_type
       !> Number of pairs.
       integer :: pairs = 0
+      !> Whether the processor runs the procedures for wide registers, which give the same bits.
+      logical :: wide = .false.
       type(block_type), allocatable :: blocks(:)
       !> Row and pair of each coefficient that is in no block, and the coefficients.
       integer, allocatable, dimension(:) :: row, pair
@@ -43,8 +45,12 @@ module vi_rows
       logical :: alone = .false.
       !> Number of pairs up to the last one in a block.
       integer :: dense = 0
-      !> The largest norm of positions and size of constants, and (harmonics) the largest ripples.
+      !> The largest norm of positions and size of constants.
       real(wp) :: most_norm = 0, most_constant = 0
+      !> (rows) As position_norm, of the pairs that are no free masses; the largest of them.
+      real(wp), allocatable :: bent_norm(:)
+      real(wp) :: most_bent_norm = 0
+      !> (harmonics) The largest ripples.
       real(wp), allocatable :: most_ripple(:)
       integer, allocatable, dimension(:) :: listed, listed_begins
       !> (rows) Constants of each row and of its rate.
@@ -72,8 +78,6 @@ module vi_rows
       !> (rows) No derivative grows faster than by this factor an order; the largest of them.
       real(wp), allocatable :: fastest(:)
       real(wp) :: most_fastest = 0
-      !> Whether the processor runs the procedures for wide registers, which give the same bits.
-      logical :: wide = .false.
    end type rows_type
 
    !> Rows from which on they are evaluated alone: with less there is little to leave out.
@@ -171,7 +175,7 @@ contains
          rows%listed = [(pack([(k, k=1, size(rows%row))], rows%row == i), i=1, n)]
       end if
       rows%alone = rows%by_position .and. n >= many .and. .not. present(of_x)
-      if (rows%alone) call set_largest(rows)
+      if (rows%alone) call set_largest(modes, position, rows)
       call set_touched(modes, position, velocity, occurs, rows)
       call set_fastest(frequency, rows)
    end subroutine new_rows
@@ -191,15 +195,20 @@ contains
       type(rows_type), intent(inout) :: rows
 
       call set_constants(modes, position, velocity, offset, ripple, rates_known, rows)
-      if (rows%alone) call set_largest(rows)
+      if (rows%alone) call set_largest(modes, position, rows)
       call set_fastest(frequency, rows)
    end subroutine renew_rows
 
    !> The largest numbers of all rows, which certificates need.
-   pure subroutine set_largest(rows)
+   pure subroutine set_largest(modes, position, rows)
+      !> As in `new_rows`.
+      type(modes_type), intent(in) :: modes
+      real(wp), intent(in) :: position(:, :)
       !> In and out: filled in.
       type(rows_type), intent(inout) :: rows
 
+      rows%bent_norm = sqrt(sum(position(:, :modes%bent)**2, 2))
+      rows%most_bent_norm = maxval(rows%bent_norm)
       rows%most_norm = maxval(rows%position_norm)
       rows%most_constant = maxval(rows%constant_size)
       rows%most_ripple = maxval(rows%ripple_size, 1)

@@ -173,8 +173,8 @@ module vi_structure
       !! constants of the rows without the record.
       real(wp), allocatable, dimension(:, :) :: to_drift, to_force, to_rows
       real(wp), allocatable, dimension(:) :: base_drift, base_force, base_offset
-      !> Whether p of any pair depends on the record.
-      logical :: drifts = .false.
+      !> Whether p of any pair depends on the record, and whether an impulse changes any x.
+      logical :: drifts = .false., kicks_x = .true.
       !> What advances the pairs from one sample to the next one.
       type(interval_type) :: interval
       !> What `renew_regime` needs.
@@ -865,6 +865,7 @@ contains
       if (status /= stat%ok) return
       regime%kick_x = sparse_product(regime%xd, structure%mobility)
       regime%kick_v = sparse_product(regime%vd, structure%mobility)
+      regime%kicks_x = any(abs(regime%kick_x) > 0)
       ! of motions with stops and friction the extremes are evaluated in their regimes
       with_tables = .true.
       if (present(searched)) with_tables = searched

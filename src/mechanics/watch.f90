@@ -12,9 +12,10 @@
 module vi_watch
    use, intrinsic :: iso_fortran_env, only: int64
    use vi_kinds, only: wp
-   use vi_lane_groups, only: accelerate, certify, group, list_uncovered, lower_slack, stack, &
-      sum_bounds
-   use vi_lane_groups_wide, only: accelerate_wide => accelerate, certify_wide => certify, &
+   use vi_lane_groups, only: accelerate, bound_free_pairs, certify, group, list_uncovered, &
+      lower_slack, stack, sum_bounds
+   use vi_lane_groups_wide, only: accelerate_wide => accelerate, &
+      bound_free_pairs_wide => bound_free_pairs, certify_wide => certify, &
       list_uncovered_wide => list_uncovered, lower_slack_wide => lower_slack, &
       stack_wide => stack, sum_bounds_wide => sum_bounds
    use vi_lane_rows, only: mark_doubts
@@ -77,8 +78,11 @@ contains
    pure subroutine begin_watch(regime, x0, v0, of_x, watch)
       !> The regime.
       type(regime_type), intent(in) :: regime
-      !> (m) The pairs, and bounds on their fourth derivatives.
-      real(wp), contiguous, intent(in) :: x0(:), v0(:), of_x(:)
+      !> (m) The pairs.
+      real(wp), contiguous, intent(in) :: x0(:), v0(:)
+      !> (m) In and out: bounds on their fourth derivatives, computed here if no pair is damped or
+      !! has constant terms.
+      real(wp), contiguous, intent(inout) :: of_x(:)
       !> In and out: the certificates.
       type(watch_type), intent(inout) :: watch
       real(wp) :: second, third, fourth
@@ -99,7 +103,14 @@ contains
          watch%kept = .false.
          watch%bounded = .false.
          watch%rates(modes%bent + 1:) = 0
-         if (modes%wide) then
+         if (modes%conserves) of_x(modes%bent + 1:) = 0
+         if (modes%conserves .and. modes%wide) then
+            call bound_free_pairs_wide(modes%bent, modes%stiffness, modes%inverse, x0, v0, of_x, &
+               second, third, fourth)
+         else if (modes%conserves) then
+            call bound_free_pairs(modes%bent, modes%stiffness, modes%inverse, x0, v0, of_x, &
+               second, third, fourth)
+         else if (modes%wide) then
             call sum_bounds_wide(modes%bent, modes%stiffness, modes%damping, modes%inverse, &
                modes%drift, modes%force, x0, v0, of_x, second, third, fourth)
          else
@@ -109,7 +120,7 @@ contains
          ! by the inequality of Cauchy and Schwarz
          watch%curving = sqrt([second, third])
          watch%of_ripple = 0
-         watch%most_fourth = rows%most_norm*sqrt(fourth)
+         watch%most_fourth = rows%most_bent_norm*sqrt(fourth)*(1 + 1.0e-9_wp)
          do h = 1, size(regime%ripple, 2)
             watch%of_ripple = watch%of_ripple + rows%most_ripple(h)*(h*regime%frequency)**[2, 3]
             watch%most_fourth = watch%most_fourth + rows%most_ripple(h)*(h*regime%frequency)**4
@@ -166,8 +177,8 @@ contains
             watch%room(:, 1), watch%list, listed)
       end if
       if (listed == 0) return
-      call certify_listed(regime, m, harmonics, listed, t, h, sag, pairs(:, 2*now - 1), &
-         pairs(:, 2*now), turns(:, now), watch)
+      call certify_listed(regime, m, harmonics, starts, leaving, listed, t, h, sag, &
+         pairs(:, 2*now - 1), pairs(:, 2*now), turns(:, now), watch)
       stacked = .false.
       do j = 1, listed
          if (.not. watch%room(j, 10) > 0) cycle
@@ -185,11 +196,14 @@ contains
    end subroutine look_at_rows
 
    !> Certifies the rows of the list from a time on, if they are not near a limit.
-   pure subroutine certify_listed(regime, m, harmonics, listed, t, h, sag, x, v, turn, watch)
+   pure subroutine certify_listed(regime, m, harmonics, starts, leaving, listed, t, h, sag, x, v, &
+      turn, watch)
       !> The regime.
       type(regime_type), intent(in) :: regime
-      !> Number of pairs, of harmonics of the load, and of rows of the list.
-      integer, intent(in) :: m, harmonics, listed
+      !> Number of pairs, of harmonics of the load, of rows that leave a limit, and of rows of the
+      !! list; how the former begin.
+      integer, intent(in) :: m, harmonics, starts, listed
+      type(leaving_type), intent(in) :: leaving(starts)
       !> The time after the beginning of the flight, the length of a cell that begins then, and what
       !! the fourth derivative adds to its Bernstein coefficients.
       real(wp), intent(in) :: t, h, sag
@@ -200,6 +214,7 @@ contains
       !! a limit in the cell.
       type(watch_type), intent(inout) :: watch
       real(wp) :: margin
+      integer :: j
 
       associate (modes => regime%modes, unit => regime%unit, room => watch%room)
          ! also for the rounding errors of the derivatives
@@ -214,23 +229,57 @@ contains
          end if
          call rough_values(regime%rows, regime%frequency, listed, watch%list, x, v, watch%rates, &
             turn, room(:, 1), room(:, 2), room(:, 3))
-         call pick(listed, watch%list, size(regime%upper), regime%rows%position_norm, room(:, 4))
+         call pick(listed, watch%list, size(regime%upper), regime%rows%bent_norm, room(:, 4))
          call pick(listed, watch%list, size(regime%upper), regime%upper, room(:, 5))
          call pick(listed, watch%list, size(regime%upper), regime%lower, room(:, 6))
          watch%looks = watch%looks + listed
          if (modes%wide) then
             call certify_wide(listed, room(:, 1), room(:, 2), room(:, 3), room(:, 4), room(:, 5), &
-               room(:, 6), watch%curving, watch%of_ripple, margin, sag, longest*unit, share, h, &
-               room(:, 7), room(:, 8), room(:, 9), room(:, 10))
+               room(:, 6), watch%curving, watch%of_ripple, margin, sag, longest*unit/share, share, &
+               h, room(:, 7), room(:, 8), room(:, 9), room(:, 10))
          else
             call certify(listed, room(:, 1), room(:, 2), room(:, 3), room(:, 4), room(:, 5), &
-               room(:, 6), watch%curving, watch%of_ripple, margin, sag, longest*unit, share, h, &
-               room(:, 7), room(:, 8), room(:, 9), room(:, 10))
+               room(:, 6), watch%curving, watch%of_ripple, margin, sag, longest*unit/share, share, &
+               h, room(:, 7), room(:, 8), room(:, 9), room(:, 10))
          end if
          call keep_certificates(listed, watch%list, size(watch%due), t, room(:, 7), room(:, 8), &
             room(:, 9), watch%due, watch%slack, watch%speed)
+         if (starts /= 1 .or. t > 0) return
+         j = findloc(watch%list(:listed), leaving(1)%row, 1)
+         if (j == 0 .or. leaving(1)%order /= 1) return
+         if (departs(leaving(1), room(j, 5), room(j, 6), room(j, 1), room(j, 2), room(j, 3), &
+            room(j, 4)*watch%curving(2) + watch%of_ripple(2), margin, sag, h)) room(j, 10) = 0
       end associate
    end subroutine certify_listed
+
+   !> Whether no Bernstein coefficient of the first cell, but the first one, reaches a limit for a
+   !! row that leaves one with a speed: `list_doubts` then finds the same.
+   pure logical function departs(leaving, upper, lower, y, rate, second, third, margin, sag, h)
+      !> How the row begins, and its limits.
+      type(leaving_type), intent(in) :: leaving
+      real(wp), intent(in) :: upper, lower
+      !> Its value and first two derivatives, and a bound on the third one.
+      real(wp), intent(in) :: y, rate, second, third
+      !> As in `certify` of vi_lane_groups.
+      real(wp), intent(in) :: margin, sag, h
+      real(wp) :: bend, fast, high, low, most, slow, width
+
+      ! distances from the limit; it has been reached up to rounding
+      associate (limit => merge(upper, lower, leaving%wall > 0))
+         low = min(0.0_wp, leaving%wall*(limit - y))
+         high = max(0.0_wp, leaving%wall*(limit - y))
+      end associate
+      slow = h*min(leaving%speed, -leaving%wall*rate)
+      fast = h*max(leaving%speed, -leaving%wall*rate)
+      bend = -leaving%wall*h*h*second
+      width = upper - lower - margin
+      most = 0.3_wp*h*h*h*third + sag
+      departs = 0.25_wp*slow > margin &
+         .and. low + min(0.5_wp*slow + bend/12, 0.75_wp*slow + 0.25_wp*bend, slow &
+         + 0.5_wp*bend) > most + margin &
+         .and. high + max(0.25_wp*fast, 0.5_wp*fast + bend/12, 0.75_wp*fast + 0.25_wp*bend, fast &
+         + 0.5_wp*bend) + most < width
+   end function departs
 
    !> Picks the numbers of some rows.
    pure subroutine pick(n, list, rows, all, some)
@@ -283,6 +332,7 @@ contains
       type(watch_type), intent(inout) :: watch
       integer, intent(inout) :: doubtful(2, rows), n
       real(wp) :: sums(group)
+      integer :: before
 
       call values_of_row(regime%rows, regime%frequency, i, watch%stacked, pairs(:, 2*now - 1), &
          pairs(:, 2*now), pairs(:, 5 - 2*now), pairs(:, 6 - 2*now), turns(:, now), &
@@ -293,17 +343,23 @@ contains
       values(i, 6 - 2*now) = sums(4)
       if (t <= 0) call set_at_limit(starts, leaving, regime, i, i, values(i:i, 2*now - 1), &
          values(i:i, 2*now))
-      if (.not. watch%bounded(i)) then
+      call rounding(regime%rows, i, i, watch%root_x, watch%root_v, values(:, 6))
+      watch%looks = watch%looks + 1
+      ! what is no doubt with a larger bound is none
+      if (.not. watch%bounded(i)) values(i, 5) = watch%most_fourth
+      before = n
+      do
+         call mark_doubts(1, h, values(i, 2*now - 1), values(i, 2*now), values(i, 5 - 2*now), &
+            values(i, 6 - 2*now), values(i, 5), values(i, 6), regime%upper(i), regime%lower(i), &
+            values(i, 7), values(i, 8))
+         if (.not. values(i, 7) + values(i, 8) > 0) return
+         call list_doubts(regime, rows, i - 1, 1, starts, leaving, t, h, now, values, doubtful, n)
+         if (n == before .or. watch%bounded(i)) exit
          values(i, 5) = bound_of_row(regime%rows, i, pairs(:, 5))
          call add_ripple(regime%rows, regime%frequency, i - 1, 1, values(i:i, 5))
          watch%bounded(i) = .true.
-      end if
-      call rounding(regime%rows, i, i, watch%root_x, watch%root_v, values(:, 6))
-      watch%looks = watch%looks + 1
-      call mark_doubts(1, h, values(i, 2*now - 1), values(i, 2*now), values(i, 5 - 2*now), &
-         values(i, 6 - 2*now), values(i, 5), values(i, 6), regime%upper(i), regime%lower(i), &
-         values(i, 7), values(i, 8))
-      call list_doubts(regime, rows, i - 1, 1, starts, leaving, t, h, now, values, doubtful, n)
+         n = before
+      end do
    end subroutine look_at_row
 
    !> Lists the rows of a range that are marked: not proved to stay within their limits over a cell.
@@ -435,7 +491,7 @@ contains
       type(rows_type), intent(in) :: rows
       integer, intent(in) :: row
 
-      most_second = (rows%position_norm(row)*watch%curving(1) + watch%of_ripple(1)) &
+      most_second = (rows%bent_norm(row)*watch%curving(1) + watch%of_ripple(1)) &
          *(1 + 1.0e-9_wp)
    end function most_second
 
@@ -468,7 +524,7 @@ contains
          factor = factor*(longest*regime%unit)/i
       end do
       ! v^2 + omega^2 x^2 never grows
-      reach = (reach + factor*regime%rows%position_norm*sqrt(sum(v**2 &
+      reach = (reach + factor*regime%rows%bent_norm*sqrt(sum(v**2 &
          + regime%modes%stiffness*x**2)))*(1 + 1.0e-9_wp)
    end subroutine find_reach
 

@@ -8,8 +8,9 @@ module vi_lane_groups
    implicit none (type, external)
    private
 
-   public :: accelerate, add_derivatives, add_rows, add_stacked, bound_pairs, bound_row, certify, &
-      list_uncovered, lower_slack, sizes_of_pairs, stack, sum_bounds
+   public :: accelerate, add_derivatives, add_rows, add_stacked, bound_free_pairs, bound_pairs, &
+      bound_row, certify, list_uncovered, lower_slack, sizes_of_free_pairs, sizes_of_pairs, stack, &
+      sum_bounds
 
    !> Numbers that are summed side by side.
    integer, parameter, public :: group = 4
@@ -207,8 +208,8 @@ contains
       !> Distance from the limits that is not used, and what the fourth derivative adds to
       !! Bernstein coefficients of the cell.
       real(wp), intent(in) :: margin, sag
-      !> The longest time of use, the share of the time found that is returned, and the length of
-      !! the cell.
+      !> How far the derivatives are followed, the share of the time found that is returned, and the
+      !! length of the cell.
       real(wp), intent(in) :: longest, share, h
       !> (n) The time, not above 0 if there is none; the distance from the limits that is left then,
       !! and the largest rate up to then.
@@ -349,6 +350,110 @@ contains
          of_x(k) = merge(slow, of_x(k), drag*drag > 4*stiffness(k) .and. slow < of_x(k))
       end do
    end subroutine bound_pairs
+
+   !> `bound_pairs` (of_x) and `sum_bounds` of pairs without damping and constant terms, with the
+   !! same bits.
+   pure subroutine bound_free_pairs(n, stiffness, inverse, x0, v0, of_x, second, third, fourth)
+      !> Number of pairs.
+      integer, intent(in) :: n
+      !> (n) omega^2, and 1/omega or 0; the pairs now.
+      real(wp), dimension(n), intent(in) :: stiffness, inverse, x0, v0
+      !> (n) The bounds on the fourth derivatives of x.
+      real(wp), intent(out) :: of_x(n)
+      !> The sums.
+      real(wp), intent(out) :: second, third, fourth
+      real(wp), dimension(0:group - 1) :: of_second, of_third, of_fourth
+      integer :: k, l
+
+      of_second = 0
+      of_third = 0
+      of_fourth = 0
+      do k = 1, n - group + 1, group
+         do l = 0, group - 1
+            call add_bounds(stiffness(k + l), inverse(k + l), x0(k + l), v0(k + l), of_x(k + l), &
+               of_second(l), of_third(l), of_fourth(l))
+         end do
+      end do
+      third = (of_third(0) + of_third(1)) + (of_third(2) + of_third(3))
+      second = (of_second(0) + of_second(1)) + (of_second(2) + of_second(3))
+      fourth = (of_fourth(0) + of_fourth(1)) + (of_fourth(2) + of_fourth(3))
+      do k = n - mod(n, group) + 1, n
+         call add_bounds(stiffness(k), inverse(k), x0(k), v0(k), of_x(k), second, third, fourth)
+      end do
+   end subroutine bound_free_pairs
+
+   !> Adds those of a pair.
+   pure subroutine add_bounds(stiffness, inverse, x0, v0, of_x, second, third, fourth)
+      !> As in `bound_free_pairs`.
+      real(wp), intent(in) :: stiffness, inverse, x0, v0
+      real(wp), intent(out) :: of_x
+      !> In and out: the sums.
+      real(wp), intent(inout) :: second, third, fourth
+      real(wp) :: x2, x3, x4, v2, v4
+
+      x2 = stiffness*x0
+      x3 = stiffness*v0
+      v2 = x3*inverse
+      x4 = stiffness*x2
+      v4 = stiffness*x3
+      of_x = sqrt(v4*v4 + stiffness*x4*x4)*inverse
+      second = second + (x2*x2 + v2*v2)
+      third = third + (x3*x3 + stiffness*x2*x2)
+      fourth = fourth + of_x*of_x
+   end subroutine add_bounds
+
+   !> `sizes_of_pairs` of pairs without damping and constant terms, with the same bits.
+   pure subroutine sizes_of_free_pairs(n, bent, duration, stiffness, inverse, x, v, sum_x, sum_v)
+      !> Number of pairs, and of those up to the last one that is no free mass.
+      integer, intent(in) :: n, bent
+      !> How long.
+      real(wp), intent(in) :: duration
+      !> (n) omega^2, and 1/omega or 0; the pairs at the beginning.
+      real(wp), dimension(n), intent(in) :: stiffness, inverse, x, v
+      !> The sums.
+      real(wp), intent(out) :: sum_x, sum_v
+      real(wp), dimension(0:group - 1) :: of_x, of_v
+      integer :: k, l, whole
+
+      of_x = 0
+      of_v = 0
+      whole = min(group*((bent + group - 1)/group), n - mod(n, group))
+      do k = 1, whole, group
+         do l = 0, group - 1
+            call add_free_sizes(duration, stiffness(k + l), inverse(k + l), x(k + l), v(k + l), &
+               of_x(l), of_v(l))
+         end do
+      end do
+      do k = whole + 1, n - group + 1, group
+         do l = 0, group - 1
+            of_x(l) = of_x(l) + (abs(x(k + l)) + abs(v(k + l))*duration)**2
+            of_v(l) = of_v(l) + v(k + l)**2
+         end do
+      end do
+      do k = n - mod(n, group) + 1, n
+         call add_free_sizes(duration, stiffness(k), inverse(k), x(k), v(k), of_x(0), of_v(0))
+      end do
+      sum_x = (of_x(0) + of_x(1)) + (of_x(2) + of_x(3))
+      sum_v = (of_v(0) + of_v(1)) + (of_v(2) + of_v(3))
+   end subroutine sizes_of_free_pairs
+
+   !> Adds those of a pair.
+   pure subroutine add_free_sizes(duration, stiffness, inverse, x, v, sum_x, sum_v)
+      !> As in `sizes_of_free_pairs`.
+      real(wp), intent(in) :: duration, stiffness, inverse, x, v
+      !> In and out: the sums.
+      real(wp), intent(inout) :: sum_x, sum_v
+      real(wp) :: energy, f, of_x, p
+
+      energy = v*v + stiffness*(x*x)
+      p = abs(x) + abs(v)*duration
+      f = abs(v) + stiffness*p*duration
+      of_x = energy*(inverse*inverse)
+      p = p*p
+      f = f*f
+      sum_x = sum_x + merge(of_x, p, stiffness > 0 .and. of_x < p)
+      sum_v = sum_v + merge(energy, f, stiffness > 0 .and. energy < f)
+   end subroutine add_free_sizes
 
    !> Sums over pairs of the squares of bounds on |x| and |v| over some time.
    pure subroutine sizes_of_pairs(n, duration, stiffness, damping, inverse, drift, drift_rate, &

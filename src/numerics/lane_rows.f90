@@ -4,13 +4,13 @@
 !! so that the results do not depend on the instructions.
 module vi_lane_rows
    use vi_kinds, only: wp
-   use vi_lanes, only: largest_exponent, shrinkage, sine_cosine
+   use vi_lanes, only: largest_exponent, shrinkage, sines_cosines
    use vi_plan, only: lanes
    implicit none (type, external)
    private
 
-   public :: add_product, add_products, advance_pairs, mark_doubts, start_series, &
-      step_pairs, subtract
+   public :: add_product, add_products, advance_pairs, mark_doubts, start_free_series, &
+      start_series, step_pairs, subtract
 
    !> Pairs that are summed side by side; lists of pairs are filled up to a multiple of it.
    integer, parameter, public :: side_by_side = 4
@@ -94,7 +94,8 @@ contains
          do j = 1, m
             angle(j) = turn(k + j)*t
          end do
-         call sine_cosine(angle, sine, cosine)
+         ! as many as fill registers
+         call sines_cosines(side_by_side*((m + side_by_side - 1)/side_by_side), angle, sine, cosine)
          if (damps) then
             do j = 1, m
                exponent(j) = min(damping(k + j)*t, largest_exponent)
@@ -109,6 +110,13 @@ contains
          do j = 1, m
             w(j) = turned(j)*(sine(j)/(turn(k + j) + tiny(u))) + (1 - turned(j))*t
          end do
+         if (.not. damps) then
+            do j = 1, m
+               x_new(k + j) = cosine(j)*x(k + j) + w(j)*v(k + j)
+               v_new(k + j) = cosine(j)*v(k + j) - stiffness(k + j)*w(j)*x(k + j)
+            end do
+            cycle
+         end if
          do j = 1, m
             u = shrink(j)*(cosine(j) + damping(k + j)*w(j))
             w(j) = shrink(j)*w(j)
@@ -118,7 +126,7 @@ contains
       end do
       do k = turning + 1, n
          x_new(k) = x(k) + t*v(k)
-         v_new(k) = v(k) - stiffness(k)*t*x(k)
+         v_new(k) = v(k)
       end do
    end subroutine advance_pairs
 
@@ -193,6 +201,43 @@ contains
       end do
       sizes = sizes + ((part(0) + part(1)) + (part(2) + part(3)))
    end subroutine start_series
+
+   !> `start_series` of pairs without damping and constant terms, of which v does not occur, with
+   !! the same bits.
+   pure subroutine start_free_series(n, m, run, touched, stiffness, of_x, x0, v0, x, v, terms, &
+      total, sizes)
+      !> As in `start_series`.
+      integer, intent(in) :: n, m, run, touched(n)
+      real(wp), intent(in) :: stiffness(m), of_x(n), x0(m), v0(m)
+      real(wp), intent(out) :: x(n), v(n), terms(n, 2)
+      real(wp), intent(inout) :: total(2), sizes
+      real(wp) :: part(0:side_by_side - 1)
+      integer :: first, j, k
+
+      first = touched(1) - 1
+      do j = 1, run
+         x(j) = v0(first + j)
+         v(j) = -stiffness(first + j)*x0(first + j)
+         terms(j, 1) = of_x(j)*x0(first + j)
+         terms(j, 2) = of_x(j)*v0(first + j)
+      end do
+      do j = run + 1, n
+         k = touched(j)
+         x(j) = v0(k)
+         v(j) = -stiffness(k)*x0(k)
+         terms(j, 1) = of_x(j)*x0(k)
+         terms(j, 2) = of_x(j)*v0(k)
+      end do
+      part = 0
+      do j = 1, n, side_by_side
+         do k = 0, side_by_side - 1
+            total(1) = total(1) + terms(j + k, 1)
+            total(2) = total(2) + terms(j + k, 2)
+            part(k) = part(k) + abs(terms(j + k, 1))
+         end do
+      end do
+      sizes = sizes + ((part(0) + part(1)) + (part(2) + part(3)))
+   end subroutine start_free_series
 
    !> The pairs after a step.
    pure subroutine step_pairs(n, map, x, v, x_new, v_new)

@@ -8,7 +8,7 @@ module vi_lanes
    implicit none (type, external)
    private
 
-   public :: sine_cosine, shrinkage
+   public :: sine_cosine, sines_cosines, shrinkage
 
    !> Largest angle whose sine is as good as a library's; callers must treat larger angles
    !! differently.
@@ -28,31 +28,54 @@ module vi_lanes
 
 contains
 
-   !> Sines and cosines: the nearest multiple of pi is subtracted from x, and a Taylor series about
-   !! 0 is summed.
+   !> Sines and cosines.
    pure subroutine sine_cosine(x, sine, cosine)
       !> Angles (rad), one per lane; |x| <= `largest_angle`.
       real(wp), intent(in) :: x(lanes)
       !> Their sines and cosines.
       real(wp), intent(out) :: sine(lanes), cosine(lanes)
+      integer :: l
+
+      do l = 1, lanes
+         call turn(x(l), sine(l), cosine(l))
+      end do
+   end subroutine sine_cosine
+
+   !> As `sine_cosine`, of any number of angles, with the same bits.
+   pure subroutine sines_cosines(n, x, sine, cosine)
+      !> Their number.
+      integer, intent(in) :: n
+      !> As in `sine_cosine`.
+      real(wp), intent(in) :: x(n)
+      real(wp), intent(out) :: sine(n), cosine(n)
+      integer :: l
+
+      do l = 1, n
+         call turn(x(l), sine(l), cosine(l))
+      end do
+   end subroutine sines_cosines
+
+   !> A sine and a cosine: the nearest multiple of pi is subtracted from x, and a Taylor series
+   !! about 0 is summed.
+   pure subroutine turn(x, sine, cosine)
+      !> The angle, and its sine and cosine.
+      real(wp), intent(in) :: x
+      real(wp), intent(out) :: sine, cosine
       integer :: k
       !> The series of sin(y)/y and cos(y) in powers of y^2, for |y| up to pi/2.
       real(wp), parameter :: s(10) = [((-1)**k/gamma(2*k + 2.0_wp), k=1, 10)]
       real(wp), parameter :: c(11) = [((-1)**k/gamma(2*k + 1.0_wp), k=1, 11)]
       real(wp) :: turns, y, q, flip
-      integer :: l
 
-      do l = 1, lanes
-         turns = (x(l)*inverse_pi + rounder) - rounder
-         y = ((x(l) - turns*pi_parts(1)) - turns*pi_parts(2)) - turns*pi_parts(3)
-         flip = 1 - 2*abs(turns - 2*((0.5_wp*turns + rounder) - rounder))
-         q = y*y
-         sine(l) = flip*(y + y*(q*(s(1) + q*(s(2) + q*(s(3) + q*(s(4) + q*(s(5) + q*(s(6) &
-            + q*(s(7) + q*(s(8) + q*(s(9) + q*s(10))))))))))))
-         cosine(l) = flip*(1 + q*(c(1) + q*(c(2) + q*(c(3) + q*(c(4) + q*(c(5) + q*(c(6) &
-            + q*(c(7) + q*(c(8) + q*(c(9) + q*(c(10) + q*c(11))))))))))))
-      end do
-   end subroutine sine_cosine
+      turns = (x*inverse_pi + rounder) - rounder
+      y = ((x - turns*pi_parts(1)) - turns*pi_parts(2)) - turns*pi_parts(3)
+      flip = 1 - 2*abs(turns - 2*((0.5_wp*turns + rounder) - rounder))
+      q = y*y
+      sine = flip*(y + y*(q*(s(1) + q*(s(2) + q*(s(3) + q*(s(4) + q*(s(5) + q*(s(6) &
+         + q*(s(7) + q*(s(8) + q*(s(9) + q*s(10))))))))))))
+      cosine = flip*(1 + q*(c(1) + q*(c(2) + q*(c(3) + q*(c(4) + q*(c(5) + q*(c(6) &
+         + q*(c(7) + q*(c(8) + q*(c(9) + q*(c(10) + q*c(11))))))))))))
+   end subroutine turn
 
    !> exp(-x) for 0 <= x <= `largest_exponent`.
    pure subroutine shrinkage(x, y)

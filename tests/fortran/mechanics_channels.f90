@@ -6,11 +6,14 @@ module mechanics_channels
    use vi_channels, only: bound_fourth, bound_second, first_event, leaving_type, pace_type, &
       reached_type, row_derivatives, space_type
    use vi_kinds, only: wp
-   use vi_lane_groups, only: add_derivatives, bound_pairs, sizes_of_pairs
+   use vi_lane_groups, only: add_derivatives, bound_free_pairs, bound_pairs, sizes_of_free_pairs, &
+      sizes_of_pairs, sum_bounds
    use vi_lane_groups_wide, only: add_derivatives_wide => add_derivatives, &
-      bound_pairs_wide => bound_pairs, sizes_of_pairs_wide => sizes_of_pairs
-   use vi_lane_rows, only: advance_pairs, side_by_side, step_pairs
-   use vi_lane_rows_wide, only: advance_pairs_wide => advance_pairs, step_pairs_wide => step_pairs
+      bound_free_pairs_wide => bound_free_pairs, bound_pairs_wide => bound_pairs, &
+      sizes_of_free_pairs_wide => sizes_of_free_pairs, sizes_of_pairs_wide => sizes_of_pairs
+   use vi_lane_rows, only: advance_pairs, side_by_side, start_free_series, start_series, step_pairs
+   use vi_lane_rows_wide, only: advance_pairs_wide => advance_pairs, &
+      start_free_series_wide => start_free_series, step_pairs_wide => step_pairs
    use vi_modes, only: advance, advance_in_place, advance_pair, bound_on, modes_type, prepare, &
       step_functions
    use vi_processor, only: runs_wide
@@ -318,6 +321,10 @@ contains
          call check(all(abs(x(:, 1) - x(:, 2)) + abs(v(:, 1) - v(:, 2)) <= 0), &
             'derivatives: without damping')
          call check(all(abs(total(:, 1) - total(:, 2)) <= 0), 'derivatives: their sums without it')
+         k = draw_integer(random, 0, n)
+         call check_free_pairs(n - draw_integer(random, 0, 3), duration, [stiffness(:k), &
+            0*stiffness(k + 1:)], [inverse(:k), 0*inverse(k + 1:)], x0, v0)
+         call check_free_series(n, draw_integer(random, 0, n), stiffness, map(:, 1), x0, v0)
       end associate
    contains
       !> Both give the same x and v.
@@ -328,6 +335,60 @@ contains
             all(transfer(v(:, 1), [0]) == transfer(v(:, 2), [0])), what//': the same bits')
       end subroutine check_bits
    end subroutine check_registers
+
+   !> Where no pair is damped or has constant terms, the procedures for such pairs give the bits of
+   !! those for all pairs.
+   subroutine check_free_pairs(n, duration, stiffness, inverse, x0, v0)
+      !> Number of pairs, as many as are used of the others, and a time.
+      integer, intent(in) :: n
+      real(wp), intent(in) :: duration, stiffness(n), inverse(n), x0(n), v0(n)
+      real(wp) :: none(n), bounds(n, 4), sums(5, 3)
+      integer :: bent
+
+      none = 0
+      bent = findloc(stiffness > 0, .true., 1, back=.true.)
+      call bound_pairs(n, stiffness, none, inverse, none, none, none, none, x0, v0, bounds(:, 1), &
+         bounds(:, 4))
+      call sum_bounds(n, stiffness, none, inverse, none, none, x0, v0, bounds(:, 1), sums(1, 1), &
+         sums(2, 1), sums(3, 1))
+      call sizes_of_pairs(n, duration, stiffness, none, inverse, none, none, none, none, x0, v0, &
+         sums(4, 1), sums(5, 1))
+      call bound_free_pairs(n, stiffness, inverse, x0, v0, bounds(:, 2), sums(1, 2), sums(2, 2), &
+         sums(3, 2))
+      call sizes_of_free_pairs(n, bent, duration, stiffness, inverse, x0, v0, sums(4, 2), &
+         sums(5, 2))
+      call bound_free_pairs_wide(n, stiffness, inverse, x0, v0, bounds(:, 3), sums(1, 3), &
+         sums(2, 3), sums(3, 3))
+      call sizes_of_free_pairs_wide(n, bent, duration, stiffness, inverse, x0, v0, sums(4, 3), &
+         sums(5, 3))
+      call check(all(abs(bounds(:, 2:3) - spread(bounds(:, 1), 2, 2)) <= 0), &
+         'free pairs: the bounds of all pairs')
+      call check(all(abs(sums(:, 2:3) - spread(sums(:, 1), 2, 2)) <= 0), &
+         'free pairs: the sums of all pairs')
+   end subroutine check_free_pairs
+
+   !> The same of the beginning of a series.
+   subroutine check_free_series(n, run, stiffness, of_x, x0, v0)
+      !> Number of pairs, and of the first ones that are taken without a list.
+      integer, intent(in) :: n, run
+      real(wp), intent(in) :: stiffness(n), of_x(n), x0(n), v0(n)
+      real(wp) :: none(n), terms(n, 4), x(n, 3), v(n, 3), total(3, 3)
+      integer :: touched(n), k
+
+      none = 0
+      touched = [(k, k=1, run), (n + run + 1 - k, k=run + 1, n)]
+      total = 0.5_wp
+      call start_series(n, n, run, 1.0_wp, touched, stiffness, none, none, none, none, none, of_x, &
+         none, x0, v0, x(:, 1), v(:, 1), terms, total(:2, 1), total(3, 1))
+      call start_free_series(n, n, run, touched, stiffness, of_x, x0, v0, x(:, 2), v(:, 2), &
+         terms(:, :2), total(:2, 2), total(3, 2))
+      call start_free_series_wide(n, n, run, touched, stiffness, of_x, x0, v0, x(:, 3), v(:, 3), &
+         terms(:, :2), total(:2, 3), total(3, 3))
+      call check(all(abs(x(:, 2:) - spread(x(:, 1), 2, 2)) + abs(v(:, 2:) - spread(v(:, 1), 2, 2)) &
+         <= 0), 'free pairs: the derivatives of all pairs')
+      call check(all(abs(total(:, 2:) - spread(total(:, 1), 2, 2)) <= 0), &
+         'free pairs: the series of all pairs')
+   end subroutine check_free_series
 
    !> Sums of squares of bounds on pairs: of no force, and of a free mass with forces, they bound
    !! the extremes of the pairs; signs do not matter, and many pairs have the sum of each.

@@ -13,7 +13,7 @@ module motions_lanes
    use vi_lane_spectrum, only: lane_circle, lane_polynomial, lane_radius
    use vi_lane_verdicts, only: lane_verdicts
    use vi_lane_verdicts_wide, only: lane_verdicts_wide => lane_verdicts
-   use vi_lanes, only: largest_angle, largest_exponent, shrinkage, sine_cosine
+   use vi_lanes, only: largest_angle, largest_exponent, shrinkage, sine_cosine, sines_cosines
    use vi_lapack, only: eigenvalues, least_squares, least_squares_work
    use vi_motion, only: motion_type
    use vi_periodic, only: linear_system_type, solve_periodic
@@ -42,7 +42,7 @@ contains
 
    !> The functions agree with the intrinsic ones to two units in the last place of 1.
    subroutine test_functions()
-      real(wp), dimension(lanes) :: x, sine, cosine
+      real(wp), dimension(lanes) :: x, sine, cosine, some, others
       integer :: i, l
 
       do i = 1, 2000
@@ -53,6 +53,10 @@ contains
          call sine_cosine(x, sine, cosine)
          call check_close(maxval(abs(sine - sin(x))), 0.0_wp, 2*epsilon(1.0_wp), 'lanes: sine')
          call check_close(maxval(abs(cosine - cos(x))), 0.0_wp, 2*epsilon(1.0_wp), 'lanes: cosine')
+         l = 1 + mod(i, lanes)
+         call sines_cosines(l, x, some, others)
+         call check(all(abs(some(:l) - sine(:l)) + abs(others(:l) - cosine(:l)) <= 0), &
+            'lanes: as many sines and cosines as are wanted')
          x = min(abs(x), largest_exponent)
          call shrinkage(x, sine)
          call check_close(maxval(abs(sine/exp(-x) - 1)), 0.0_wp, 4*epsilon(1.0_wp), 'lanes: exp')

@@ -1616,7 +1616,7 @@ contains
          end if
          call restitution_of(structure, gap, reached%speed, restitution, slope)
          impulse = (1 + restitution)*structure%effective(gap)*reached%speed
-         call kick(regime%modes%wide, impulse, regime%kick_x(:, gap), state%x)
+         if (regime%kicks_x) call kick(regime%modes%wide, impulse, regime%kick_x(:, gap), state%x)
          call kick(regime%modes%wide, impulse, regime%kick_v(:, gap), state%v)
          ! the forces of a record change from one interval to the next
          if (.not. run%load%step > 0) call keep_watch(regime, gap, reached%row, impulse, &
@@ -1805,7 +1805,7 @@ contains
       state%impulses(i) = 0
       associate (regime => run%regimes(state%regime), structure => run%structure, &
          gap => state%together(i))
-         call kick(regime%modes%wide, impulse, regime%kick_x(:, gap), state%x)
+         if (regime%kicks_x) call kick(regime%modes%wide, impulse, regime%kick_x(:, gap), state%x)
          call kick(regime%modes%wide, impulse, regime%kick_v(:, gap), state%v)
          call kick(regime%modes%wide, impulse, structure%mobility(:, gap), state%rate)
          state%largest = max(state%largest, abs(state%rate))
