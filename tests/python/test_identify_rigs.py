@@ -518,7 +518,8 @@ def test_the_errors_contain_what_contacts_may_change(monkeypatch):
     assert len(shared) == 5
     effects, information, pull = plain.of_effects
     assert effects[:2] == list(CONTACT)
-    allow_effects(plain, contact, CONTACT, information[:2, :2], pull[:2])
+    # but for the mean of the effects, which that fit has and this one does not
+    allow_effects(plain, contact, CONTACT, information[:2, :2], 0 * pull[:2])
     for name in shared:
         assert plain.errors[name] == pytest.approx(both.errors[name], rel=0.12), name
 

@@ -376,7 +376,7 @@ def allow_effects(
     found: Fit, contact: float, names: Sequence[str], information: _Array, pull: _Array
 ) -> None:  # fmt: skip
     """Add the effects of contacts of up to a given duration, and of R that depends on the speed, to the errors, as
-    far as the records do not exclude them.
+    far as the records show or do not exclude them.
 
     `names` are those of `CONTACT` and `EXPONENTS` that are not part of the fit; this test uses the information of
     the residuals on them and minus half the gradient of the sum of squares, both over the variance of a residual.
