@@ -42,7 +42,11 @@ for color, (name, structure) in zip(("#0072B2", "#D55E00", "#009E73"), models.it
     for loop in zone.loops:
         ax.plot(*loop.T, color, label=name)
         name = None
-ax.set(xlabel=r"frequency ratio $r = \Omega/\omega$", ylabel=r"half the clearance, $dK/(2 F_0)$", yscale="log")
+ax.set(
+    xlabel=r"frequency ratio $r = \Omega/\omega$",
+    ylabel=r"half the clearance, $dK/(2 F_0)$",
+    yscale="log",
+)
 ax.set_yticks([3, 5, 10, 20, 40], ["3", "5", "10", "20", "40"])
 ax.minorticks_off()
 ax.legend()

@@ -41,4 +41,6 @@ for i in range(0, len(branch), 4):
     power.append(0.03 * branch[i].quantities().q_dot.rms[0] ** 2 if stable else float("nan"))
 fig, ax = plt.subplots(figsize=(5, 3.4), layout="constrained")
 ax.plot(branch.values[::4], power, ".-")
-ax.set(xlabel=r"load frequency $\Omega$", ylabel=r"mean power in the coil, $C\,\overline{\dot q^2}$")
+ax.set(
+    xlabel=r"load frequency $\Omega$", ylabel=r"mean power in the coil, $C\,\overline{\dot q^2}$"
+)

@@ -836,6 +836,7 @@ def test_constants_stay_where_they_are_asked_for_or_a_wrong_mass_explains_the_re
         constant = vi.identify(given, known=known, calibration=rig.calibration, law="constant")
     assert constant.law == "constant"
     assert any("restitution that depends on the speed" in doubt for doubt in constant.doubts)
+    R1, *_ = truth(rig, wide_rig(8468, "contacts", False)[1][3])
     with pytest.warns(vi.PoorFitWarning):  # a known R1 is a constant
         kept = vi.identify(given, known=known | {"R1": R1}, calibration=rig.calibration)
     assert kept.law == "constant"
