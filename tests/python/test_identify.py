@@ -8,7 +8,7 @@ import pytest
 import vibroimpact as vi
 
 pytest.importorskip("scipy")
-from shared_identify import BENCH, KNOWN
+from shared_identify import BENCH, KNOWN, of_no_duration
 from vibroimpact.identification import fit
 from vibroimpact.identification.least_squares import levenberg
 from vibroimpact.identification.steps import UNKNOWN_DELAY
@@ -80,8 +80,12 @@ def test_units_of_a_record_do_not_matter():
 
 
 @pytest.mark.slow
-def test_two_records_tell_more_than_one():
-    """Two records of one rig, fitted together, give smaller errors than either, and agree with the true values."""
+def test_two_records_tell_more_than_one(monkeypatch):
+    """Two records of one rig, fitted together, give smaller errors than either, and agree with the true values. What
+    contacts that last or an R that depends on the speed may change is left out: it follows what each record happens
+    to show."""
+    of_no_duration(monkeypatch)
+    monkeypatch.setattr(fit, "TYPICAL_EXPONENT", 1e-9)
     first = vi.VirtualRig(**BENCH)
     second = vi.VirtualRig(**BENCH | {"F0": 5.0, "frequency": 20.1})
     records = [first.record(rng=1), second.record(rng=2)]
