@@ -81,9 +81,9 @@ def test_units_of_a_record_do_not_matter():
 
 @pytest.mark.slow
 def test_two_records_tell_more_than_one(monkeypatch):
-    """Two records of one rig, fitted together, give smaller errors than either, and agree with the true values. What
-    contacts that last or an R that depends on the speed may change is left out: it follows what each record happens
-    to show."""
+    """Two records of one rig, fitted together, give smaller errors than either, and agree with the true values.
+    What contacts that last or an R that depends on the speed may change is left out, since it follows what each
+    record happens to show."""
     of_no_duration(monkeypatch)
     monkeypatch.setattr(fit, "TYPICAL_EXPONENT", 1e-9)
     first = vi.VirtualRig(**BENCH)
