@@ -219,11 +219,14 @@ def test_another_motion_with_a_weak_impact_is_doubted():
 
 
 @pytest.mark.slow
-def test_three_hundred_rigs(share):
+def test_three_hundred_rigs(share, monkeypatch):
     """Of 300 rigs at 40 dB 98 % are fitted, every wrong fit is doubted, and 95 % intervals cover 90 to 98 %.
 
     The converter reads the channels in turn, up to half a sampling interval apart, which the errors contain: near
-    a resonance it is most of the error of xi."""
+    a resonance it is most of the error of xi. Contacts that last and an R that depends on the speed, which these
+    rigs do not have, are left out: with what they might change, the intervals of R1 and R2 cover 99 %."""
+    of_no_duration(monkeypatch)
+    monkeypatch.setattr(fit, "TYPICAL_EXPONENT", 1e-9)
     count = share(300)
     inside = {name: [] for name in ("xi", "R1", "R2", "d", "F0")}
     refused, doubted = 0, 0
